@@ -1,0 +1,39 @@
+"""Semi-analytical contact mechanics: exact half-space kernels, FFT convolution, constrained solvers, plugins."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from eigencontact.app import explain, load_scene, make, open_results, plan, rectangle_field, run
+    from eigencontact.errors import EigencontactError, NotConverged
+    from eigencontact.scene.schema import Scene
+
+__all__ = [
+    "EigencontactError",
+    "NotConverged",
+    "Scene",
+    "explain",
+    "load_scene",
+    "make",
+    "open_results",
+    "plan",
+    "rectangle_field",
+    "run",
+]
+__version__ = "0.1.0"
+
+# Public names and the module that defines each: resolved on first use, so that importing the package stays light.
+_HOMES = dict.fromkeys(("explain", "load_scene", "make", "open_results", "plan", "rectangle_field", "run"), "app")
+_HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(import_module(f"eigencontact.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'eigencontact' has no attribute {name!r}; public names: {', '.join(__all__)}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

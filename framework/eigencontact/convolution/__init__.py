@@ -1,0 +1,1 @@
+"""FFT convolution of surface tractions with influence coefficients. It knows no physics."""

@@ -1,0 +1,128 @@
+"""Regular grids of rectangular cells on the surface z = 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import require
+
+__all__ = ["Box", "Grid"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """Half-open index box ``[y0:y1, x0:x1]`` of a grid."""
+
+    y0: int
+    y1: int
+    x0: int
+    x1: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the box."""
+        return self.y1 - self.y0, self.x1 - self.x0
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """The box as an index: ``field[box.slices]``."""
+        return slice(self.y0, self.y1), slice(self.x0, self.x1)
+
+    def grown(self, margin_y: int, margin_x: int, shape: tuple[int, int]) -> Box:
+        """Return the box enlarged on all sides, clipped to a grid of `shape`."""
+        return Box(
+            max(0, self.y0 - margin_y),
+            min(shape[0], self.y1 + margin_y),
+            max(0, self.x0 - margin_x),
+            min(shape[1], self.x1 + margin_x),
+        )
+
+    @staticmethod
+    def around(mask: NDArray[np.bool_]) -> Box | None:
+        """Smallest box that holds every true cell of `mask`; None where there is none."""
+        rows = np.flatnonzero(mask.any(axis=1))
+        if rows.size == 0:
+            return None
+        columns = np.flatnonzero(mask.any(axis=0))
+        return Box(int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Grid:
+    """Cells of the contact window; fields on it are arrays of shape ``(ny, nx)``, values at cell centres.
+
+    Parameters
+    ----------
+    nx, ny : int
+        Number of cells along x and y.
+    dx, dy : float
+        Edges of a cell [m].
+    center : (float, float)
+        Coordinates (x, y) of the middle of the window [m].
+
+    Examples
+    --------
+    >>> grid = Grid(nx=4, ny=2, dx=1.0, dy=1.0)
+    >>> grid.x.tolist(), grid.shape
+    ([-1.5, -0.5, 0.5, 1.5], (2, 4))
+    """
+
+    nx: int
+    ny: int
+    dx: float
+    dy: float
+    center: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("nx", "ny"):
+            value = getattr(self, name)
+            require(value >= 1, "grid", name, value, "at least 1 [cells]")
+        for name in ("dx", "dy"):
+            value = getattr(self, name)
+            require(0 < value < np.inf, "grid", name, value, "positive and finite [m]")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """``(ny, nx)``: the shape of every field on this grid."""
+        return self.ny, self.nx
+
+    @property
+    def x(self) -> FloatArray:
+        """Cell centres along x, (nx,) [m]."""
+        return self.center[0] + (np.arange(self.nx) - 0.5 * (self.nx - 1)) * self.dx
+
+    @property
+    def y(self) -> FloatArray:
+        """Cell centres along y, (ny,) [m]."""
+        return self.center[1] + (np.arange(self.ny) - 0.5 * (self.ny - 1)) * self.dy
+
+    @property
+    def cell_area(self) -> float:
+        """Area of one cell [m^2]."""
+        return self.dx * self.dy
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent of the window along x and y [m]."""
+        return self.nx * self.dx, self.ny * self.dy
+
+    def axes(self) -> tuple[FloatArray, FloatArray]:
+        """Return ``(y, x)`` shaped ``(ny, 1)`` and ``(1, nx)``, ready to broadcast [m]."""
+        return self.y[:, None], self.x[None, :]
+
+    def coarsened(self, factor_y: int, factor_x: int) -> Grid:
+        """Return the grid of cells merged ``factor_y`` by ``factor_x``; left-over rows and columns are dropped."""
+        nx, ny = self.nx // factor_x, self.ny // factor_y
+        lost_x, lost_y = self.nx - nx * factor_x, self.ny - ny * factor_y
+        return Grid(
+            nx=nx,
+            ny=ny,
+            dx=self.dx * factor_x,
+            dy=self.dy * factor_y,
+            center=(self.center[0] - 0.5 * lost_x * self.dx, self.center[1] - 0.5 * lost_y * self.dy),
+        )

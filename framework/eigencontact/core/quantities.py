@@ -1,0 +1,56 @@
+"""Units of the fields of a component or scene, and the vocabulary of quantities that blocks require and provide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+__all__ = [
+    "QUANTITIES",
+    "Angle",
+    "Force",
+    "Length",
+    "Moment",
+    "Quantity",
+    "Stress",
+    "Unit",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """SI unit of an annotated field; scene files may then write ``"105 um"`` and are checked for dimension."""
+
+    symbol: str
+    name: str
+
+
+#: Annotations for the fields of plugins: ``radius: Length``.
+Length = Annotated[float, Unit("m", "a length")]
+Stress = Annotated[float, Unit("Pa", "a stress")]
+Force = Annotated[float, Unit("N", "a force")]
+Moment = Annotated[float, Unit("N*m", "a moment")]
+Angle = Annotated[float, Unit("rad", "an angle")]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A named result with its unit and meaning; the name is what blocks require and provide."""
+
+    unit: str
+    long_name: str
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "separation": Quantity("m", "initial separation of the surfaces"),
+    "pressure": Quantity("Pa", "contact pressure, positive in compression"),
+    "gap": Quantity("m", "gap between the deformed surfaces"),
+    "displacement_z": Quantity("m", "normal surface displacement, both bodies summed"),
+    "displacement_x": Quantity("m", "surface displacement of body 1 minus that of body 2 along x"),
+    "displacement_y": Quantity("m", "surface displacement of body 1 minus that of body 2 along y"),
+    "stress": Quantity("Pa", "sub-surface stress, positive in tension"),
+    "von_mises": Quantity("Pa", "von Mises stress"),
+    "tresca": Quantity("Pa", "Tresca equivalent stress (largest difference of principal stresses)"),
+    "hydrostatic": Quantity("Pa", "mean normal stress"),
+    "principal": Quantity("Pa", "principal stresses, largest first"),
+}

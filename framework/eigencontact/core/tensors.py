@@ -1,0 +1,91 @@
+"""Symmetric tensors as Mandel 6-vectors, and the scalars read off them.
+
+Conventions of the whole package, said once: SI units; the surface is z = 0 and z points **into** the body;
+pressure is positive in compression, stress is positive in tension. A symmetric tensor is the Mandel vector
+``(xx, yy, zz, sqrt2 yz, sqrt2 xz, sqrt2 xy)``, component first: ``(6, ...)``. Its dot product is the double
+contraction of the tensors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "COMPONENTS",
+    "SQRT2",
+    "deviatoric_norm",
+    "from_mandel",
+    "hydrostatic",
+    "principal",
+    "to_mandel",
+    "to_matrix",
+    "tresca",
+    "von_mises",
+]
+
+FloatArray = NDArray[np.float64]
+
+#: Order of the components everywhere.
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+SQRT2 = float(np.sqrt(2.0))
+
+
+def to_mandel(components: ArrayLike) -> FloatArray:
+    """Mandel vector of plain tensor components (xx, yy, zz, yz, xz, xy), both ``(6, ...)``."""
+    out = np.array(components, dtype=float)
+    out[3:] *= SQRT2
+    return out
+
+
+def from_mandel(mandel: ArrayLike) -> FloatArray:
+    """Plain tensor components (xx, yy, zz, yz, xz, xy) of a Mandel vector, both ``(6, ...)``."""
+    out = np.array(mandel, dtype=float)
+    out[3:] /= SQRT2
+    return out
+
+
+def to_matrix(mandel: ArrayLike) -> FloatArray:
+    """Matrices ``(..., 3, 3)`` of Mandel vectors ``(6, ...)``."""
+    xx, yy, zz, yz, xz, xy = from_mandel(mandel)
+    rows = [np.stack(row, axis=-1) for row in ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))]
+    return np.stack(rows, axis=-2)
+
+
+def hydrostatic(stress: ArrayLike) -> FloatArray:
+    """Mean normal stress [Pa] of Mandel stress ``(6, ...)``; positive in tension."""
+    s = np.asarray(stress)
+    return np.asarray((s[0] + s[1] + s[2]) / 3.0)
+
+
+def deviatoric_norm(stress: ArrayLike) -> FloatArray:
+    """Norm ``sqrt(s:s)`` of the deviator of Mandel stress ``(6, ...)``.
+
+    Written with differences of the normal stresses, which lose no digits when they are nearly equal.
+    """
+    s = np.asarray(stress)
+    normal = ((s[0] - s[1]) ** 2 + (s[1] - s[2]) ** 2 + (s[2] - s[0]) ** 2) / 3.0
+    return np.sqrt(normal + s[3] ** 2 + s[4] ** 2 + s[5] ** 2)
+
+
+def von_mises(stress: ArrayLike) -> FloatArray:
+    """Von Mises stress [Pa] of Mandel stress ``(6, ...)``.
+
+    Examples
+    --------
+    >>> float(von_mises([2.0, 0, 0, 0, 0, 0]))
+    2.0
+    """
+    return np.sqrt(1.5) * deviatoric_norm(stress)
+
+
+def principal(stress: ArrayLike) -> FloatArray:
+    """Principal stresses ``(3, ...)`` [Pa] of Mandel stress ``(6, ...)``, largest (most tensile) first."""
+    values = np.linalg.eigvalsh(to_matrix(stress))
+    return np.moveaxis(values[..., ::-1], -1, 0)
+
+
+def tresca(stress: ArrayLike) -> FloatArray:
+    """Tresca equivalent stress [Pa], the largest difference of principal stresses, of ``(6, ...)``."""
+    values = principal(stress)
+    return values[0] - values[2]

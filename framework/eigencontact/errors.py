@@ -1,0 +1,103 @@
+"""The one tree of exceptions, and the one way to word a refused value.
+
+Every message follows the pattern ``<where> must be <rule> (got <value>); <what to do>``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+__all__ = [
+    "DomainTooSmall",
+    "EigencontactError",
+    "NotConverged",
+    "PlanError",
+    "PluginError",
+    "ResultsError",
+    "SceneError",
+    "nearest",
+    "require",
+]
+
+
+class EigencontactError(Exception):
+    """Anything this package refuses or fails to do; ``exit_code`` is what the command line returns."""
+
+    exit_code = 1
+
+
+class SceneError(EigencontactError):
+    """A scene, or a value of it, that cannot be accepted."""
+
+    exit_code = 2
+
+
+class PluginError(EigencontactError):
+    """A plugin that is missing, broken or registered wrongly."""
+
+    exit_code = 2
+
+
+class PlanError(EigencontactError):
+    """An output that nothing provides, or that two blocks provide."""
+
+    exit_code = 2
+
+
+class DomainTooSmall(EigencontactError):
+    """Contact that reaches the edge of the computed window."""
+
+    exit_code = 4
+
+
+class ResultsError(EigencontactError):
+    """A folder that cannot be written or stored results that cannot be read."""
+
+    exit_code = 5
+
+
+class NotConverged(EigencontactError):
+    """A solver that stopped before its certificate held.
+
+    Attributes
+    ----------
+    report : object
+        The solver's report: its certificate at the last iteration and the history of its residual.
+    """
+
+    exit_code = 3
+
+    def __init__(self, message: str, report: Any = None) -> None:
+        super().__init__(message)
+        self.report = report
+
+
+def require(condition: object, where: str, field: str, value: object, rule: str) -> None:
+    """Refuse a value of a component or scene unless `condition` holds.
+
+    Parameters
+    ----------
+    condition : bool
+        What must be true. NaN compares false, so ``value > 0`` refuses NaN too.
+    where, field : str
+        The table (a plugin's key, a scene table) and its field; named in the message.
+    value : object
+        The value that was given.
+    rule : str
+        The rule in words, with the unit: ``"positive [m]"``.
+
+    Raises
+    ------
+    SceneError
+        ``<where>.<field> must be <rule> (got <value>)``.
+    """
+    if not condition:
+        raise SceneError(f"{where}.{field} must be {rule} (got {value!r})")
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean 'x'?`` for the nearest known name, or nothing."""
+    match = get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return f"; did you mean {match[0]!r}?" if match else ""

@@ -1,0 +1,44 @@
+"""What a plugin package may implement. Each hook is called once per process, when the registry is filled.
+
+Order never matters: the registry sorts by key. A hook returns classes, not instances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import pluggy
+
+if TYPE_CHECKING:
+    from eigencontact.plugin import Geometry, Observer, SurfaceInfluence
+
+__all__ = ["NAMESPACE", "REGISTER_HOOKS", "hookimpl"]
+
+#: Name of the pluggy project and of the entry-point group.
+NAMESPACE = "eigencontact"
+
+hookspec = pluggy.HookspecMarker(NAMESPACE)
+hookimpl = pluggy.HookimplMarker(NAMESPACE)
+
+#: kind of plugin -> name of the hook that registers it
+REGISTER_HOOKS = {
+    "surface-influence": "eigencontact_register_surface_influences",
+    "geometry": "eigencontact_register_geometries",
+    "observer": "eigencontact_register_observers",
+}
+
+
+@hookspec
+def eigencontact_register_surface_influences() -> Iterable[type[SurfaceInfluence]]:  # type: ignore[empty-body]
+    """Return the classes of surface influence (field of a uniformly loaded rectangle) of this package."""
+
+
+@hookspec
+def eigencontact_register_geometries() -> Iterable[type[Geometry]]:  # type: ignore[empty-body]
+    """Return the classes of geometry (initial separation) of this package."""
+
+
+@hookspec
+def eigencontact_register_observers() -> Iterable[type[Observer]]:  # type: ignore[empty-body]
+    """Return the classes of observer (sees every accepted step) of this package."""

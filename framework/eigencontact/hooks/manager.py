@@ -1,0 +1,81 @@
+"""Guarded loading of plugins: one broken plugin never stops the program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+import pluggy
+
+from eigencontact.errors import PluginError
+from eigencontact.hooks import hookspecs
+from eigencontact.hooks.registry import BrokenPlugin, Registry
+
+__all__ = ["load_plugins"]
+
+
+def load_plugins(
+    kinds: Mapping[str, type], *, discovered: Iterable[EntryPoint] | None = None, extra: Iterable[Any] = ()
+) -> Registry:
+    """Fill a registry from installed packages.
+
+    Parameters
+    ----------
+    kinds : mapping of str to type
+        Kinds of plugin and their abstract classes.
+    discovered : iterable of EntryPoint, optional
+        What to load; by default every installed entry point of the group ``eigencontact``.
+    extra : iterable of modules
+        Further modules with hook implementations, for tests and notebooks.
+
+    Returns
+    -------
+    Registry
+        With what could be loaded; ``registry.broken`` says what could not, from which package and why.
+    """
+    registry = Registry(kinds)
+    manager = pluggy.PluginManager(hookspecs.NAMESPACE)
+    manager.add_hookspecs(hookspecs)
+    points = entry_points(group=hookspecs.NAMESPACE) if discovered is None else discovered
+    for point in sorted(points, key=lambda point: point.name):
+        package = point.dist.name if point.dist else point.value
+        version = point.dist.version if point.dist else ""
+        try:
+            _register(registry, manager, point.load(), point.name, package, version)
+        except Exception as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
+            registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), _reason(problem)))
+    for module in extra:
+        _register(registry, manager, module, module.__name__, module.__name__, getattr(module, "__version__", ""))
+    return registry
+
+
+def _register(
+    registry: Registry, manager: pluggy.PluginManager, module: Any, name: str, package: str, version: str
+) -> None:
+    """Validate one module against the hook specifications, then register all its classes or none."""
+    if manager.register(module, name=name) is None:
+        return
+    try:
+        manager.check_pending()
+        found: list[tuple[str, type]] = []
+        for kind, hook_name in hookspecs.REGISTER_HOOKS.items():
+            hook = getattr(manager.hook, hook_name)
+            for implementation in hook.get_hookimpls():
+                if implementation.plugin is module:
+                    found += [(kind, component) for component in implementation.function()]
+        if not found:
+            raise PluginError(f"it registers nothing: implement one of {', '.join(hookspecs.REGISTER_HOOKS.values())}")
+        trial = Registry(registry.kinds)
+        for kind, component in found:
+            trial.add(kind, component, package=package, version=version)
+        for kind, component in found:
+            registry.add(kind, component, package=package, version=version)
+    except Exception:
+        manager.unregister(module)
+        raise
+
+
+def _reason(problem: BaseException) -> str:
+    text = str(problem).splitlines()
+    return f"{type(problem).__name__}: {text[0] if text else '(no message)'}"

@@ -1,0 +1,1 @@
+"""From requested outputs backwards to the blocks and kernels a run needs."""

@@ -1,0 +1,308 @@
+"""The one module that plugins import: kinds of plugin, grids, tensors, units, `hookimpl`, `require`.
+
+A component is a frozen, keyword-only dataclass. Its fields are its table in a scene file; its class attribute ``key``
+is its name there. It validates itself in ``__post_init__`` with `require`, does no I/O (a measured surface excepted)
+and never changes the arrays it is given.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
+from eigencontact.core.tensors import COMPONENTS, SQRT2
+from eigencontact.errors import SceneError, require
+from eigencontact.hooks.hookspecs import hookimpl
+
+__all__ = [
+    "COMPONENTS",
+    "KINDS",
+    "SQRT2",
+    "Angle",
+    "Component",
+    "CornerInfluence",
+    "Force",
+    "Geometry",
+    "Grid",
+    "HasCurvature",
+    "HasNativeGrid",
+    "HasWavenumberResponse",
+    "Length",
+    "Material",
+    "Moment",
+    "Observer",
+    "SceneError",
+    "StepView",
+    "Stress",
+    "SurfaceInfluence",
+    "Unit",
+    "hookimpl",
+    "require",
+]
+
+FloatArray = NDArray[np.float64]
+
+
+class Component:
+    """Base of every plugin class.
+
+    Attributes
+    ----------
+    key : str
+        Name in scene files, unique within its kind.
+    kind : str
+        Kind of plugin; set by the abstract class.
+    references : tuple of str
+        Sources to cite when a run uses this component.
+    """
+
+    key: ClassVar[str]
+    kind: ClassVar[str]
+    references: ClassVar[tuple[str, ...]] = ()
+
+
+class SurfaceInfluence(Component, ABC):
+    """Field in a half-space z >= 0 of one traction component, uniform on the rectangle |x| <= a, |y| <= b of z = 0.
+
+    Coordinates are *field point minus centre of the rectangle*. All values are per unit traction: displacement in
+    m/Pa, stress in Pa/Pa. Stress components follow the order and the Mandel scaling of `COMPONENTS`:
+    ``yz, xz, xy`` carry a factor sqrt(2).
+
+    Attributes
+    ----------
+    traction : str
+        ``"p"`` (pushes along +z), ``"q_x"`` or ``"q_y"`` (act on the body along +x, +y).
+    mirror_symmetric : bool
+        True where the medium is its own mirror image in x and in y; the framework then stores and samples one
+        quadrant of each influence coefficient. Set False for general anisotropy.
+    """
+
+    kind: ClassVar[str] = "surface-influence"
+    traction: ClassVar[str]
+    mirror_symmetric: ClassVar[bool] = True
+
+    @abstractmethod
+    def displacement(
+        self,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray | float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Displacement components (of ``"x", "y", "z"``) at points, ``(len(components), ...)`` [m/Pa].
+
+        x, y, z broadcast against each other; ``half_widths`` is ``(a, b)`` along x and y [m].
+        """
+
+    @abstractmethod
+    def stress(
+        self,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray | float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Stress components (of `COMPONENTS`, Mandel) at points, ``(len(components), ...)`` [-]."""
+
+    def sample(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Influence coefficients on the lattice ``x (nx,)``, ``y (ny,)`` at one depth, ``(len(components), ny, nx)``.
+
+        `quantity` is ``"displacement"`` or ``"stress"``. The lattice has the spacing of the cells, so neighbouring
+        rectangles share corners; `CornerInfluence` uses that.
+        """
+        evaluate = self.displacement if quantity == "displacement" else self.stress
+        return evaluate(components, x[None, :], y[:, None], z, half_widths, material)
+
+
+class CornerInfluence(SurfaceInfluence):
+    """Surface influence given by a corner function: the field is its alternating sum over the four corners.
+
+    ``field(x, y) = C(x+a, y+b) - C(x-a, y+b) - C(x+a, y-b) + C(x-a, y-b)``. The author writes the two corner
+    functions; they must be finite at z = 0 and on the lines x = 0 and y = 0.
+    """
+
+    @abstractmethod
+    def displacement_corner(
+        self, components: Sequence[str], x: FloatArray, y: FloatArray, z: FloatArray | float, material: Material
+    ) -> FloatArray:
+        """Corner function of the displacement, ``(len(components), ...)`` [m/Pa]."""
+
+    @abstractmethod
+    def stress_corner(
+        self, components: Sequence[str], x: FloatArray, y: FloatArray, z: FloatArray | float, material: Material
+    ) -> FloatArray:
+        """Corner function of the Mandel stress, ``(len(components), ...)`` [-]."""
+
+    def displacement(
+        self,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray | float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Sum of the corner function over the four corners; see `SurfaceInfluence.displacement`."""
+        return _corner_sum(self.displacement_corner, components, x, y, z, half_widths, material)
+
+    def stress(
+        self,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray | float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Sum of the corner function over the four corners; see `SurfaceInfluence.stress`."""
+        return _corner_sum(self.stress_corner, components, x, y, z, half_widths, material)
+
+    def sample(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Evaluate the corner function once per lattice node and difference it; see `SurfaceInfluence.sample`."""
+        corner = self.displacement_corner if quantity == "displacement" else self.stress_corner
+        a, b = half_widths
+        nodes_x = np.append(x - a, x[-1] + a)
+        nodes_y = np.append(y - b, y[-1] + b)
+        values = corner(components, nodes_x[None, :], nodes_y[:, None], z, material)
+        rows = np.subtract(values[:, 1:], values[:, :-1])
+        return np.subtract(rows[:, :, 1:], rows[:, :, :-1])
+
+
+def _corner_sum(
+    corner: Any,
+    components: Sequence[str],
+    x: FloatArray,
+    y: FloatArray,
+    z: FloatArray | float,
+    half_widths: tuple[float, float],
+    material: Material,
+) -> FloatArray:
+    a, b = half_widths
+    total: FloatArray = corner(components, x + a, y + b, z, material)
+    total = total - corner(components, x - a, y + b, z, material)
+    total -= corner(components, x + a, y - b, z, material)
+    total += corner(components, x - a, y - b, z, material)
+    return total
+
+
+@runtime_checkable
+class HasWavenumberResponse(Protocol):
+    """Optional ability of a surface influence: the response to a traction wave, needed by periodic scenes."""
+
+    def wavenumber_response(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        kx: FloatArray,
+        ky: FloatArray,
+        z: float,
+        material: Material,
+    ) -> NDArray[np.complex128]:
+        """Amplitudes of the field for the traction ``exp(i (kx x + ky y))``, ``(len(components), ...)``.
+
+        At kx = ky = 0 the displacement is defined as 0 (the mean displacement of a periodic half-space is unbounded)
+        and the stress is that of a uniform traction.
+        """
+        ...
+
+
+class Geometry(Component, ABC):
+    """Initial separation of the two surfaces, positive where they are apart."""
+
+    kind: ClassVar[str] = "geometry"
+
+    @abstractmethod
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Separation h(x, y) [m] at points that broadcast against each other, e.g. ``(1, nx)`` and ``(ny, 1)``.
+
+        The smallest value over the plane is 0 by convention for bodies of revolution (first touch at approach 0);
+        a measured surface may have any datum.
+        """
+
+
+@runtime_checkable
+class HasCurvature(Protocol):
+    """Optional ability of a geometry: smooth at its apex, so that Hertz's closed form may be drawn beside results."""
+
+    def curvatures(self) -> tuple[float, float]:
+        """Principal curvatures of the separation along x and y at the apex (x = y = 0) [1/m]."""
+        ...
+
+
+@runtime_checkable
+class HasNativeGrid(Protocol):
+    """Optional ability of a geometry: it was measured on a grid of its own, which ``grid = "auto"`` then uses."""
+
+    def native_grid(self) -> Grid:
+        """Grid of the measurement."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class StepView:
+    """What an observer sees of an accepted load step. Arrays are read-only.
+
+    Attributes
+    ----------
+    index : int
+        Number of the step, from 1.
+    grid : Grid
+        Grid of the surface fields.
+    fields : mapping of str to (ny, nx) array
+        ``pressure`` [Pa], ``gap`` [m], ``displacement_z`` [m] and whatever else the plan provides.
+    scalars : mapping of str to float
+        ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``contact_area`` [m^2] and others.
+    """
+
+    index: int
+    grid: Grid
+    fields: Mapping[str, FloatArray]
+    scalars: Mapping[str, float]
+
+
+class Observer(Component, ABC):
+    """Sees every accepted step and returns numbers that are stored with it."""
+
+    kind: ClassVar[str] = "observer"
+
+    @abstractmethod
+    def observe(self, step: StepView) -> Mapping[str, float]:
+        """Return named numbers (SI units) of this step; the names must not change from step to step."""
+
+
+#: Kinds of plugin known so far and their abstract classes.
+KINDS: dict[str, type] = {
+    SurfaceInfluence.kind: SurfaceInfluence,
+    Geometry.kind: Geometry,
+    Observer.kind: Observer,
+}

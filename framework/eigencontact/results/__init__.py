@@ -1,0 +1,1 @@
+"""Stored results: one file per run that xarray opens, a summary, VTK."""

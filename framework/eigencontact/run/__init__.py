@@ -1,0 +1,1 @@
+"""Driving a plan through its load history, step by step."""

@@ -1,0 +1,1 @@
+"""Constrained solvers of contact problems, one algorithm a file."""

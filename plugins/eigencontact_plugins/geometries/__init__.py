@@ -1,0 +1,1 @@
+"""Geometries: the initial separation of two surfaces."""

@@ -1,0 +1,1 @@
+"""Verification: oracles that share no code with the kernels, and benchmarks."""

@@ -1,0 +1,1 @@
+"""Benchmarks: whole solves against bare FFTs and against other codes."""
