@@ -1,0 +1,114 @@
+"""What one accepted load step hands to storage, pictures and observers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+
+__all__ = ["RegionRecord", "RunInfo", "StepRecord"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RegionRecord:
+    """Sub-surface fields on one requested set of points.
+
+    Attributes
+    ----------
+    name : str
+        Name given in the scene, unique; a valid NetCDF name.
+    shape : str
+        ``"plane"``, ``"volume"``, ``"line"`` or ``"points"``.
+    body : int
+        1 or 2; z points into that body.
+    dims : tuple of str
+        Dimensions of the fields without the component: ``("z", "x")`` for a plane normal to y, ``("z", "y", "x")``
+        for a volume, ``("y", "x")`` for a plane of constant depth, ``("point",)`` for lines and points.
+    coords : mapping
+        Coordinates x, y, z [m]: arrays along the dimension of their name (or along ``point``), or single numbers.
+    fields : mapping
+        ``stress (6, ...)`` [Pa], plain tensor components in the order xx, yy, zz, yz, xz, xy; ``von_mises (...)``,
+        ``tresca``, ``hydrostatic``, ``principal (3, ...)`` where they were asked for.
+    """
+
+    name: str
+    shape: str
+    body: int
+    dims: tuple[str, ...]
+    coords: dict[str, FloatArray | float]
+    fields: dict[str, FloatArray]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class StepRecord:
+    """One accepted step.
+
+    Attributes
+    ----------
+    index : int
+        From 1.
+    time : float
+        Position in the load history: 1.0 is the end of the first ``[[steps]]`` table, 1.5 half-way through the second.
+    scalars : mapping of str to float
+        ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``moment_x``, ``moment_y`` [N m],
+        ``contact_area`` [m^2], ``contact_radius`` [m], ``max_pressure`` [Pa], ``iterations``, ``convolutions``,
+        ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-], ``load_residual`` [-], and with
+        stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m].
+    fields : mapping of str to (ny, nx) array
+        Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`).
+    regions : mapping of str to RegionRecord
+        Sub-surface fields by region name.
+    observed : mapping of str to float
+        What observers returned, as ``"<observer>_<name>"``.
+    """
+
+    index: int
+    time: float
+    scalars: dict[str, float]
+    fields: dict[str, FloatArray]
+    regions: dict[str, RegionRecord] = field(default_factory=dict)
+    observed: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RunInfo:
+    """What holds for all steps of a run.
+
+    Attributes
+    ----------
+    title, name : str
+        Of the scene.
+    grid : Grid
+        Grid of the surface fields.
+    scene_toml : str
+        The scene with every default filled in, SI units.
+    scene_hash : str
+        SHA-256 of it; a resumed run must have the same.
+    versions : mapping of str to str
+        Packages (python, numpy, scipy, eigencontact ...) and plugin packages.
+    references : tuple of str
+        Sources to cite for what this run used.
+    contact_modulus : float
+        E* [Pa].
+    curvatures : (float, float) or None
+        Principal curvatures of the separation at the apex [1/m] where the geometry is smooth there and alone: Hertz's
+        closed form then applies.
+    steps : int
+        Number of load steps of the whole history.
+    """
+
+    title: str
+    name: str
+    grid: Grid
+    scene_toml: str
+    scene_hash: str
+    versions: dict[str, str]
+    references: tuple[str, ...]
+    contact_modulus: float
+    curvatures: tuple[float, float] | None
+    steps: int
