@@ -32,8 +32,8 @@ __all__ = [
     "Force",
     "Geometry",
     "Grid",
-    "HasCurvature",
     "HasNativeGrid",
+    "HasReferencePressure",
     "HasWavenumberResponse",
     "Length",
     "Material",
@@ -251,11 +251,13 @@ class Geometry(Component, ABC):
 
 
 @runtime_checkable
-class HasCurvature(Protocol):
-    """Optional ability of a geometry: smooth at its apex, so that Hertz's closed form may be drawn beside results."""
+class HasReferencePressure(Protocol):
+    """Optional ability of a geometry: its frictionless elastic contact has a closed form, drawn beside the result."""
 
-    def curvatures(self) -> tuple[float, float]:
-        """Principal curvatures of the separation along x and y at the apex (x = y = 0) [1/m]."""
+    def reference_pressure(
+        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
+    ) -> FloatArray:
+        """Closed-form contact pressure [Pa] of this geometry alone, untilted, at points that broadcast."""
         ...
 
 

@@ -44,6 +44,7 @@ class Quantity:
 QUANTITIES: dict[str, Quantity] = {
     "separation": Quantity("m", "initial separation of the surfaces"),
     "pressure": Quantity("Pa", "contact pressure, positive in compression"),
+    "reference_pressure": Quantity("Pa", "contact pressure in closed form"),
     "gap": Quantity("m", "gap between the deformed surfaces"),
     "displacement_z": Quantity("m", "normal surface displacement, both bodies summed"),
     "displacement_x": Quantity("m", "surface displacement of body 1 minus that of body 2 along x"),

@@ -60,7 +60,8 @@ class StepRecord:
         ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-], ``load_residual`` [-], and with
         stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m].
     fields : mapping of str to (ny, nx) array
-        Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`).
+        Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
+        ``reference_pressure`` where the geometry has a closed form for this step.
     regions : mapping of str to RegionRecord
         Sub-surface fields by region name.
     observed : mapping of str to float
@@ -95,9 +96,6 @@ class RunInfo:
         Sources to cite for what this run used.
     contact_modulus : float
         E* [Pa].
-    curvatures : (float, float) or None
-        Principal curvatures of the separation at the apex [1/m] where the geometry is smooth there and alone: Hertz's
-        closed form then applies.
     steps : int
         Number of load steps of the whole history.
     """
@@ -110,5 +108,4 @@ class RunInfo:
     versions: dict[str, str]
     references: tuple[str, ...]
     contact_modulus: float
-    curvatures: tuple[float, float] | None
     steps: int
