@@ -1,0 +1,178 @@
+"""Where source and target cells lie relative to each other, and the transform lengths that follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import floor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.spectrum import Spectrum, transform_table
+from eigencontact.errors import require
+
+__all__ = ["Axis", "Layout"]
+
+FloatArray = NDArray[np.float64]
+
+# A target far beside its source would need a long even transform; past this factor the parity is given up instead.
+_PARITY_WASTE = 1.6
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a convolution: `sources` and `targets` cells of equal pitch, target 0 at `origin` (in cells).
+
+    Attributes
+    ----------
+    length : int
+        Transform length F.
+    symmetric : bool
+        True where the coefficients are sampled on offsets 0..F/2 only and mirrored by their parity.
+    """
+
+    sources: int
+    targets: int
+    origin: float
+    periodic: bool
+    length: int
+    symmetric: bool
+
+    @classmethod
+    def plan(cls, sources: int, targets: int, origin: float, *, periodic: bool) -> Axis:
+        """Choose the transform length and whether parity can be used."""
+        require(sources >= 1, "convolution", "source", sources, "at least 1 cell")
+        require(targets >= 1, "convolution", "target", targets, "at least 1 cell")
+        whole = origin == floor(origin)
+        if periodic:
+            require(targets == sources, "convolution", "target", targets, "the source's size where periodic")
+            require(whole, "convolution", "origin", origin, "a whole number of cells where periodic")
+            return cls(sources, targets, origin, periodic=True, length=sources, symmetric=True)
+        span = sources + targets - 1
+        reach = max(abs(floor(origin) - (sources - 1)), abs(floor(origin) + targets - 1))
+        symmetric = whole and 2 * reach + 1 <= max(_PARITY_WASTE * span, 8)
+        wanted = max(span, 2 * reach + 1) if symmetric else span
+        return cls(sources, targets, origin, periodic=False, length=_fast_even(wanted), symmetric=symmetric)
+
+    @property
+    def half(self) -> int:
+        """Number of distinct non-negative wavenumbers, F//2 + 1."""
+        return self.length // 2 + 1
+
+    @property
+    def source_start(self) -> int:
+        """Row of the transform at which the source begins."""
+        return max(0, -floor(self.origin)) if self.symmetric and not self.periodic else 0
+
+    @property
+    def target_start(self) -> int:
+        """Row of the transform at which the target begins."""
+        return max(0, floor(self.origin)) if self.symmetric and not self.periodic else 0
+
+    @cached_property
+    def lattice(self) -> FloatArray:
+        """Offsets (target minus source, in cells, ascending) at which a kernel table is sampled."""
+        if self.symmetric:
+            return np.arange(self.half, dtype=float)
+        return self.origin + np.arange(-(self.sources - 1), self.targets, dtype=float)
+
+    def scatter(self, table: NDArray[np.generic], axis: int) -> NDArray[np.generic]:
+        """Move a table of ascending offsets into transform order along `axis` (axes without parity only)."""
+        shape = list(table.shape)
+        shape[axis] = self.length
+        out = np.zeros(shape, table.dtype)
+        source, target = np.moveaxis(table, axis, 0), np.moveaxis(out, axis, 0)
+        before = self.sources - 1
+        target[: self.targets] = source[before:]
+        if before:
+            target[-before:] = source[:before]
+        return out
+
+
+def _fast_even(n: int) -> int:
+    """Smallest even length >= n with prime factors 2, 3, 5 only (1 stays 1: a single cell needs no padding)."""
+    if n <= 1:
+        return 1
+    from scipy.fft import next_fast_len
+
+    return 2 * int(next_fast_len((n + 1) // 2, real=True))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Geometry of a convolution from a box of source cells to a box of target points of the same pitch.
+
+    Parameters
+    ----------
+    source, target : (int, int)
+        Cells along (y, x).
+    origin : (float, float)
+        Position of target (0, 0) relative to source (0, 0), in cells along (y, x). Need not be whole: targets may
+        lie between cell centres, which costs the parity along that axis.
+    periodic : bool
+        Circular convolution on the source box; kernels are then given by their spectrum.
+    """
+
+    source: tuple[int, int]
+    target: tuple[int, int]
+    origin: tuple[float, float] = (0.0, 0.0)
+    periodic: bool = False
+
+    @cached_property
+    def y(self) -> Axis:
+        """Axis y."""
+        return Axis.plan(self.source[0], self.target[0], self.origin[0], periodic=self.periodic)
+
+    @cached_property
+    def x(self) -> Axis:
+        """Axis x."""
+        return Axis.plan(self.source[1], self.target[1], self.origin[1], periodic=self.periodic)
+
+    @property
+    def lattice_y(self) -> FloatArray:
+        """Offsets along y (in cells) at which kernel tables are sampled."""
+        return self.y.lattice
+
+    @property
+    def lattice_x(self) -> FloatArray:
+        """Offsets along x (in cells) at which kernel tables are sampled."""
+        return self.x.lattice
+
+    def spectrum(
+        self, table: FloatArray, parity: tuple[int, int], *, precision: str = "double", scale: float = 1.0
+    ) -> Spectrum:
+        """Transform a table of influence coefficients, sampled on the lattice, into a packed spectrum.
+
+        Parameters
+        ----------
+        table : (len(lattice_y), len(lattice_x)) float64
+            Coefficients; along a symmetric axis only the offsets 0..F/2 are given.
+        parity : (int, int)
+            +1 even, -1 odd, along (y, x); used along symmetric axes only.
+        precision : {"double", "single"}
+            Storage of the spectrum; the transform itself is done in double.
+        scale : float
+            Factor on the coefficients.
+        """
+        expected = (self.y.lattice.size, self.x.lattice.size)
+        require(table.shape == expected, "convolution", "table", table.shape, f"of shape {expected}")
+        return transform_table(self.y, self.x, table, parity, precision, scale)
+
+    def wavenumbers(self, dy: float, dx: float) -> tuple[FloatArray, FloatArray]:
+        """Wavenumbers (ky of shape (F_y//2+1,), kx of shape (F_x//2+1,)) of a periodic layout [1/m]."""
+        ky = 2.0 * np.pi * np.arange(self.y.half) / (self.y.length * dy)
+        kx = 2.0 * np.pi * np.arange(self.x.half) / (self.x.length * dx)
+        return ky, kx
+
+    def spectrum_from_response(
+        self, response: NDArray[np.complex128], parity: tuple[int, int], *, precision: str = "double"
+    ) -> Spectrum:
+        """Pack the wavenumber response ``(F_y//2+1, F_x//2+1)`` of a periodic layout into a spectrum."""
+        values = np.array(response.T)
+        for axis, (size, sign) in enumerate(((self.x.length, parity[1]), (self.y.length, parity[0]))):
+            if sign < 0 and size % 2 == 0:  # an odd response has no Nyquist term
+                np.moveaxis(values, axis, 0)[-1] = 0.0
+        imaginary = parity[0] * parity[1] < 0
+        packed = values.imag if imaginary else values.real
+        return Spectrum.pack(packed, self.y.length * self.x.length, parity[0], imaginary=imaginary, precision=precision)

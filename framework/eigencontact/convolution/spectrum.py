@@ -1,0 +1,104 @@
+"""Packed spectra of influence coefficients: what parity makes redundant is neither stored nor computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from eigencontact.convolution.layout import Axis
+
+__all__ = ["Spectrum", "transform_table"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Spectrum:
+    """Discrete Fourier transform of one influence coefficient, wavenumber kx first, ky contiguous.
+
+    Attributes
+    ----------
+    values : (F_x//2+1, F_y//2+1) or (F_x//2+1, F_y) array
+        Real where the parity makes the spectrum purely real or imaginary, else complex. The factor 1/(F_x F_y) of
+        the inverse transform is included.
+    sign_y : int
+        Parity in y where only ky >= 0 is stored, 0 where all ky are.
+    imaginary : bool
+        The spectrum is ``1j * values``.
+    """
+
+    values: NDArray[Any]
+    sign_y: int
+    imaginary: bool
+
+    @classmethod
+    def pack(
+        cls, values: NDArray[Any], points: int, sign_y: int, *, imaginary: bool, precision: str
+    ) -> Spectrum:
+        """Normalise by the number of points of the transform, cast to the precision asked for, make contiguous."""
+        values = values * (1.0 / points)
+        single = np.complex64 if np.iscomplexobj(values) else np.float32
+        dtype = single if precision == "single" else values.dtype
+        return cls(np.ascontiguousarray(values, dtype=dtype), sign_y, imaginary)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the stored values."""
+        return int(self.values.nbytes)
+
+    def multiply(self, field: NDArray[Any], columns: slice, out: NDArray[Any]) -> None:
+        """Write ``spectrum * field`` into `out` for the wavenumbers ``kx`` in `columns`; ``field (n, F_y)``."""
+        values = self.values[columns]
+        if self.imaginary:
+            values = 1j * values
+        if self.sign_y == 0:
+            np.multiply(field, values, out=out)
+            return
+        half, length = values.shape[1], field.shape[1]
+        np.multiply(field[:, :half], values, out=out[:, :half])
+        mirrored = values[:, length - half : 0 : -1]
+        np.multiply(field[:, half:], mirrored if self.sign_y > 0 else -mirrored, out=out[:, half:])
+
+
+def transform_table(
+    y: Axis, x: Axis, table: FloatArray, parity: tuple[int, int], precision: str, scale: float
+) -> Spectrum:
+    """Spectrum of a table of coefficients: cosine and sine transforms along axes with parity, full ones elsewhere."""
+    from scipy import fft
+
+    values: NDArray[Any] = table.T
+    imaginary = False
+    negative = False
+    for axis, plan, sign in ((0, x, parity[1]), (1, y, parity[0])):
+        if plan.symmetric:
+            values = _parity_transform(values, axis, sign)
+            if sign < 0:  # the transform of an odd sequence is -1j times its sine transform
+                negative, imaginary = (not negative, True) if not imaginary else (negative, False)
+        else:
+            values = plan.scatter(values, axis)
+            values = fft.rfft(values, axis=axis) if axis == 0 else fft.fft(values, axis=axis)
+    values = values * (-scale if negative else scale)
+    sign_y = parity[0] if y.symmetric else 0
+    if imaginary and np.iscomplexobj(values):
+        values, imaginary = 1j * values, False
+
+    return Spectrum.pack(values, y.length * x.length, sign_y, imaginary=imaginary, precision=precision)
+
+
+def _parity_transform(table: NDArray[Any], axis: int, sign: int) -> NDArray[Any]:
+    """DFT of the even (or 1j times that of the odd) extension of offsets 0..F/2 along `axis`."""
+    from scipy import fft
+
+    n = table.shape[axis]
+    if sign > 0:
+        return table if n == 1 else np.asarray(fft.dct(table, type=1, axis=axis))
+    out = np.zeros_like(table)
+    if n > 2:
+        inner = [slice(None)] * table.ndim
+        inner[axis] = slice(1, -1)
+        out[tuple(inner)] = fft.dst(table[tuple(inner)], type=1, axis=axis)
+    return out
