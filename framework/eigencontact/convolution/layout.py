@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution.spectrum import Spectrum, transform_table
 from eigencontact.errors import require
 
-__all__ = ["Axis", "Layout"]
+__all__ = ["Axis", "Layout", "fast_even"]
 
 FloatArray = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class Axis:
     symmetric: bool
 
     @classmethod
-    def plan(cls, sources: int, targets: int, origin: float, *, periodic: bool) -> Axis:
+    def plan(cls, sources: int, targets: int, origin: float, *, periodic: bool, length: int | None = None) -> Axis:
         """Choose the transform length and whether parity can be used."""
         require(sources >= 1, "convolution", "source", sources, "at least 1 cell")
         require(targets >= 1, "convolution", "target", targets, "at least 1 cell")
@@ -48,12 +48,12 @@ class Axis:
         if periodic:
             require(targets == sources, "convolution", "target", targets, "the source's size where periodic")
             require(whole, "convolution", "origin", origin, "a whole number of cells where periodic")
-            return cls(sources, targets, origin, periodic=True, length=sources, symmetric=True)
+            return cls(sources, targets, origin, periodic=True, length=length or sources, symmetric=True)
         span = sources + targets - 1
         reach = max(abs(floor(origin) - (sources - 1)), abs(floor(origin) + targets - 1))
         symmetric = whole and 2 * reach + 1 <= max(_PARITY_WASTE * span, 8)
         wanted = max(span, 2 * reach + 1) if symmetric else span
-        return cls(sources, targets, origin, periodic=False, length=_fast_even(wanted), symmetric=symmetric)
+        return cls(sources, targets, origin, periodic=False, length=fast_even(wanted), symmetric=symmetric)
 
     @property
     def half(self) -> int:
@@ -90,7 +90,7 @@ class Axis:
         return out
 
 
-def _fast_even(n: int) -> int:
+def fast_even(n: int) -> int:
     """Smallest even length >= n with prime factors 2, 3, 5 only (1 stays 1: a single cell needs no padding)."""
     if n <= 1:
         return 1
@@ -112,22 +112,28 @@ class Layout:
         lie between cell centres, which costs the parity along that axis.
     periodic : bool
         Circular convolution on the source box; kernels are then given by their spectrum.
+    lengths : (int, int), optional
+        Periods of a circular convolution where they are longer than the box (a circulant preconditioner may pad to
+        a fast length).
     """
 
     source: tuple[int, int]
     target: tuple[int, int]
     origin: tuple[float, float] = (0.0, 0.0)
     periodic: bool = False
+    lengths: tuple[int, int] | None = None
 
     @cached_property
     def y(self) -> Axis:
         """Axis y."""
-        return Axis.plan(self.source[0], self.target[0], self.origin[0], periodic=self.periodic)
+        length = self.lengths[0] if self.lengths else None
+        return Axis.plan(self.source[0], self.target[0], self.origin[0], periodic=self.periodic, length=length)
 
     @cached_property
     def x(self) -> Axis:
         """Axis x."""
-        return Axis.plan(self.source[1], self.target[1], self.origin[1], periodic=self.periodic)
+        length = self.lengths[1] if self.lengths else None
+        return Axis.plan(self.source[1], self.target[1], self.origin[1], periodic=self.periodic, length=length)
 
     @property
     def lattice_y(self) -> FloatArray:

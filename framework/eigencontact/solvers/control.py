@@ -1,0 +1,75 @@
+"""What is prescribed: for each rigid mode of the approaching body either its force or its displacement.
+
+Modes and signs are those of the gap ``g = h + u - δ - φx y + φy x``: the approach δ with the normal load P, the tilt
+φx with the moment Mx = Σ p y dA, the tilt φy with My = -Σ p x dA (thesis eqs 2.71, 2.72).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import SceneError, require
+
+__all__ = ["MODES", "Control", "mode_field"]
+
+FloatArray = NDArray[np.float64]
+
+#: (displacement, force) of each rigid mode.
+MODES = (("approach", "normal_load"), ("tilt_x", "moment_x"), ("tilt_y", "moment_y"))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Control:
+    """One value of each pair is given; a tilt is 0 where neither it nor its moment is.
+
+    Parameters
+    ----------
+    normal_load, approach : float, optional
+        P [N] or δ [m]: exactly one.
+    moment_x, tilt_x, moment_y, tilt_y : float, optional
+        Mx, My [N m] or φx, φy [rad], about the middle of the coordinate system.
+
+    Raises
+    ------
+    SceneError
+        Both or neither of a pair, a negative load, a number that is not finite.
+    """
+
+    normal_load: float | None = None
+    approach: float | None = None
+    moment_x: float | None = None
+    tilt_x: float | None = None
+    moment_y: float | None = None
+    tilt_y: float | None = None
+
+    def __post_init__(self) -> None:
+        for displacement, force in MODES:
+            given = [name for name in (displacement, force) if getattr(self, name) is not None]
+            if len(given) == 2:
+                raise SceneError(f"step must give {displacement} or {force} (got both); leave one out")
+            for name in given:
+                require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
+        if self.normal_load is None and self.approach is None:
+            raise SceneError("step must give normal_load [N] or approach [m] (got neither)")
+        if self.normal_load is not None:
+            require(self.normal_load >= 0, "step", "normal_load", self.normal_load, "zero or positive [N]")
+
+    def forces(self) -> dict[int, float]:
+        """Prescribed forces by number of mode."""
+        values = {i: getattr(self, force) for i, (_, force) in enumerate(MODES)}
+        return {i: float(value) for i, value in values.items() if value is not None}
+
+    def displacements(self) -> dict[int, float]:
+        """Prescribed rigid displacements by number of mode; tilts default to 0."""
+        free = self.forces()
+        return {i: float(getattr(self, name) or 0.0) for i, (name, _) in enumerate(MODES) if i not in free}
+
+
+def mode_field(mode: int, grid: Grid) -> FloatArray:
+    """Displacement field of a unit rigid mode: 1, y or -x, broadcastable to ``(ny, nx)``."""
+    y, x = grid.axes()
+    return (np.ones((1, 1)), y, -x)[mode]

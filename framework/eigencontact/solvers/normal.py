@@ -1,0 +1,460 @@
+"""Frictionless normal contact: coarse to fine, on the box that can touch, certified on the whole window."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Box, Grid
+from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
+from eigencontact.solvers.constrained_cg import BoxProblem, rigid_fit, solve_box
+from eigencontact.solvers.control import Control, mode_field
+from eigencontact.solvers.levels import coarse_factors, prolong, restrict
+from eigencontact.solvers.operator import Coefficients, Compliance
+from eigencontact.solvers.preconditioner import circulant_inverse
+from eigencontact.solvers.report import Certificate, Progress, SolveReport
+
+__all__ = ["NormalOptions", "NormalSolution", "solve_normal"]
+
+FloatArray = NDArray[np.float64]
+
+# On coarser grids the start need not be better than the error of those grids.
+_COARSE_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalOptions:
+    """How to solve; what to solve is the other arguments of `solve_normal`.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound on each residual of the `Certificate` [-].
+    max_iterations : int
+        Iterations allowed on the finest grid.
+    precision : {"double", "single"}
+        Arithmetic of the iteration. Single reaches tolerances down to about 1e-5.
+    threads : int, optional
+        Cores; all by default.
+    periodic : bool
+        The window repeats in x and y.
+    allow_contact_at_edge : bool
+        Accept contact that reaches the edge of the window.
+    """
+
+    tolerance: float = 1e-6
+    max_iterations: int = 500
+    precision: str = "double"
+    threads: int | None = None
+    periodic: bool = False
+    allow_contact_at_edge: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalSolution:
+    """A converged normal contact.
+
+    Attributes
+    ----------
+    pressure, gap, displacement : (ny, nx) float64
+        p [Pa], g [m] (zero to tolerance at loaded cells) and u_z [m], both bodies summed.
+    approach, tilt_x, tilt_y : float
+        δ [m], φx, φy [rad].
+    normal_load, moment_x, moment_y : float
+        P [N], Mx, My [N m], of the pressure.
+    report : SolveReport
+        Certificate, history, counts, time.
+    """
+
+    pressure: FloatArray
+    gap: FloatArray
+    displacement: FloatArray
+    approach: float
+    tilt_x: float
+    tilt_y: float
+    normal_load: float
+    moment_x: float
+    moment_y: float
+    report: SolveReport
+
+
+def solve_normal(
+    grid: Grid,
+    separation: FloatArray,
+    coefficients: Coefficients,
+    control: Control,
+    options: NormalOptions | None = None,
+    *,
+    start: FloatArray | None = None,
+    progress: Progress | None = None,
+) -> NormalSolution:
+    """Pressure of two elastic bodies pressed together without friction.
+
+    Finds p with p >= 0, g >= 0, p g = 0 for ``g = h + u(p) - δ - φx y + φy x`` (thesis eqs 2.67-2.72).
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells; the pressure is uniform on each.
+    separation : (ny, nx) float64
+        Initial separation h [m].
+    coefficients : Coefficients
+        Normal displacement of a uniformly loaded rectangle, both bodies summed [m/Pa].
+    control : Control
+        Load or approach, moments or tilts.
+    options : NormalOptions, optional
+        Tolerance, precision, periodicity and so on.
+    start : (ny, nx) float64, optional
+        A pressure near the answer; the coarse grids are then skipped.
+    progress : callable, optional
+        Told the residual of each iteration.
+
+    Returns
+    -------
+    NormalSolution
+        Its certificate holds.
+
+    Raises
+    ------
+    NotConverged
+        With the report; no half result is returned.
+    DomainTooSmall
+        Contact at the edge of the window, unless allowed or periodic.
+    SceneError
+        A separation that is not finite, a moment that the window cannot carry.
+
+    Examples
+    --------
+    >>> class Winkler:  # a bed of springs, 1 m/Pa
+    ...     def table(self, x, y, half_widths):
+    ...         return np.where((x[None] == 0) & (y[:, None] == 0), 1.0, 0.0)
+    >>> grid = Grid(nx=8, ny=8, dx=1.0, dy=1.0)
+    >>> h = 0.1 * (grid.x[None] ** 2 + grid.y[:, None] ** 2)
+    >>> solution = solve_normal(grid, h, Winkler(), Control(approach=0.3))
+    >>> round(float(solution.pressure.max()), 12)
+    0.25
+    """
+    began = perf_counter()
+    options = options or NormalOptions()
+    _check(grid, separation, control)
+    report = SolveReport()
+    solver = _Normal(grid, separation, coefficients, control, options, report, progress)
+    try:
+        solution = solver.solve(start)
+    finally:
+        report.convolutions = solver.convolutions
+        report.seconds = perf_counter() - began
+    return solution
+
+
+def _check(grid: Grid, separation: FloatArray, control: Control) -> None:
+    require(separation.shape == grid.shape, "contact", "separation", separation.shape, f"of shape {grid.shape}")
+    if not np.all(np.isfinite(separation)):
+        bad = int(np.count_nonzero(~np.isfinite(separation)))
+        raise SceneError(f"separation must be finite at every cell (got {bad} NaN or infinite of {separation.size})")
+    if control.normal_load:
+        for name, half in (("moment_x", 0.5 * grid.size[1]), ("moment_y", 0.5 * grid.size[0])):
+            moment = getattr(control, name)
+            limit = control.normal_load * half
+            if moment is not None and abs(moment) >= limit:
+                raise SceneError(
+                    f"step.{name} must be smaller than the load times half the window, {limit:.4g} N m "
+                    f"(got {moment:.4g}); the centre of pressure would lie outside the window"
+                )
+
+
+class _Normal:
+    """State of one solve. Lengths are in units of ``self.length``, pressures so that the compliance is of order 1."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        separation: FloatArray,
+        coefficients: Coefficients,
+        control: Control,
+        options: NormalOptions,
+        report: SolveReport,
+        progress: Progress | None,
+    ) -> None:
+        self.grid, self.control, self.options, self.report, self.progress = grid, control, options, report, progress
+        self.coefficients = coefficients
+        self.separation = separation
+        self.dtype = np.float64 if options.precision == "double" else np.float32
+        self.free = control.forces()
+        self.levels: list[Compliance] = []
+        self.solves = 0
+
+    @property
+    def convolutions(self) -> int:
+        return sum(level.convolutions for level in self.levels)
+
+    def compliance(self, grid: Grid) -> Compliance:
+        made = Compliance(
+            grid,
+            self.coefficients,
+            periodic=self.options.periodic,
+            precision=self.options.precision,
+            threads=self.options.threads,
+        )
+        self.levels.append(made)
+        return made
+
+    # ------------------------------------------------------------------ course of the solve
+
+    def solve(self, start: FloatArray | None) -> NormalSolution:
+        fixed = self._without_prescribed(self.grid, self.separation)
+        if self._never_touches(fixed):
+            return self._empty(fixed)
+        if start is not None and np.any(start > 0):
+            return self._finest(fixed, np.array(start, dtype=float))
+        ladder = [(self.grid, fixed, (1, 1))]
+        while (factors := coarse_factors(ladder[-1][0])) is not None:
+            grid, field_, _ = ladder[-1]
+            ladder.append((grid.coarsened(*factors), restrict(field_, factors), factors))
+        pressure: FloatArray | None = None
+        for number in range(len(ladder) - 1, 0, -1):
+            grid, field_, factors = ladder[number]
+            pressure = self._coarse(grid, field_, pressure)
+            pressure = prolong(pressure, factors, ladder[number - 1][0].shape)
+        return self._finest(fixed, pressure)
+
+    def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> FloatArray:
+        """Loose solution on a coarser grid, for a start only."""
+        compliance = self.compliance(grid)
+        box, _ = self._box(grid, fixed, pressure)
+        p, _, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
+        return p
+
+    def _finest(self, fixed: FloatArray, pressure: FloatArray | None) -> NormalSolution:
+        """Solve on the whole grid; grow the box while the certificate finds overlap outside it."""
+        options, grid = self.options, self.grid
+        compliance = self.compliance(grid)
+        whole = Box(0, grid.ny, 0, grid.nx)
+        box, _ = self._box(grid, fixed, pressure)
+        compliance.reserve(box, whole)
+        tolerance = 0.7 * options.tolerance  # of the iteration, so that the certificate holds with room to spare
+        left = options.max_iterations
+        for _ in range(50):
+            done = self.report.iterations
+            pressure, rigid, residual = self._on_box(compliance, fixed, pressure, box, tolerance, left)
+            left -= self.report.iterations - done
+            solution, overlapping = self._certify(compliance, fixed, pressure, box)
+            certificate = solution.report.certificate
+            if certificate is not None and certificate.holds:
+                return self._checked(solution)
+            grown = box if overlapping is None else _union(box, overlapping).grown(*_margin(box), grid.shape)
+            if grown == box:
+                if residual > tolerance or left <= 0 or tolerance < 0.05 * options.tolerance:
+                    break
+                tolerance *= 0.3  # the updated gap has drifted from the true one: ask for more
+            box = grown
+        raise NotConverged(
+            f"normal contact did not converge in {self.report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
+            f"{self.report.certificate}; raise max-iterations, loosen the tolerance"
+            + (" or use double precision" if options.precision == "single" else ""),
+            self.report,
+        )
+
+    # ------------------------------------------------------------------ pieces
+
+    def _without_prescribed(self, grid: Grid, separation: FloatArray) -> FloatArray:
+        """Separation less the prescribed rigid displacements [m]."""
+        out = np.array(separation, dtype=float)
+        for mode, value in self.control.displacements().items():
+            if value:
+                out -= value * mode_field(mode, grid)
+        return out
+
+    def _never_touches(self, fixed: FloatArray) -> bool:
+        if 0 in self.free:
+            return self.free[0] == 0.0
+        if fixed.min() < 0:
+            return False
+        if any(self.free.values()):
+            raise SceneError("a moment must be carried by contact, but at this approach the surfaces do not touch")
+        return True
+
+    def _empty(self, fixed: FloatArray) -> NormalSolution:
+        """Solution without contact: under no load the bodies just touch."""
+        require(not any(self.free.values()), "step", "moment", self.free, "zero where the normal load is zero")
+        approach = float(fixed.min()) if 0 in self.free else float(self.control.approach or 0.0)
+        gap = fixed - approach if 0 in self.free else fixed
+        zero = np.zeros(self.grid.shape)
+        self.report.certificate = Certificate(gap=0.0, penetration=0.0, load=0.0, tolerance=self.options.tolerance)
+        return NormalSolution(
+            pressure=zero,
+            gap=gap,
+            displacement=zero.copy(),
+            approach=approach,
+            tilt_x=float(self.control.tilt_x or 0.0),
+            tilt_y=float(self.control.tilt_y or 0.0),
+            normal_load=0.0,
+            moment_x=0.0,
+            moment_y=0.0,
+            report=self.report,
+        )
+
+    def _box(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> tuple[Box, None]:
+        """Box that can touch: that of the start with a margin, or everything."""
+        whole = Box(0, grid.ny, 0, grid.nx)
+        loaded = None if pressure is None else Box.around(pressure > 0)
+        if loaded is None:
+            return whole, None
+        box = loaded.grown(*_margin(loaded), grid.shape)
+        if self.options.periodic and max(box.shape[0] / grid.ny, box.shape[1] / grid.nx) > 0.5:
+            return whole, None
+        return box, None
+
+    def _on_box(
+        self,
+        compliance: Compliance,
+        fixed: FloatArray,
+        pressure: FloatArray | None,
+        box: Box,
+        tolerance: float,
+        iterations: int,
+    ) -> tuple[FloatArray, FloatArray, float]:
+        """Solve on one box; pressures in Pa on the whole grid in and out."""
+        grid = compliance.grid
+        operator = compliance.between(box, box)
+        unit = compliance.unit
+        here = fixed[box.slices]
+        modes, forces, sizes = self._modes(grid, box)
+        # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
+        if 0 in self.free:
+            length = unit * self.free[0] / grid.cell_area
+        else:
+            length = max(-float(here.min()), 1e-300)
+        scale = length / unit
+        if pressure is not None and np.any(pressure[box.slices] > 0):
+            p = pressure[box.slices] / scale
+            loaded = p > 0
+        else:
+            p, loaded = self._first(here, grid)
+            p = p / scale
+        problem = BoxProblem(
+            apply=operator,
+            precondition=circulant_inverse(compliance, box),
+            separation=(here / length).astype(self.dtype),
+            modes=modes.astype(self.dtype),
+            forces=forces / (scale * grid.cell_area),
+        )
+
+        def note(residual: float) -> None:
+            self.report.history.append((grid.nx * grid.ny, residual))
+            if self.progress is not None:
+                self.progress(f"{grid.nx} x {grid.ny} cells", residual, self.options.tolerance)
+
+        state = solve_box(
+            problem,
+            p.astype(self.dtype),
+            loaded,
+            tolerance=tolerance,
+            max_iterations=max(1, iterations),
+            on_iteration=note,
+        )
+        out = np.zeros(grid.shape)
+        out[box.slices] = state.pressure
+        out *= scale
+        return out, state.rigid * length / sizes, state.residual
+
+    def _modes(self, grid: Grid, box: Box) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Fields, forces and sizes of the force-controlled modes, scaled to order one."""
+        fields, forces, sizes = [], [], []
+        for mode, force in self.free.items():
+            whole = np.broadcast_to(mode_field(mode, grid), grid.shape)
+            size = float(np.abs(mode_field(mode, self.grid)).max()) or 1.0
+            fields.append(whole[box.slices] / size)
+            forces.append(force / size)
+            sizes.append(size)
+        shape = (len(fields), *box.shape)
+        return np.array(fields).reshape(shape), np.array(forces), np.array(sizes)
+
+    def _first(self, here: FloatArray, grid: Grid) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Start from nothing: the lowest cells share the load, or the overlapping cells are loaded with zero."""
+        if 0 not in self.free:
+            return np.zeros(here.shape), here < 0
+        if len(self.free) > 1:
+            loaded = np.ones(here.shape, dtype=bool)
+        else:
+            loaded = here <= np.quantile(here, 0.25)
+        return np.where(loaded, self.free[0] / (grid.cell_area * loaded.sum()), 0.0), loaded
+
+    def _certify(
+        self, compliance: Compliance, fixed: FloatArray, pressure: FloatArray, box: Box
+    ) -> tuple[NormalSolution, Box | None]:
+        """Check the contact conditions on the whole window, with a convolution of its own."""
+        grid, options = self.grid, self.options
+        whole = Box(0, grid.ny, 0, grid.nx)
+        operator = compliance.between(whole if options.periodic else box, whole)
+        source = pressure if options.periodic else pressure[box.slices]
+        top = float(source.max()) or 1.0
+        displacement = np.asarray(operator(source / top), dtype=float)
+        displacement *= top * compliance.unit
+        loaded = pressure > 0
+        gap = fixed + displacement
+        rigid = {}
+        if self.free:
+            names = list(self.free)
+            fields = [np.broadcast_to(mode_field(mode, grid), grid.shape) for mode in names]
+            sizes = np.array([float(np.abs(each).max()) or 1.0 for each in fields])
+            stacked = np.array([each[box.slices] / size for each, size in zip(fields, sizes, strict=True)])
+            fit = rigid_fit(gap[box.slices], stacked, loaded[box.slices].astype(float)) / sizes
+            for mode, value, each in zip(names, fit, fields, strict=True):
+                gap -= value * each
+                rigid[mode] = float(value)
+        deflection = float(np.max(displacement, where=loaded, initial=0.0)) or inf
+        inside = float(np.max(np.abs(gap), where=loaded, initial=0.0)) / deflection
+        overlap = max(0.0, -float(np.min(gap, where=~loaded, initial=0.0))) / deflection
+        forces = [float(np.vdot(np.broadcast_to(mode_field(m, grid), grid.shape), pressure)) for m in range(3)]
+        forces = [value * grid.cell_area for value in forces]
+        load_error = 0.0
+        for mode, value in self.free.items():
+            reference = abs(self.free.get(0, forces[0])) * (1.0 if mode == 0 else 0.5 * max(grid.size))
+            load_error = max(load_error, abs(forces[mode] - value) / reference if reference else 0.0)
+        self.report.certificate = Certificate(
+            gap=inside, penetration=overlap, load=load_error, tolerance=options.tolerance
+        )
+        rigid |= self.control.displacements()
+        solution = NormalSolution(
+            pressure=pressure,
+            gap=gap,
+            displacement=displacement,
+            approach=rigid[0],
+            tilt_x=rigid[1],
+            tilt_y=rigid[2],
+            normal_load=forces[0],
+            moment_x=forces[1],
+            moment_y=forces[2],
+            report=self.report,
+        )
+        over = Box.around(~loaded & (gap < -options.tolerance * deflection))
+        return solution, over
+
+    def _checked(self, solution: NormalSolution) -> NormalSolution:
+        """Refuse contact at the edge of the window, which the window may have cut."""
+        if self.options.periodic or self.options.allow_contact_at_edge:
+            return solution
+        p = solution.pressure
+        sides = {"x": p[:, [0, -1]], "y": p[[0, -1]]}
+        touched = [name for name, edge in sides.items() if np.any(edge > 0)]
+        if touched:
+            width, height = self.grid.size
+            raise DomainTooSmall(
+                f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
+                f"is {width:.4g} m x {height:.4g} m); enlarge grid size, lower the load, or set "
+                "numerics.allow-contact-at-edge = true if the bodies end there"
+            )
+        return solution
+
+
+def _margin(box: Box) -> tuple[int, int]:
+    return tuple(max(2, -(-n // 32)) for n in box.shape)  # type: ignore[return-value]
+
+
+def _union(a: Box, b: Box) -> Box:
+    return Box(min(a.y0, b.y0), max(a.y1, b.y1), min(a.x0, b.x0), max(a.x1, b.x1))

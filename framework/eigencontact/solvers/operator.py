@@ -1,0 +1,137 @@
+"""Normal displacement of a pressure as an operator between boxes of one grid."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.grid import Box, Grid
+
+__all__ = ["BoxOperator", "Coefficients", "Compliance"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Coefficients(Protocol):
+    """Influence coefficients of one response to one traction; both even in x and y for the normal problem."""
+
+    def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
+        """Response at offsets x, y [m] of a rectangle of the given half-widths under unit traction, ``(ny, nx)``."""
+        ...
+
+    def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
+        """Amplitude of the response to a unit traction wave, ``(nky, nkx)``; for periodic contact."""
+        ...
+
+
+class BoxOperator:
+    """Displacement on a target box caused by pressure on a source box."""
+
+    def __init__(self, convolver: Convolver, spectrum: Spectrum) -> None:
+        self._convolver = convolver
+        self.spectrum = spectrum
+
+    def __call__(self, pressure: NDArray[Any]) -> NDArray[Any]:
+        """Apply the operator to a pressure of the source box's shape."""
+        return self._convolver.apply(pressure, self.spectrum)
+
+    @property
+    def convolutions(self) -> int:
+        """Convolutions done so far."""
+        return self._convolver.count
+
+
+class Compliance:
+    """Normal compliance of a surface on one grid: a table of coefficients, and operators cut from it on demand.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells.
+    coefficients : Coefficients
+        Where the numbers come from.
+    periodic : bool
+        Whether the window repeats.
+    precision, threads : see `eigencontact.convolution.Convolver`
+
+    Notes
+    -----
+    Coefficients are divided by ``unit`` (their largest value), so that single precision neither over- nor
+    underflows for cells of a nanometre or a metre.
+    """
+
+    def __init__(
+        self, grid: Grid, coefficients: Coefficients, *, periodic: bool, precision: str, threads: int | None
+    ) -> None:
+        self.grid = grid
+        self.periodic = periodic
+        self.precision = precision
+        self.threads = threads
+        self._coefficients = coefficients
+        self._table = np.empty((0, 0))
+        self._whole: Spectrum | None = None
+        self.unit = 1.0
+        self.convolvers: list[Convolver] = []
+        if periodic:
+            self._sample_periodic()
+
+    @property
+    def convolutions(self) -> int:
+        """Convolutions done on this grid so far."""
+        return sum(convolver.count for convolver in self.convolvers)
+
+    def table(self, ny: int, nx: int) -> FloatArray:
+        """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, in units of ``unit``."""
+        if self.periodic:
+            wrap = [np.minimum(i % n, n - i % n) for i, n in zip(map(np.arange, (ny, nx)), self.grid.shape, strict=True)]
+            return self._table[np.ix_(*wrap)]
+        if self._table.shape[0] < ny or self._table.shape[1] < nx:
+            ny, nx = max(ny, self._table.shape[0]), max(nx, self._table.shape[1])
+            dx, dy = self.grid.dx, self.grid.dy
+            table = self._coefficients.table(np.arange(nx) * dx, np.arange(ny) * dy, (0.5 * dx, 0.5 * dy))
+            self.unit = float(table[0, 0])
+            table /= self.unit
+            self._table = table
+        return self._table[:ny, :nx]
+
+    def between(self, source: Box, target: Box) -> BoxOperator:
+        """Operator from the pressure on one box to the displacement on another."""
+        whole = Box(0, self.grid.ny, 0, self.grid.nx)
+        if self._whole is not None and source == target == whole:
+            layout = Layout(whole.shape, whole.shape, periodic=True)
+            return self._operator(layout, self._whole)
+        layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
+        y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
+        table = self.table(int(y.max()) + 1, int(x.max()) + 1)
+        if not (layout.y.symmetric and layout.x.symmetric):
+            table = table[np.ix_(y, x)]
+        return self._operator(layout, layout.spectrum(table, (1, 1), precision=self.precision))
+
+    def reserve(self, source: Box, target: Box) -> None:
+        """Sample at once what both this pair of boxes and smaller ones will need."""
+        if not self.periodic:
+            layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
+            y, x = np.abs(layout.lattice_y), np.abs(layout.lattice_x)
+            self.table(int(y.max()) + 1, int(x.max()) + 1)
+
+    def _operator(self, layout: Layout, spectrum: Spectrum) -> BoxOperator:
+        convolver = Convolver(layout, precision=self.precision, threads=self.threads)
+        self.convolvers.append(convolver)
+        return BoxOperator(convolver, spectrum)
+
+    def _sample_periodic(self) -> None:
+        """Spectrum of the whole window, and the coefficients of one period from it."""
+        from scipy import fft
+
+        layout = Layout(self.grid.shape, self.grid.shape, periodic=True)
+        ky, kx = layout.wavenumbers(self.grid.dy, self.grid.dx)
+        response = self._coefficients.response(kx[None, :], ky[:, None])
+        ny, nx = self.grid.shape
+        rows = np.minimum(np.arange(ny), ny - np.arange(ny))
+        full = fft.irfft2(response.real[rows], s=(ny, nx))
+        self.unit = float(full[0, 0]) or 1.0
+        self._table = full[: ny // 2 + 1, : nx // 2 + 1] / self.unit
+        self._whole = layout.spectrum_from_response(response / self.unit, (1, 1), precision=self.precision)
