@@ -1,0 +1,45 @@
+"""Where a body sits: its centre and its turn about z, shared by the geometries."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.plugin import require
+
+__all__ = ["body_axes", "check_angle", "check_center", "check_length"]
+
+FloatArray = NDArray[np.float64]
+
+
+def body_axes(
+    x: ArrayLike, y: ArrayLike, center: tuple[float, float], angle: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Coordinates of points along the axes of a body, centred in it and turned by `angle` [rad] from x towards y.
+
+    Examples
+    --------
+    >>> along, across = body_axes(1.0, 3.0, (1.0, 1.0), np.pi / 2)
+    >>> round(float(along), 12), round(abs(float(across)), 12)
+    (2.0, 0.0)
+    """
+    dx, dy = np.asarray(x, dtype=float) - center[0], np.asarray(y, dtype=float) - center[1]
+    if angle == 0.0:
+        return dx, dy
+    cos, sin = np.cos(angle), np.sin(angle)
+    return cos * dx + sin * dy, cos * dy - sin * dx
+
+
+def check_length(where: str, field: str, value: float) -> None:
+    """Refuse a length that is not positive and finite [m]."""
+    require(0 < value < np.inf, where, field, value, "positive and finite [m]")
+
+
+def check_center(where: str, center: tuple[float, float]) -> None:
+    """Refuse a centre that is not two finite coordinates [m]."""
+    require(len(center) == 2 and bool(np.isfinite(center).all()), where, "center", center, "two finite lengths (x, y)")
+
+
+def check_angle(where: str, angle: float) -> None:
+    """Refuse an angle that is not finite [rad]."""
+    require(np.isfinite(angle), where, "angle", angle, "finite [rad]")

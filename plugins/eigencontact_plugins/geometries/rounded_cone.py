@@ -1,0 +1,95 @@
+"""Cone with a rounded tip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Angle, Geometry, Length, hookimpl, require
+from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
+from eigencontact_plugins.geometries.revolution import contact_radius, revolution_pressure
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["RoundedCone"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoundedCone(Geometry):
+    """Parabolic tip h = r²/(2R) up to r = b = R cot α, then the tangent cone of slope cot α.
+
+    Parameters
+    ----------
+    half_angle : float
+        α [rad], between the axis and the flank, as indenters are specified (70.3° for the equivalent of Berkovich's).
+        The half-space assumes small slopes, α near π/2.
+    tip_radius : float
+        R [m] of the tip.
+    center : (float, float)
+        Tip (x, y) [m].
+
+    Notes
+    -----
+    Closed form: Sneddon's integral with g'(t) = 2t/R for t <= b, then (2 (t - √(t² - b²)) + b arccos(b/t)) / R. Far
+    beyond the tip it tends to the sharp cone, P = (π/2) E* a² cot α.
+    """
+
+    key: ClassVar[str] = "rounded-cone"
+    references: ClassVar[tuple[str, ...]] = (
+        "M. Ciavarella 1999, Int. J. Solids Struct. 36, 4149-4181",
+        "I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4",
+    )
+
+    half_angle: Angle
+    tip_radius: Length
+    center: tuple[Length, Length] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        require(
+            0 < self.half_angle < 0.5 * np.pi,
+            self.key,
+            "half_angle",
+            self.half_angle,
+            "between 0 and π/2 [rad], from the axis to the flank",
+        )
+        check_length(self.key, "tip_radius", self.tip_radius)
+        check_center(self.key, self.center)
+
+    @property
+    def junction(self) -> float:
+        """Radius b [m] at which the tip goes over into the cone."""
+        return float(self.tip_radius / np.tan(self.half_angle))
+
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Separation h(x, y) [m]; 0 at the tip."""
+        r = np.hypot(*body_axes(x, y, self.center))
+        tip = np.minimum(r, self.junction)
+        return np.asarray((tip * (0.5 * tip) + (r - tip) * self.junction) / self.tip_radius)
+
+    def reference_pressure(
+        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
+    ) -> FloatArray:
+        """Closed-form pressure [Pa] under `normal_load` [N]; see the notes of the class."""
+        r = np.hypot(*body_axes(x, y, self.center))
+        if normal_load <= 0:
+            return np.zeros(r.shape)
+        b, R = self.junction, self.tip_radius
+
+        def rate(t: FloatArray) -> FloatArray:
+            beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
+            return np.asarray((2.0 * (t - beyond) + b * np.arctan2(beyond, b)) / R)
+
+        a = contact_radius(rate, normal_load, contact_modulus, junction=b)
+        return revolution_pressure(r, rate, a, contact_modulus, junction=b)
+
+
+@hookimpl
+def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+    """Register the rounded cone."""
+    return [RoundedCone]

@@ -1,0 +1,95 @@
+"""Sphere against a plane: parabola of the half-space theory, or the exact circle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Geometry, Length, hookimpl, require
+from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
+from eigencontact_plugins.geometries.revolution import contact_radius, revolution_pressure
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Sphere"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sphere(Geometry):
+    """Sphere, or two spheres by their relative radius 1/R = 1/R1 + 1/R2.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    profile : "parabola" or "circle"
+        ``parabola``: h = r²/(2R), what Hertz assumes; differs from the circle by r⁴/(8R³).
+        ``circle``: h = R - √(R² - r²), for contacts that are not small beside R (the half-space stays an
+        approximation of small slopes). Beyond r = R the sphere has no surface; the separation goes on as h = r,
+        continuous and at least R, which no contact reaches.
+    center : (float, float)
+        Lowest point (x, y) [m].
+
+    Notes
+    -----
+    Closed form: Hertz for the parabola, p = p0 √(1 - r²/a²); for the circle Sneddon's g'(t) = artanh(t/R)
+    + tR/(R² - t²), which tends to Hertz as a/R → 0 (load at equal a: 1 + 2a²/(5R²) + ... times Hertz's).
+
+    Examples
+    --------
+    >>> Sphere(radius=2.0).separation(np.array([0.0, 1.0]), np.array([0.0, 0.0])).tolist()
+    [0.0, 0.25]
+    """
+
+    key: ClassVar[str] = "sphere"
+    references: ClassVar[tuple[str, ...]] = (
+        "H. Hertz 1882, doi:10.1515/crll.1882.92.156",
+        "I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4",
+    )
+
+    radius: Length
+    profile: Literal["parabola", "circle"] = "parabola"
+    center: tuple[Length, Length] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        check_length(self.key, "radius", self.radius)
+        require(self.profile in ("parabola", "circle"), self.key, "profile", self.profile, "'parabola' or 'circle'")
+        check_center(self.key, self.center)
+
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Separation h(x, y) [m]; 0 at the centre."""
+        R, r = self.radius, np.hypot(*body_axes(x, y, self.center))
+        if self.profile == "parabola":
+            return np.asarray(r * (r / (2.0 * R)))
+        inside = np.minimum(r, R)  # the next line is R - √(R² - r²) without its cancellation
+        return np.asarray(np.where(r < R, inside**2 / (R + np.sqrt((R - inside) * (R + inside))), r))
+
+    def reference_pressure(
+        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
+    ) -> FloatArray:
+        """Closed-form pressure [Pa] under `normal_load` [N]; see the notes of the class."""
+        R, r = self.radius, np.hypot(*body_axes(x, y, self.center))
+        if normal_load <= 0:
+            return np.zeros(r.shape)
+        if self.profile == "parabola":
+            a = (0.75 * normal_load * R / contact_modulus) ** (1.0 / 3.0)
+            peak = 2.0 * contact_modulus * a / (np.pi * R)
+            return np.asarray(peak * np.sqrt(np.maximum(0.0, 1.0 - (r / a) ** 2)))
+
+        def rate(t: FloatArray) -> FloatArray:
+            return np.asarray(np.arctanh(t / R) + t * R / ((R - t) * (R + t)))
+
+        a = contact_radius(rate, normal_load, contact_modulus, limit=R)
+        return revolution_pressure(r, rate, a, contact_modulus)
+
+
+@hookimpl
+def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+    """Register the sphere."""
+    return [Sphere]
