@@ -91,12 +91,12 @@ class Axis:
 
 
 def fast_even(n: int) -> int:
-    """Smallest even length >= n with prime factors 2, 3, 5 only (1 stays 1: a single cell needs no padding)."""
+    """Smallest even length >= n with prime factors up to 11 (1 stays 1: a single cell needs no padding)."""
     if n <= 1:
         return 1
     from scipy.fft import next_fast_len
 
-    return 2 * int(next_fast_len((n + 1) // 2, real=True))
+    return 2 * int(next_fast_len((n + 1) // 2, real=False))
 
 
 @dataclass(frozen=True)

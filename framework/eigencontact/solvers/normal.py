@@ -183,21 +183,19 @@ class _Normal:
         self.grid, self.control, self.options, self.report, self.progress = grid, control, options, report, progress
         self.coefficients = coefficients
         self.separation = separation
-        self.dtype = np.float64 if options.precision == "double" else np.float32
         self.free = control.forces()
         self.levels: list[Compliance] = []
-        self.solves = 0
 
     @property
     def convolutions(self) -> int:
         return sum(level.convolutions for level in self.levels)
 
-    def compliance(self, grid: Grid) -> Compliance:
+    def compliance(self, grid: Grid, precision: str) -> Compliance:
         made = Compliance(
             grid,
             self.coefficients,
             periodic=self.options.periodic,
-            precision=self.options.precision,
+            precision=precision,
             threads=self.options.threads,
         )
         self.levels.append(made)
@@ -224,17 +222,17 @@ class _Normal:
 
     def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> FloatArray:
         """Loose solution on a coarser grid, for a start only."""
-        compliance = self.compliance(grid)
-        box, _ = self._box(grid, fixed, pressure)
+        compliance = self.compliance(grid, "single")  # a start needs no more
+        box = self._box(grid, pressure)
         p, _, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
         return p
 
     def _finest(self, fixed: FloatArray, pressure: FloatArray | None) -> NormalSolution:
         """Solve on the whole grid; grow the box while the certificate finds overlap outside it."""
         options, grid = self.options, self.grid
-        compliance = self.compliance(grid)
+        compliance = self.compliance(grid, options.precision)
         whole = Box(0, grid.ny, 0, grid.nx)
-        box, _ = self._box(grid, fixed, pressure)
+        box = self._box(grid, pressure)
         compliance.reserve(box, whole)
         tolerance = 0.7 * options.tolerance  # of the iteration, so that the certificate holds with room to spare
         left = options.max_iterations
@@ -298,16 +296,16 @@ class _Normal:
             report=self.report,
         )
 
-    def _box(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> tuple[Box, None]:
+    def _box(self, grid: Grid, pressure: FloatArray | None) -> Box:
         """Box that can touch: that of the start with a margin, or everything."""
         whole = Box(0, grid.ny, 0, grid.nx)
         loaded = None if pressure is None else Box.around(pressure > 0)
         if loaded is None:
-            return whole, None
+            return whole
         box = loaded.grown(*_margin(loaded), grid.shape)
         if self.options.periodic and max(box.shape[0] / grid.ny, box.shape[1] / grid.nx) > 0.5:
-            return whole, None
-        return box, None
+            return whole
+        return box
 
     def _on_box(
         self,
@@ -324,6 +322,7 @@ class _Normal:
         unit = compliance.unit
         here = fixed[box.slices]
         modes, forces, sizes = self._modes(grid, box)
+        dtype = np.float64 if compliance.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
         if 0 in self.free:
             length = unit * self.free[0] / grid.cell_area
@@ -339,8 +338,8 @@ class _Normal:
         problem = BoxProblem(
             apply=operator,
             precondition=circulant_inverse(compliance, box),
-            separation=(here / length).astype(self.dtype),
-            modes=modes.astype(self.dtype),
+            separation=(here / length).astype(dtype),
+            modes=modes.astype(dtype),
             forces=forces / (scale * grid.cell_area),
         )
 
@@ -351,7 +350,7 @@ class _Normal:
 
         state = solve_box(
             problem,
-            p.astype(self.dtype),
+            p.astype(dtype),
             loaded,
             tolerance=tolerance,
             max_iterations=max(1, iterations),
@@ -453,7 +452,7 @@ class _Normal:
 
 
 def _margin(box: Box) -> tuple[int, int]:
-    return tuple(max(2, -(-n // 32)) for n in box.shape)  # type: ignore[return-value]
+    return tuple(max(2, -(-n // 64)) for n in box.shape)  # type: ignore[return-value]
 
 
 def _union(a: Box, b: Box) -> Box:
