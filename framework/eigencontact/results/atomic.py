@@ -1,0 +1,152 @@
+"""Files that are either complete or absent: written under a temporary name, flushed to the disk, renamed."""
+
+from __future__ import annotations
+
+import os
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from eigencontact.errors import ResultsError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+__all__ = ["Sink", "open_hdf5", "partial_name", "reason", "replacing"]
+
+
+class Sink:
+    """Binary file that remembers a failed write instead of raising it.
+
+    The HDF5 library cannot close a file whose last bytes did not fit on the disk; it may then bring the interpreter
+    down. Written through a sink it always closes; `replacing` looks at ``error`` afterwards and discards the file.
+    """
+
+    def __init__(self, raw: BinaryIO) -> None:
+        self._raw = raw
+        self.error: BaseException | None = None
+
+    def write(self, data: bytes | memoryview) -> int:
+        """Write all of `data`; after a failure, nothing more."""
+        view = memoryview(data).cast("B")
+        done = 0
+        try:
+            while self.error is None and done < len(view):
+                done += self._raw.write(view[done:])
+        except BaseException as error:  # noqa: BLE001 - an interrupt in here must not reach HDF5 either
+            self.error = error
+        return len(view)
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Fill `buffer` from the present position; returns the number of bytes."""
+        return int(self._raw.readinto(buffer))  # type: ignore[attr-defined]
+
+    def read(self, size: int = -1) -> bytes:
+        """Read `size` bytes."""
+        return self._raw.read(size)
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Move to a position."""
+        return self._raw.seek(offset, whence)
+
+    def tell(self) -> int:
+        """Present position."""
+        return self._raw.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        """Cut or extend the file."""
+        try:
+            return self._raw.truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return size or 0
+
+    def check(self) -> None:
+        """Raise what a write failed with."""
+        if self.error is not None:
+            raise self.error
+
+    def flush(self) -> None:
+        """Nothing to do: writes are not buffered."""
+
+
+def open_hdf5(file: Path | Sink, mode: str) -> Any:
+    """Open a plain HDF5 file (h5py.File); `mode` is ``"r"``, ``"r+"`` or ``"w"``."""
+    import h5py  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+    return h5py.File(file, mode)
+
+
+def partial_name(path: Path) -> Path:
+    """Temporary name, in the same folder, under which `path` is written."""
+    return path.with_name(f".{path.name}.partial")
+
+
+def reason(error: BaseException) -> str:
+    """Words of the operating system for an error, without its number and path."""
+    return (getattr(error, "strerror", None) or str(error) or type(error).__name__).strip()
+
+
+@contextmanager
+def replacing(path: Path, what: str) -> Iterator[Sink]:
+    """Open a temporary file that becomes `path` when the block ends well, and vanishes when it does not.
+
+    Parameters
+    ----------
+    path : Path
+        Final name; an older file of that name stays untouched until the new one is complete and on the disk.
+    what : str
+        Name of the content for the message: ``"step 3"``.
+
+    Raises
+    ------
+    ResultsError
+        When the disk is full or the folder cannot be written.
+    """
+    partial = partial_name(path)
+    try:
+        with partial.open("w+b", buffering=0) as raw:
+            sink = Sink(raw)
+            try:
+                yield sink
+            except Exception as error:  # HDF5 may trip over what a failed write left; the failed write is the cause
+                sink.check()
+                raise _Inside from error
+            sink.check()
+            os.fsync(raw.fileno())
+        partial.replace(path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        _discard(partial)
+        raise ResultsError(
+            f"{what} must be stored in {path.parent} (got: {reason(error)}); free space or make the folder "
+            "writable, then --resume continues after the last complete step"
+        ) from error
+    except _Inside as error:
+        _discard(partial)
+        raise error.__cause__ or error from None
+    except BaseException:
+        _discard(partial)
+        raise
+
+
+class _Inside(Exception):  # noqa: N818 - never leaves this module
+    """Carries an error of the block past the handler for errors of the file."""
+
+
+def _discard(partial: Path) -> None:
+    try:
+        partial.unlink(missing_ok=True)
+    except OSError:  # the folder itself is gone or was never there: nothing of ours is left in it
+        return
+
+
+def _sync_folder(folder: Path) -> None:
+    """Put the rename itself on the disk, where the system can (POSIX)."""
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

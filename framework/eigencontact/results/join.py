@@ -1,0 +1,135 @@
+"""Steps joined along ``step`` into one results file, one step in memory at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import open_hdf5, reason, replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+__all__ = ["join_steps"]
+
+#: Variables above this size [bytes] are compressed (gzip 1 after a byte shuffle).
+COMPRESS_ABOVE = 2**20
+#: Target size of one chunk [bytes]; a chunk never spans two steps.
+CHUNK_BYTES = 2**22
+
+
+@dataclass(slots=True)
+class _Column:
+    """A variable of the joined file: what it looks like in a step, and in how many steps it occurs."""
+
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    dtype: Any
+    attrs: dict[str, Any]
+    count: int = 0
+
+    @property
+    def stepped(self) -> bool:
+        """Whether the variable changes from step to step."""
+        return self.dims[:1] == ("step",)
+
+
+def join_steps(target: Path, steps: Sequence[Path]) -> None:
+    """Join stored steps into one file.
+
+    A variable that occurs in some steps only (a quantity that becomes available later) is NaN in the others.
+
+    Parameters
+    ----------
+    target : Path
+        The results file; replaced atomically.
+    steps : sequence of Path
+        Files of the steps, in order.
+
+    Raises
+    ------
+    ResultsError
+        When a step is damaged, when the sub-surface points differ between steps, or when the disk is full.
+    """
+    import h5netcdf
+
+    try:
+        columns, attrs = _columns(steps)
+        with replacing(target, "results") as sink:
+            with h5netcdf.File(sink, "w") as out:
+                sizes = {dim: n for c in columns.values() for dim, n in zip(c.dims, c.shape, strict=True)}
+                out.dimensions = sizes | {"step": len(steps)}
+                for name, column in columns.items():
+                    _create(out, name, column, len(steps))
+                out.attrs.update(attrs)
+            sink.check()
+            with open_hdf5(sink, "r+") as out:  # plain HDF5 fills ten times faster
+                for at, path in enumerate(steps):
+                    _fill(out, at, path, columns)
+    except (OSError, RuntimeError, KeyError) as error:
+        raise ResultsError(
+            f"stored steps in {steps[0].parent} must be complete (got: {reason(error)}); --resume computes the rest"
+        ) from error
+
+
+def _fill(out: Any, at: int, path: Path, columns: dict[str, _Column]) -> None:
+    """Copy one step into its place, and what does not change from the first."""
+    with open_hdf5(path, "r") as file:
+        for name, values in file.items():
+            if columns[name].stepped:
+                out[name][at] = values[0]
+            elif at == 0:
+                out[name][...] = values[...]
+
+
+def _columns(steps: Sequence[Path]) -> tuple[dict[str, _Column], dict[str, Any]]:
+    """Everything that occurs in the steps, and the attributes of the last one."""
+    columns: dict[str, _Column] = {}
+    regions: set[str] = set()
+    attrs: dict[str, Any] = {}
+    for path in steps:
+        with open_hdf5(path, "r") as file:
+            attrs = dict(file.attrs)
+            regions.add(attrs["regions"])
+            for name, v in file.items():
+                if name not in columns:
+                    own = dict(v.attrs)
+                    columns[name] = _Column(tuple(str(own.pop("dims")).split()), v.shape, v.dtype, own)
+                if columns[name].shape != v.shape:
+                    regions.add(f"{name} {v.shape}")
+                columns[name].count += 1
+    if len(regions) != 1:
+        raise ResultsError(
+            f"sub-surface points must be the same in all steps (got {len(regions)} different sets); "
+            "give every step the same regions"
+        )
+    return columns, attrs
+
+
+def _create(out: Any, name: str, column: _Column, steps: int) -> None:
+    shape = (steps, *column.shape[1:]) if column.stepped else column.shape
+    options: dict[str, Any] = {}
+    if column.stepped and column.count < steps:
+        options["fillvalue"] = np.nan
+    dtype = np.dtype(column.dtype)
+    if int(np.prod(shape)) * dtype.itemsize > COMPRESS_ABOVE:
+        options |= {"chunks": _chunks(shape, dtype.itemsize), "compression": "gzip", "compression_opts": 1}
+        options |= {"shuffle": True}
+    variable = out.create_variable(name, column.dims, column.dtype, **options)
+    variable.attrs.update(column.attrs)
+
+
+def _chunks(shape: tuple[int, ...], itemsize: int) -> tuple[int, ...]:
+    """One step and leading indices at a time, whole rows, about `CHUNK_BYTES`."""
+    chunks = [1] * len(shape)
+    room = max(1, CHUNK_BYTES // itemsize)
+    for axis in range(len(shape) - 1, 0, -1):
+        chunks[axis] = min(shape[axis], room)
+        room = max(1, room // chunks[axis])
+    if len(shape) == 1:
+        chunks[0] = min(shape[0], room)
+    return tuple(chunks)

@@ -1,0 +1,198 @@
+"""Layout of a results file: names, dimensions, units and roles of its variables.
+
+A stored step holds the same variables with one entry along ``step``; the results of a run are the steps joined.
+Surface fields are ``<quantity>(step, y, x)``, scalars ``<name>(step)``, sub-surface fields
+``<region>_<quantity>(step[, component | principal], <region>_z, <region>_x ...)`` with coordinates ``<region>_x``,
+``<region>_y``, ``<region>_z``. Stresses are plain tensor components. Everything is SI.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.quantities import QUANTITIES, Quantity
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.errors import ResultsError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
+
+__all__ = ["FORMAT", "SCALARS", "Variable", "attributes", "variables"]
+
+#: Value of the attribute ``format`` of every file of this layout.
+FORMAT = "eigencontact-results-1"
+
+#: Scalars of a step: unit and meaning.
+SCALARS: dict[str, Quantity] = {
+    "normal_load": Quantity("N", "normal load"),
+    "approach": Quantity("m", "approach of distant points"),
+    "tilt_x": Quantity("rad", "tilt about the x axis"),
+    "tilt_y": Quantity("rad", "tilt about the y axis"),
+    "moment_x": Quantity("N m", "moment about the x axis"),
+    "moment_y": Quantity("N m", "moment about the y axis"),
+    "contact_area": Quantity("m2", "contact area"),
+    "contact_radius": Quantity("m", "radius of the circle of equal contact area"),
+    "max_pressure": Quantity("Pa", "largest contact pressure"),
+    "max_von_mises": Quantity("Pa", "largest von Mises stress at the requested points"),
+    "max_von_mises_depth": Quantity("m", "depth of the largest von Mises stress"),
+    "iterations": Quantity("1", "iterations of the solver"),
+    "convolutions": Quantity("1", "convolutions of the solver"),
+    "solve_seconds": Quantity("s", "wall time of the solver"),
+    "gap_residual": Quantity("1", "relative gap where there is pressure"),
+    "penetration_residual": Quantity("1", "relative penetration where there is none"),
+    "load_residual": Quantity("1", "relative error of the load"),
+}
+
+_AXES = {
+    "x": Quantity("m", "x"),
+    "y": Quantity("m", "y"),
+    "z": Quantity("m", "depth below the surface, into the body"),
+}
+#: HDF5 strings of any length, as h5py.string_dtype() builds them.
+_TEXT = np.dtype("O", metadata={"vlen": str})
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Variable:
+    """One array of a results file: its dimensions (``step`` first where it changes), values and attributes."""
+
+    name: str
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: dict[str, str | int] = field(default_factory=dict)
+
+
+def attributes(info: RunInfo, regions: dict[str, RegionRecord]) -> dict[str, Any]:
+    """Attributes of the whole file: conventions, provenance, and what the variable names alone do not tell."""
+    from eigencontact import __version__
+
+    described = {
+        name: {"shape": region.shape, "body": region.body, "dims": list(region.dims), "fields": list(region.fields)}
+        for name, region in regions.items()
+    }
+    return {
+        "Conventions": "CF-1.8",
+        "format": FORMAT,
+        "title": info.title,
+        "name": info.name,
+        "source": f"eigencontact {__version__}",
+        "eigencontact_version": __version__,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "references": "\n".join(info.references),
+        "scene": info.scene_toml,
+        "scene_hash": info.scene_hash,
+        "versions": json.dumps(info.versions, sort_keys=True),
+        "contact_modulus": info.contact_modulus,
+        "cell_size": np.array([info.grid.dx, info.grid.dy]),
+        "load_steps": info.steps,
+        "regions": json.dumps(described),
+        "comment": "SI units; z points into the body; pressure positive in compression, stress positive in tension",
+    }
+
+
+def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
+    """Return every variable of one step, coordinates first.
+
+    Raises
+    ------
+    ResultsError
+        When two results would bear one name, a name holds a slash, or a field does not fit its grid.
+    """
+    listed = [*_coordinates(info, record), *_surface(info, record), *_scalars(record)]
+    for name, region in record.regions.items():
+        listed.extend(_region(name, region))
+    seen: set[str] = set()
+    for variable in listed:
+        if variable.name in seen or "/" in variable.name or not variable.name:
+            raise ResultsError(
+                f"step {record.index}: name of a result must be unique and without '/' (got {variable.name!r}); "
+                "rename the region or the number of the observer"
+            )
+        seen.add(variable.name)
+    return listed
+
+
+def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
+    yield Variable(
+        name="step",
+        dims=("step",),
+        values=np.array([record.index]),
+        attrs={"role": "coordinate", "units": "1", "long_name": "accepted step"},
+    )
+    yield Variable(
+        name="time",
+        dims=("step",),
+        values=np.array([record.time]),
+        attrs={"role": "coordinate", "units": "1", "long_name": "position in the load history, in load steps"},
+    )
+    for axis, values in (("y", info.grid.y), ("x", info.grid.x)):
+        yield Variable(name=axis, dims=(axis,), values=values, attrs=_described("coordinate", _AXES[axis]))
+    fields = {name for region in record.regions.values() for name in region.fields}
+    if "stress" in fields:
+        attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "stress component"}
+        yield Variable(name="component", dims=("component",), values=np.array(COMPONENTS, dtype=_TEXT), attrs=attrs)
+    if "principal" in fields:
+        attrs = {"role": "coordinate", "units": "1", "long_name": "principal stress, 1 is the largest"}
+        yield Variable(name="principal", dims=("principal",), values=np.array([1, 2, 3]), attrs=attrs)
+
+
+def _surface(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
+    for name, values in record.fields.items():
+        _fits(name, np.shape(values), info.grid.shape)
+        attrs = {**_described("field", QUANTITIES.get(name)), "coordinates": "time"}
+        yield Variable(name=name, dims=("step", "y", "x"), values=np.asarray(values)[None], attrs=attrs)
+
+
+def _scalars(record: StepRecord) -> Iterator[Variable]:
+    for name, value in record.scalars.items():
+        attrs = {**_described("scalar", SCALARS.get(name, Quantity("unknown", name))), "coordinates": "time"}
+        yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
+    for name, value in record.observed.items():
+        meaning = Quantity("unknown", f"{name} as returned by its observer, SI units")
+        attrs = {**_described("observed", meaning), "coordinates": "time"}
+        yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
+
+
+def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
+    named = {axis: f"{name}_{axis}" for axis in (*region.coords, *region.dims)}
+    for axis, values in region.coords.items():
+        dims: tuple[str, ...] = ()
+        if np.ndim(values) == 1:
+            dims = (named[axis] if axis in region.dims else f"{name}_point",)
+        attrs = {**_described("coordinate", _AXES[axis]), "region": name}
+        yield Variable(name=named[axis], dims=dims, values=np.asarray(values, dtype=float), attrs=attrs)
+    beside = " ".join(["time", *(named[axis] for axis in region.coords if axis not in region.dims)])
+    sizes = {axis: np.size(region.coords[axis]) for axis in region.dims if axis in region.coords}
+    sizes["point"] = max((np.size(values) for values in region.coords.values()), default=1)
+    grid = tuple(sizes[axis] for axis in region.dims)
+    for quantity, values in region.fields.items():
+        lead = {"stress": ("component",), "principal": ("principal",)}.get(quantity, ())
+        _fits(f"{name}.{quantity}", np.shape(values), (*((6,) if quantity == "stress" else (3,) * len(lead)), *grid))
+        attrs = {
+            **_described("region", QUANTITIES.get(quantity, Quantity("unknown", quantity))),
+            "coordinates": beside,
+            "region": name,
+            "shape": region.shape,
+            "body": region.body,
+        }
+        dims = ("step", *lead, *(named[axis] for axis in region.dims))
+        yield Variable(name=f"{name}_{quantity}", dims=dims, values=np.asarray(values)[None], attrs=attrs)
+
+
+def _described(role: str, quantity: Quantity | None) -> dict[str, str | int]:
+    found = quantity or Quantity("unknown", "no entry in the vocabulary of quantities")
+    return {"role": role, "units": found.unit, "long_name": found.long_name}
+
+
+def _fits(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:
+    if shape != expected:
+        raise ResultsError(f"{name} must be of shape {expected} (got {shape}); the field does not fit its points")

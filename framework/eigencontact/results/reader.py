@@ -1,0 +1,61 @@
+"""Stored results opened as an xarray dataset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import reason
+from eigencontact.results.layout import FORMAT
+from eigencontact.results.store import RESULTS, STEPS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["open_results"]
+
+
+def open_results(path: str | Path) -> xr.Dataset:
+    """Open the results of a finished run; arrays are read when they are used.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder of a run or its ``results.nc``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions ``step, y, x`` and those of the regions, coordinates [m], ``units`` and ``long_name`` on every
+        variable, provenance in the attributes. Close it, or use it in a ``with`` block.
+
+    Raises
+    ------
+    ResultsError
+        When there is nothing, only the steps of an interrupted run, or a file that is damaged or not ours.
+    """
+    import xarray as xr
+
+    given = Path(path)
+    file = given / RESULTS if given.is_dir() else given
+    if not file.exists():
+        steps = (given if given.is_dir() else given.parent) / STEPS
+        if steps.is_dir():
+            count = len(list(steps.glob("[0-9]*.h5")))
+            raise ResultsError(
+                f"{file} must be the results of a finished run (got an interrupted run with {count} stored steps); "
+                "continue it with --resume"
+            )
+        raise ResultsError(f"{file} must exist (got nothing there); give the folder of a run or its {RESULTS}")
+    try:
+        dataset = xr.open_dataset(file, engine="h5netcdf")
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
+        raise ResultsError(
+            f"{file} must be a complete results file (got: {reason(error)}); run the scene again"
+        ) from error
+    if dataset.attrs.get("format") != FORMAT:
+        found = dataset.attrs.get("format")
+        dataset.close()
+        raise ResultsError(f"{file} must be a file of format {FORMAT!r} (got {found!r}); it is not one of ours")
+    return dataset

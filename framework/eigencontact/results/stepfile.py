@@ -1,0 +1,115 @@
+"""One accepted step in one file: written whole, read back whole, checked for damage."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import open_hdf5, reason, replacing
+from eigencontact.results.layout import FORMAT, attributes, variables
+from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["read_attributes", "read_step", "stored_steps", "write_step"]
+
+
+def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
+    """Store one step atomically; arrays carry a checksum so that damage is noticed when they are read.
+
+    Raises
+    ------
+    ResultsError
+        When it cannot be stored; nothing is left behind then.
+    """
+    listed = variables(info, record)
+    with replacing(path, f"step {record.index}") as sink, open_hdf5(sink, "w") as file:
+        for v in listed:
+            checked = v.values.size > 1 and v.values.dtype.kind != "O"  # texts of any length take no checksum
+            options = {"chunks": v.values.shape, "fletcher32": True} if checked else {}
+            made = file.create_dataset(v.name, data=v.values, dtype=v.values.dtype, track_order=False, **options)
+            made.attrs.update({**v.attrs, "dims": " ".join(v.dims)})
+        file.attrs.update(attributes(info, record.regions))
+
+
+def read_attributes(path: Path) -> dict[str, Any]:
+    """Attributes of a file of ours.
+
+    Raises
+    ------
+    ResultsError
+        When the file is damaged or not ours.
+    """
+    try:
+        with open_hdf5(path, "r") as file:
+            found = dict(file.attrs)
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
+        raise ResultsError(_refusal(path, "complete", reason(error))) from error
+    if found.get("format") != FORMAT:
+        raise ResultsError(_refusal(path, f"of format {FORMAT!r}", str(found.get("format"))))
+    return found
+
+
+def stored_steps(path: Path) -> list[int]:
+    """Indices of the steps in a results file."""
+    with open_hdf5(path, "r") as file:
+        return [int(index) for index in file["step"][...]]
+
+
+def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
+    """Read one step back from its own file or from the results of a run.
+
+    Raises
+    ------
+    ResultsError
+        When the file is damaged, not ours, of another scene, or does not hold that step.
+    """
+    found = read_attributes(path)
+    if found.get("scene_hash") != scene_hash:
+        raise ResultsError(_refusal(path, "of this scene", f"scene hash {found.get('scene_hash')}"))
+    try:
+        with open_hdf5(path, "r") as file:
+            steps = [int(step) for step in file["step"][...]]
+            if index not in steps:
+                raise ResultsError(_refusal(path, f"holding step {index}", f"steps {steps}"))
+            return _record(file, index, steps.index(index), json.loads(found["regions"]))
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
+        raise ResultsError(_refusal(path, "complete", reason(error))) from error
+
+
+def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRecord:
+    kept: dict[str, dict[str, Any]] = {"field": {}, "scalar": {}, "observed": {}}
+    for name, variable in file.items():
+        role = str(variable.attrs.get("role"))  # the dimensions of joined results have none
+        if role in kept:
+            value = variable[at]
+            # A quantity that this step did not have is stored as NaN throughout when steps are joined.
+            if "_FillValue" not in variable.attrs or not np.all(np.isnan(value)):
+                kept[role][name] = value if role == "field" else float(value)
+    regions = {}
+    for name, region in described.items():
+        coords = {axis: file[f"{name}_{axis}"] for axis in "xyz" if f"{name}_{axis}" in file}
+        regions[name] = RegionRecord(
+            name=name,
+            shape=region["shape"],
+            body=region["body"],
+            dims=tuple(region["dims"]),
+            coords={axis: v[...] if v.shape else float(v[()]) for axis, v in coords.items()},
+            fields={quantity: file[f"{name}_{quantity}"][at] for quantity in region["fields"]},
+        )
+    return StepRecord(
+        index=index,
+        time=float(file["time"][at]),
+        scalars=kept["scalar"],
+        fields=kept["field"],
+        regions=regions,
+        observed=kept["observed"],
+    )
+
+
+def _refusal(path: Path, rule: str, got: str) -> str:
+    return f"{path} must be a results file {rule} (got: {got}); it is not used"

@@ -1,0 +1,255 @@
+"""The folder of a run: each accepted step stored at once, one results file at the end."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import partial_name, reason, replacing
+from eigencontact.results.join import join_steps
+from eigencontact.results.stepfile import read_attributes, read_step, stored_steps, write_step
+
+if TYPE_CHECKING:
+    from eigencontact.results.records import RunInfo, StepRecord
+
+__all__ = ["RESULTS", "STEPS", "SUMMARY", "ResultStore"]
+
+#: The results of a finished run, the steps of an unfinished one, and the summary.
+RESULTS, STEPS, SUMMARY = "results.nc", "steps", "summary.json"
+_MARK = "run.json"
+_STEP_FILE = re.compile(r"(\d{4,})\.h5")
+_OWN_IN_STEPS = re.compile(r"(\d{4,}\.h5|run\.json|\.(\d{4,}\.h5|run\.json)\.partial)")
+
+
+@dataclass(slots=True)
+class ResultStore:
+    """Results of one run in one folder.
+
+    While a run is under way the folder holds ``steps/0001.h5 ...``; `finish` joins them into ``results.nc``. A run
+    killed at any moment leaves complete steps only, and a store created with ``resume=True`` continues them.
+
+    Attributes
+    ----------
+    folder : Path
+        Where the run is stored.
+    info : RunInfo
+        What holds for all steps.
+    problems : list of str
+        Stored steps that `accepted` could not use, in words, to be shown to the user; they are computed again.
+    """
+
+    folder: Path
+    info: RunInfo
+    problems: list[str] = field(default_factory=list)
+
+    @classmethod
+    def create(cls, folder: Path, info: RunInfo, *, resume: bool = False, overwrite: bool = False) -> ResultStore:
+        """Open a folder for a run.
+
+        Parameters
+        ----------
+        folder : Path
+            Made with its parents where missing; other files in it are left alone.
+        info : RunInfo
+            What holds for all steps.
+        resume : bool
+            Continue the run stored there; the scene must be the same. With nothing stored, start.
+        overwrite : bool
+            Remove what an earlier run stored there: only files that this package wrote.
+
+        Raises
+        ------
+        ResultsError
+            When the folder cannot be written, or holds results that neither choice covers.
+        """
+        folder = Path(folder)
+        store = cls(folder, info)
+        if resume and overwrite:
+            raise ResultsError("results must be continued or replaced, not both; give --resume or --overwrite")
+        try:
+            kept = _stored_hash(folder / STEPS / _MARK), _results_hash(folder / RESULTS)
+            _refuse_foreign_steps(folder / STEPS)
+            if not overwrite:
+                _refuse_conflict(folder, info, kept, resume=resume)
+            folder.mkdir(parents=True, exist_ok=True)
+            _probe(folder)
+            if overwrite:
+                _remove_own(folder)
+            if not (resume and store.finished):
+                store._begin()
+        except OSError as error:
+            raise ResultsError(
+                f"output folder {folder} must be a folder that can be written (got: {reason(error)}); "
+                "choose another with -o"
+            ) from error
+        return store
+
+    @property
+    def finished(self) -> bool:
+        """Whether the folder holds the results of this run and no steps of an unfinished one."""
+        path = self.folder / RESULTS
+        return not (self.folder / STEPS / _MARK).exists() and _results_hash(path) == self.info.scene_hash
+
+    def _begin(self) -> None:
+        steps = self.folder / STEPS
+        steps.mkdir(exist_ok=True)
+        mark = {"scene_hash": self.info.scene_hash, "name": self.info.name, "load_steps": self.info.steps}
+        with replacing(steps / _MARK, "the mark of the run") as sink:
+            sink.write(json.dumps(mark).encode())
+
+    def write_step(self, record: StepRecord) -> None:
+        """Store one accepted step, complete and on the disk when this returns.
+
+        Raises
+        ------
+        ResultsError
+            When it cannot be stored (full disk, folder gone); earlier steps stay, nothing torn is left behind.
+        """
+        write_step(self._path(record.index), self.info, record)
+
+    def accepted(self) -> list[int]:
+        """Indices 1, 2, ... n of the stored steps from which the run can continue.
+
+        Every file is read through. The list ends before the first missing or damaged step, because a step
+        continues the one before it; `problems` says what was found.
+        """
+        self.problems = []
+        if self.finished:
+            return stored_steps(self.folder / RESULTS)
+        found = _step_files(self.folder / STEPS)
+        usable: list[int] = []
+        for index in sorted(found):
+            if index != len(usable) + 1:
+                self.problems.append(f"step {len(usable) + 1} is missing; it and the steps after it are computed again")
+                break
+            try:
+                read_step(found[index], self.info.scene_hash, index)
+            except ResultsError as error:
+                self.problems.append(f"{error}; step {index} and those after it are computed again")
+                break
+            usable.append(index)
+        return usable
+
+    def load_step(self, index: int) -> StepRecord:
+        """Read a stored step back.
+
+        Raises
+        ------
+        ResultsError
+            When it is missing, damaged, or of another scene.
+        """
+        path = self.folder / RESULTS if self.finished else self._path(index)
+        if not path.exists():
+            raise ResultsError(f"{self.folder} must hold step {index} (got steps {self.accepted()}); compute it again")
+        return read_step(path, self.info.scene_hash, index)
+
+    def finish(self) -> Path:
+        """Join the steps into ``results.nc``, remove the folder of steps, and return the path.
+
+        Raises
+        ------
+        ResultsError
+            When no step is stored, one is missing or damaged, or the disk is full; the steps are then kept.
+        """
+        target = self.folder / RESULTS
+        if self.finished:
+            return target
+        found = _step_files(self.folder / STEPS)
+        if not found or sorted(found) != list(range(1, len(found) + 1)):
+            raise ResultsError(
+                f"{self.folder / STEPS} must hold steps 1, 2, ... without a gap (got {sorted(found)}); "
+                "--resume computes the missing ones"
+            )
+        join_steps(target, [found[index] for index in sorted(found)])
+        _remove_steps(self.folder)
+        return target
+
+    def _path(self, index: int) -> Path:
+        return self.folder / STEPS / f"{index:04d}.h5"
+
+
+def _step_files(steps: Path) -> dict[int, Path]:
+    paths = steps.iterdir() if steps.is_dir() else ()
+    return {int(match[1]): path for path in paths if (match := _STEP_FILE.fullmatch(path.name))}
+
+
+def _stored_hash(mark: Path) -> str | None:
+    """Scene hash of an unfinished run; None where there is none."""
+    try:
+        return str(json.loads(mark.read_text())["scene_hash"])
+    except FileNotFoundError:
+        return None
+    except (ValueError, KeyError, TypeError) as error:
+        raise ResultsError(
+            f"{mark} must be the mark of a run of ours (got: {reason(error)}); move it away or choose another -o"
+        ) from error
+
+
+def _results_hash(path: Path) -> str | None:
+    """Scene hash of finished results; None where there are none."""
+    return str(read_attributes(path)["scene_hash"]) if path.exists() else None
+
+
+def _refuse_foreign_steps(steps: Path) -> None:
+    if steps.exists() and not (steps / _MARK).exists():
+        strange = sorted(path.name for path in steps.iterdir() if not _OWN_IN_STEPS.fullmatch(path.name))
+        if strange:
+            raise ResultsError(
+                f"{steps} must be a folder that this package made (got {strange[0]!r} in it); choose another with -o"
+            )
+
+
+def _refuse_conflict(folder: Path, info: RunInfo, kept: tuple[str | None, str | None], *, resume: bool) -> None:
+    choices = "--overwrite replaces them, another -o keeps them"
+    if any(found not in (None, info.scene_hash) for found in kept):
+        also = "; --resume continues the same scene only" if resume else ""
+        raise ResultsError(
+            f"{folder} must be empty or of the scene {info.name!r} as it is now (got results of another scene, "
+            f"or of this one before it was changed){also}; {choices}"
+        )
+    if kept[0] is not None and not resume and _step_files(folder / STEPS):
+        raise ResultsError(
+            f"{folder} must not hold an unfinished run (got steps {sorted(_step_files(folder / STEPS))} of "
+            f"{info.name!r}); --resume continues it, {choices}"
+        )
+
+
+def _probe(folder: Path) -> None:
+    """Raise OSError unless a file can be made in the folder."""
+    probe = partial_name(folder / "probe")
+    probe.touch()
+    probe.unlink()
+
+
+def _remove_own(folder: Path) -> None:
+    """Remove what an earlier run stored: steps, results, summary, and the files that the summary names as written."""
+    _remove_steps(folder)
+    summary = folder / SUMMARY
+    try:
+        written = json.loads(summary.read_text())
+        names = [str(name) for name in written["files"]] if "scene_hash" in written else []
+        names += [SUMMARY] if "scene_hash" in written else []
+    except (FileNotFoundError, ValueError, KeyError, TypeError):
+        names = []
+    inside = folder.resolve()
+    for name in (*names, RESULTS, *(partial_name(folder / name).name for name in (RESULTS, SUMMARY))):
+        path = folder / name
+        if path.is_file() and path.parent.resolve().is_relative_to(inside):
+            path.unlink()
+
+
+def _remove_steps(folder: Path) -> None:
+    """Remove the folder of steps; its mark goes first, so that a kill in between leaves nothing to resume wrongly."""
+    steps = folder / STEPS
+    if not steps.is_dir():
+        return
+    (steps / _MARK).unlink(missing_ok=True)
+    for path in list(steps.iterdir()):
+        if _OWN_IN_STEPS.fullmatch(path.name):
+            path.unlink()
+    if not any(steps.iterdir()):
+        steps.rmdir()
