@@ -1,0 +1,469 @@
+"""The benchmarks: the outside measure, the fresh processes, what is said of codes left out, the table."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad
+
+from eigencontact_verification.benchmarks import hertz
+from eigencontact_verification.benchmarks.__main__ import main, parser
+from eigencontact_verification.benchmarks.campaign import run_campaign
+from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
+from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge, love_influence
+from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.benchmarks.process import run_fresh
+from eigencontact_verification.benchmarks.stress import axis_error, axis_stress, depths_of
+from eigencontact_verification.benchmarks.table import replace_section
+from eigencontact_verification.benchmarks.task import Task
+from eigencontact_verification.benchmarks.worker import perform
+
+FAKE = """
+import os, time
+import numpy as np
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.stress import axis_stress
+
+def solve(n, threads, precision):
+    return HertzProblem(n=n).pressure, 7, 15
+
+def hungry(n, threads, precision):
+    np.ones(10_000_000).sum()
+    return solve(n, threads, precision)
+
+def crash(n, threads, precision):
+    os._exit(3)
+
+def fail(n, threads, precision):
+    raise RuntimeError("no convergence")
+
+def sleep(n, threads, precision):
+    time.sleep(60)
+
+def stress(n, depths, threads, precision):
+    radial, axial = axis_stress(depths)
+    values = np.stack([radial, radial, axial, 0 * axial, 0 * axial, 0 * axial])
+    return lambda pressure: np.broadcast_to(values[..., None, None], (6, len(depths), n, n))
+
+def code(name, function, modules=()):
+    return Code(name=name, distribution="numpy", modules=modules, settings="closed form", solve=function, stress=stress)
+
+GOOD, HUNGRY, CRASH, FAIL, SLEEP = (code(f.__name__, f) for f in (solve, hungry, crash, fail, sleep))
+ABSENT = code("absent", solve, ("a_module_that_is_not_there",))
+"""
+
+
+@pytest.fixture
+def fake(tmp_path, monkeypatch):
+    """A module of pretended codes that child processes find too; its name."""
+    name = "pretended_codes"
+    (tmp_path / f"{name}.py").write_text(FAKE)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    return name
+
+
+def dense_influence(problem):
+    """Displacement of every cell by unit pressure on every other, written without a transform."""
+    y, x = (axis.ravel() for axis in np.meshgrid(problem.axis, problem.axis, indexing="ij"))
+    return love_influence(x[:, None] - x[None, :], y[:, None] - y[None, :], 0.5 * problem.cell)
+
+
+def solve_dense(problem):
+    """Discrete solution by an active set and a direct solver: no gap but rounding."""
+    influence, h = dense_influence(problem), problem.separation.ravel()
+    active = problem.squared_radius.ravel() < 1.0
+    for _ in range(50):
+        m = int(active.sum())
+        matrix = np.block(
+            [
+                [influence[np.ix_(active, active)], -np.ones((m, 1))],
+                [np.full((1, m), problem.cell**2), np.zeros((1, 1))],
+            ]
+        )
+        unknown = np.linalg.solve(matrix, np.append(-h[active], problem.load))
+        p = np.zeros(h.size)
+        p[active] = unknown[:-1]
+        changed = (p > 0) | (influence @ p + h - unknown[-1] < 0) & ~active
+        if (changed == active).all():
+            return p.reshape(problem.n, problem.n)
+        active = changed
+    raise AssertionError("the active set does not settle")
+
+
+@pytest.fixture(scope="module")
+def discrete():
+    problem = HertzProblem(n=16)
+    return problem, solve_dense(problem)
+
+
+# --- the outside measure -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("x", "y"), [(1.7, 0.2), (-0.4, 2.5), (3.0, -3.0)])
+def test_influence_agrees_with_quadrature_of_boussinesq(x, y):
+    expected, _ = dblquad(lambda t, s: 1.0 / np.hypot(x - s, y - t) / np.pi, -1, 1, -1, 1, epsabs=1e-12, epsrel=1e-12)
+    assert float(love_influence(np.array(x), np.array(y), 1.0)) == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 8])
+@pytest.mark.parametrize("workers", [1, 2])
+def test_convolution_is_the_dense_sum(n, workers):
+    problem = HertzProblem(n=n)
+    field = np.random.default_rng(n).standard_normal((n, n))
+    expected = (dense_influence(problem) @ field.ravel()).reshape(n, n)
+    np.testing.assert_allclose(Convolution(problem)(field, workers), expected, rtol=0, atol=1e-13)
+
+
+def test_gap_of_the_exact_pressure_is_that_of_the_grid():
+    sizes = np.array([32, 64, 128, 256])
+    gaps = [judge(HertzProblem(n=n), HertzProblem(n=n).pressure).gap for n in sizes]
+    rate = -np.polyfit(np.log(sizes), np.log(gaps), 1)[0]
+    assert abs(rate - 1.15) < 0.1
+    assert gaps[-1] < 3.1e-4
+
+
+def test_discrete_solution_has_no_gap(discrete):
+    problem, pressure = discrete
+    found = judge(problem, pressure)
+    assert found.gap < 1e-13
+    assert found.tension == 0.0
+    assert abs(found.load_error) < 1e-13
+
+
+def test_bump_in_one_cell_is_measured_exactly(discrete):
+    problem, pressure = discrete
+    bump, cell = 1e-5, (7, 8)
+    bumped = pressure.copy()
+    bumped[cell] += bump
+    moved = bump * dense_influence(problem)[:, np.ravel_multi_index(cell, pressure.shape)].reshape(pressure.shape)
+    loaded = pressure > 0
+    approach = (Convolution(problem)(bumped) + problem.separation)[loaded].mean()
+    expected = np.abs(moved - moved[loaded].mean())[loaded].max() / approach
+    assert judge(problem, bumped).gap == pytest.approx(expected, rel=1e-6)
+
+
+def unload_the_middle(problem, p):
+    p[problem.n // 2, problem.n // 2] = 0.0
+
+
+def load_the_corner(problem, p):
+    p[0, 0] = 1e-3
+
+
+def pull_the_corner(problem, p):
+    p[0, 0] = -0.1 * problem.peak
+
+
+def press_less(problem, p):
+    p *= 0.99
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "least", "most"),
+    [
+        (unload_the_middle, "gap", 0.05, 0.5),  # penetration of an unloaded cell
+        (load_the_corner, "gap", 1.0, 4.0),  # a loaded cell far from contact
+        (pull_the_corner, "tension", 0.1 - 1e-12, 0.1 + 1e-12),
+        (press_less, "gap", 1e-3, 1e-2),
+    ],
+)
+def test_wrong_pressure_is_caught(discrete, change, field, least, most):
+    problem, pressure = discrete
+    wrong = pressure.copy()
+    change(problem, wrong)
+    assert least < getattr(judge(problem, wrong), field) < most
+
+
+def test_lost_load_is_measured(discrete):
+    problem, pressure = discrete
+    assert judge(problem, 0.99 * pressure).load_error == pytest.approx(-0.01, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "words"),
+    [
+        (np.ones((4, 5)), r"pressure must be of shape \(4, 4\) \(got \(4, 5\)\)"),
+        (np.full((4, 4), np.nan), "pressure must be finite"),
+        (-np.ones((4, 4)), "pressure must be positive somewhere"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused(pressure, words):
+    with pytest.raises(ValueError, match=words):
+        judge(HertzProblem(n=4), pressure)
+
+
+def test_the_judge_loads_nothing_of_the_judged():
+    script = (
+        "import sys, eigencontact_verification.benchmarks.measure; "
+        "sys.exit(any(m.split('.')[0] in ('eigencontact', 'eigencontact_plugins') for m in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+
+
+def test_stresses_on_the_axis():
+    z = np.linspace(0.001, 2.0, 2000)
+    radial, axial = axis_stress(z) / HertzProblem(n=1).peak
+    difference = radial - axial  # K. L. Johnson 1985, section 4.2: shear 0.31 p0 at 0.48 a for nu = 0.3
+    assert difference.max() / 2 == pytest.approx(0.310, abs=5e-4)
+    assert z[difference.argmax()] == pytest.approx(0.481, abs=2e-3)
+    np.testing.assert_allclose(axis_stress(np.array([0.0]))[:, 0] / HertzProblem(n=1).peak, [-0.8, -1.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("n", [4, 5])
+@pytest.mark.parametrize("component", range(3))
+def test_axis_error_sees_each_normal_stress(n, component):
+    z = depths_of(3)
+    stress = np.zeros((6, 3, n, n))
+    stress[:3] = axis_stress(z)[[0, 0, 1]][..., None, None]
+    assert axis_error(stress, z) < 1e-15
+    stress[component, 1] += 1e-3 * HertzProblem(n=1).peak
+    assert axis_error(stress, z) == pytest.approx(1e-3, rel=1e-9)
+
+
+# --- the peers, where they are installed --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", PEERS)
+def test_peer_solves_the_same_problem(name):
+    code = CODES[name]
+    for module in code.modules:
+        pytest.importorskip(module)
+    pressure, _, _ = code.solve(128, 1, "double")
+    found = judge(HertzProblem(n=128), pressure)
+    assert found.gap <= 1e-6
+    assert found.pressure_error == pytest.approx(4.525e-3, abs=2e-6)  # that of the grid, whoever solves
+
+
+def test_periodic_answer_of_tamaas_is_caught():
+    tamaas = pytest.importorskip("tamaas")
+    problem = HertzProblem(n=64)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [problem.side] * 2, [64, 64])
+    model.E, model.nu = 1.0, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "non-periodic")  # registered, but not chosen
+    tamaas.PolonskyKeerRey(model, -problem.separation, 1e-6).solve(problem.load / problem.side**2)
+    assert 5e-3 < judge(problem, np.array(model.traction)).gap < 2e-2
+
+
+# --- processes ----------------------------------------------------------------------------------------------------
+
+
+def task(fake, code, **changes):
+    return Task(**{"benchmark": "hertz", "code": f"{fake}:{code}", "n": 32, "warm": 2, **changes})
+
+
+def test_one_process_measures_one_code(fake):
+    sample = run_fresh(task(fake, "GOOD"), 60.0)
+    assert sample["status"] == "ok"
+    assert (sample["iterations"], sample["convolutions"], len(sample["again_s"])) == (7, 15, 2)
+    assert sample["gap"] == pytest.approx(judge(HertzProblem(n=32), HertzProblem(n=32).pressure).gap, rel=1e-9)
+    assert min(sample["first_s"], *sample["again_s"], sample["convolution_1_s"]) > 0
+
+
+@pytest.mark.skipif(PeakMemory().peak() is None, reason="the system does not tell the memory of a process")
+def test_peak_memory_is_that_of_the_solve_alone(fake):
+    ballast = np.ones(40_000_000)  # 320 MB in this process must not count
+    few = run_fresh(task(fake, "GOOD"), 60.0)["peak_bytes"]
+    many = run_fresh(task(fake, "HUNGRY"), 60.0)["peak_bytes"]
+    assert ballast[0] == 1.0
+    assert few < 10e6
+    assert many - few == pytest.approx(80e6, abs=2e6)  # the kernel counts pages in batches, thread by thread
+
+
+@pytest.mark.parametrize(
+    ("code", "limit", "status", "words"),
+    [
+        ("ABSENT", 60.0, "absent", "No module named 'a_module_that_is_not_there'"),
+        ("FAIL", 60.0, "failed", "RuntimeError: no convergence"),
+        ("CRASH", 60.0, "failed", "process ended with 3"),
+        ("SLEEP", 3.0, "slow", "not done within 3 s"),
+    ],
+)
+def test_what_went_wrong_is_told(fake, code, limit, status, words):
+    sample = run_fresh(task(fake, code), limit)
+    assert sample["status"] == status
+    assert words in sample["reason"]
+
+
+def test_interpreter_that_does_not_start(fake, tmp_path):
+    sample = run_fresh(task(fake, "GOOD"), 60.0, str(tmp_path / "none"))
+    assert sample["status"] == "absent"
+    assert "interpreter does not start" in sample["reason"]
+
+
+# --- the campaign -------------------------------------------------------------------------------------------------
+
+SAMPLE = {"status": "ok", "first_s": 0.1, "first_cpu_s": 0.1, "again_s": [0.05], "peak_bytes": 10, "settings": "none"}
+SAMPLE |= dict.fromkeys(("convolution_1_s", "convolution_threads_s"), 0.01)
+SAMPLE |= dict.fromkeys(("gap", "tension", "load_error", "peak_error", "radius_error", "pressure_error"), 0.0)
+SAMPLE |= {"iterations": None, "convolutions": None}
+
+
+def campaign(run, codes=("one", "two"), sizes=(64, 32), repeats=3, limit=60.0):
+    template = Task(benchmark="hertz", code="", n=0)
+    return run_campaign(template, codes=codes, sizes=sizes, repeats=repeats, limit=limit, run=run)
+
+
+def test_median_and_minimum_over_fresh_processes():
+    times = {"one": iter([0.5, 0.1, 0.2, 3, 1, 2]), "two": iter([1.0] * 6)}
+    out = campaign(lambda task, _: {**SAMPLE, "first_s": next(times[task.code])})
+    found = [(row["n"], row["code"], row["first_s"], row["first_min_s"], row["processes"]) for row in out.rows]
+    assert found == [(32, "one", 0.2, 0.1, 3), (32, "two", 1.0, 1.0, 3), (64, "one", 2, 1, 3), (64, "two", 1.0, 1.0, 3)]
+    assert out.rows[0]["first_per_convolution_1"] == pytest.approx(20.0)
+    assert out.rows[0]["again_per_convolution_1"] == pytest.approx(5.0)
+    assert out.notes == []
+
+
+@pytest.mark.parametrize(
+    ("status", "words"),
+    [
+        ("absent", "two: skipped, absent (because)"),
+        ("slow", "two: skipped from N = 32 on, slower than the limit (because)"),
+        ("failed", "two: skipped from N = 32 on, failed (because)"),
+    ],
+)
+def test_code_left_out_is_said_once_and_not_tried_again(status, words):
+    asked = []
+
+    def run(task, limit):
+        asked.append((task.code, task.n))
+        return {"status": status, "reason": "because"} if task.code == "two" else SAMPLE
+
+    out = campaign(run)
+    assert out.notes == [words]
+    assert asked.count(("two", 32)) == 1
+    assert ("two", 64) not in asked
+    assert {row["code"] for row in out.rows} == {"one"}
+
+
+def test_code_past_its_limit_runs_no_larger_size(monkeypatch):
+    clock = iter(range(0, 10_000, 100))
+    monkeypatch.setattr("time.perf_counter", lambda: next(clock))
+    asked = []
+
+    def run(task, limit):
+        asked.append(task.n)
+        return SAMPLE
+
+    out = campaign(run, codes=("one",))
+    assert asked == [32]
+    assert out.notes == ["one: larger than N = 32 skipped, slower than the limit of 60 s there"]
+
+
+@pytest.mark.parametrize(("cost", "verdict"), [(1.4, "within 1.5"), (1.6, "beyond 1.5")])
+def test_growth_of_the_cost_per_point(cost, verdict):
+    rows = [
+        {"code": "one", "n": n, "first_ns_per_point_log": value, "again_ns_per_point_log": None}
+        for n, value in ((512, 10.0), (1024, 11.0), (2048, 10.0 * cost))
+    ]
+    assert hertz.scaling(rows) == [
+        f"one, first call: cost per point and log2 N at 2048 is {cost:.2f} times that at 512 ({verdict})"
+    ]
+    assert hertz.scaling(rows[:2]) == []
+
+
+# --- the command --------------------------------------------------------------------------------------------------
+
+
+def test_command_from_end_to_end(fake, tmp_path, capsys):
+    readme, raw = tmp_path / "README.md", tmp_path / "raw.json"
+    readme.write_text("before\n<!-- benchmark:hertz -->\nold\n<!-- /benchmark:hertz -->\nafter\n")
+    arguments = ["--sizes", "32", "64", "--repeats", "1", "--warm", "1", "--threads", "2"]
+    files = ["--json", str(raw), "--markdown", str(readme)]
+    assert main(["hertz", "--codes", f"{fake}:GOOD", f"{fake}:ABSENT", *arguments, *files]) == 0
+    content = json.loads(raw.read_text())
+    assert [row["n"] for row in content["rows"]] == [32, 64]
+    assert content["machine"]["cores"] >= 1
+    absent = f"{fake}:ABSENT: skipped, absent (No module named 'a_module_that_is_not_there')"
+    assert content["notes"] == [absent]
+    printed, written = capsys.readouterr().out, readme.read_text()
+    assert absent in printed
+    assert absent in written
+    assert "old" not in written
+    assert written.startswith("before\n<!-- benchmark:hertz -->\n\n|")
+    assert written.endswith("\n\n<!-- /benchmark:hertz -->\nafter\n")
+    assert str(tmp_path) not in json.dumps(content["machine"]) + printed
+
+
+def test_stress_command(fake, capsys):
+    assert main(["stress", "--codes", f"{fake}:GOOD", "--size", "32", "--depths", "4", "--repeats", "1"]) == 0
+    row = capsys.readouterr().out.splitlines()[2].split("|")
+    assert [cell.strip() for cell in row[1:4]] == ["32", "4", f"{fake}:GOOD"]
+    assert perform(task(fake, "GOOD", benchmark="stress", depths=4))["axis_error"] < 1e-15
+
+
+def test_nothing_measured_is_a_failure(fake, capsys):
+    assert main(["hertz", "--codes", f"{fake}:ABSENT", "--sizes", "32"]) == 1
+    assert "skipped, absent" in capsys.readouterr().out
+
+
+def test_defaults():
+    options = parser().parse_args(["hertz"])
+    assert (options.sizes, options.repeats, options.limit) == ([256, 512, 1024, 2048], 3, 120.0)
+    assert not options.peers
+    options = parser().parse_args(["stress", "--interpreter", "tamaas=venv/bin/python"])
+    assert (options.size, options.depths, options.interpreter) == (256, 32, [("tamaas", "venv/bin/python")])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["hertz", "--sizes", "0"], "must be at least 1 (got 0)"),
+        (["hertz", "--limit", "nan"], "must be positive and finite (got nan)"),
+        (["hertz", "--codes", "tammas"], "or package.module:OBJECT (got tammas)"),
+        (["hertz", "--interpreter", "tamaas"], "must be CODE=PYTHON (got tamaas)"),
+        (["stress", "--peers"], "unrecognized arguments: --peers"),
+        ([], "required: benchmark"),
+    ],
+)
+def test_wrong_arguments_are_refused(arguments, words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        parser().parse_args(arguments)
+    assert stop.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_unknown_code_names_the_known_ones():
+    with pytest.raises(ValueError, match=r"code must be one of \['aspher', .*'tamaas'\] .*\(got 'tammas'\)"):
+        find_code("tammas")
+
+
+# --- the table of a README ----------------------------------------------------------------------------------------
+
+
+def test_section_is_replaced_again_and_again(tmp_path):
+    path = tmp_path / "README.md"
+    path.write_text(
+        "a\n<!-- benchmark:one -->\n<!-- /benchmark:one -->\nb\n<!-- benchmark:two -->\nkept\n<!-- /benchmark:two -->\n"
+    )
+    replace_section(path, "one", r"| \1 |")
+    once = path.read_text()
+    assert once == (
+        "a\n<!-- benchmark:one -->\n\n| \\1 |\n\n<!-- /benchmark:one -->\nb\n"
+        "<!-- benchmark:two -->\nkept\n<!-- /benchmark:two -->\n"
+    )
+    replace_section(path, "one", r"| \1 |")
+    assert path.read_text() == once
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "nothing here\n",
+        "<!-- benchmark:hertz -->\n",
+        "<!-- /benchmark:hertz -->\n<!-- benchmark:hertz -->\n",
+        "<!-- benchmark:hertz -->\n<!-- /benchmark:hertz -->\n" * 2,
+        "`<!-- benchmark:hertz -->` in a sentence\n<!-- /benchmark:hertz -->\n",
+    ],
+)
+def test_file_without_its_markers_is_left_alone(tmp_path, text):
+    path = Path(tmp_path) / "README.md"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"README.md must have the lines .* add both where the table belongs"):
+        replace_section(path, "hertz", "new")
+    assert path.read_text() == text

@@ -1,0 +1,167 @@
+"""Sub-surface stress: six components at many depths under Hertz pressure, against the bare FFTs they need.
+
+The floor is one forward and ``6 * depths`` inverse real transforms of the zero-padded field by scipy.fft.
+"""
+
+from __future__ import annotations
+
+import time
+from statistics import median
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.benchmarks.table import Column, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from eigencontact_verification.benchmarks.codes import Code
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = [
+    "COLUMNS",
+    "POISSON_RATIO",
+    "axis_error",
+    "axis_stress",
+    "bare_transforms",
+    "depths_of",
+    "measure",
+    "summarise",
+]
+
+FloatArray = NDArray[np.float64]
+
+POISSON_RATIO = 0.3
+
+
+def depths_of(count: int) -> FloatArray:
+    """Depths 0 < z < 2 a at the middles of `count` equal layers, (count,) [a]."""
+    return (np.arange(count, dtype=np.float64) + 0.5) * (2.0 / count)
+
+
+def axis_stress(z: FloatArray) -> FloatArray:
+    """Hertz stresses xx (= yy) and zz on the axis, (2, len(z)) [E*] (Johnson 1985, eqs. 3.45)."""
+    p0, nu = HertzProblem(n=1).peak, POISSON_RATIO
+    fraction = 1.0 / (1.0 + z**2)
+    radial = -(1.0 + nu) * (1.0 - z * np.arctan2(1.0, z)) + 0.5 * fraction
+    return p0 * np.stack([radial, -fraction])
+
+
+def axis_error(stress: FloatArray, z: FloatArray) -> float:
+    """Largest error of xx, yy and zz on the axis over p0 [-]; the axis is the mean of the middle cells.
+
+    Raises
+    ------
+    ValueError
+        If the field is not of shape ``(6, len(z), n, n)`` or not finite.
+    """
+    if stress.ndim != 4 or stress.shape[:2] != (6, len(z)):
+        raise ValueError(f"stress must be of shape (6, {len(z)}, n, n) (got {stress.shape})")
+    n = stress.shape[-1]
+    middle = slice((n - 1) // 2, n // 2 + 1)
+    centre = stress[:3, :, middle, middle].mean(axis=(-2, -1))
+    if not np.isfinite(centre).all():
+        raise ValueError("stress must be finite (got nan or inf)")
+    return float(np.abs(centre - axis_stress(z)[[0, 0, 1]]).max()) / HertzProblem(n=1).peak
+
+
+def bare_transforms(pressure: FloatArray, depths: int, workers: int) -> None:
+    """Make the transforms alone; the results are thrown away."""
+    n = len(pressure)
+    spectrum = scipy.fft.rfft2(pressure, s=(2 * n, 2 * n), workers=workers)
+    for _ in range(6 * depths):
+        scipy.fft.irfft2(spectrum, s=(2 * n, 2 * n), workers=workers)
+
+
+def measure(code: Code, task: Task) -> Sample:
+    """Build the operator and apply it, then apply it again, alternating with bare transforms."""
+    if code.stress is None:
+        raise ImportError("takes no part in this benchmark")
+    build, began = code.stress, time.perf_counter()
+    code.load()
+    problem, z = HertzProblem(n=task.n), depths_of(task.depths)
+    pressure = problem.pressure
+    memory = PeakMemory()
+
+    def whole() -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        apply = build(task.n, z, task.threads, task.precision)
+        return apply(pressure), apply
+
+    (stress, apply), first, cpu = timed(whole)
+    peak = memory.peak()
+    error = axis_error(stress, z)
+    del stress
+    workers = sorted({1, task.threads})
+    floors: dict[int, list[float]] = {w: [] for w in workers}
+    again: list[float] = []
+    for k in range(1 + task.warm):
+        if k and time.perf_counter() - began > 0.5 * task.budget:
+            break
+        if k:
+            again.append(timed(lambda: apply(pressure))[1])
+        for w in workers:
+            floors[w].append(timed(lambda: bare_transforms(pressure, task.depths, w))[1])  # noqa: B023
+    return {
+        "status": "ok",
+        "first_s": first,
+        "first_cpu_s": cpu,
+        "again_s": again,
+        "peak_bytes": peak,
+        "peak_reset": memory.reset,
+        "transforms_1_s": median(floors[1]),
+        "transforms_threads_s": median(floors[task.threads]),
+        "axis_error": error,
+    }
+
+
+def summarise(task: Task, samples: list[Sample]) -> Row:
+    """One row from the processes of one code and size; medians over processes."""
+    first = [s["first_s"] for s in samples]
+    again = [t for s in samples for t in s["again_s"]]
+    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
+    row: Row = {
+        "code": task.code,
+        "n": task.n,
+        "depths": task.depths,
+        "threads": task.threads,
+        "precision": task.precision,
+        "processes": len(samples),
+        "first_s": median(first),
+        "first_min_s": min(first),
+        "again_s": median(again) if again else None,
+        "again_min_s": min(again) if again else None,
+        "cores": median(s["first_cpu_s"] / s["first_s"] for s in samples),
+        "peak_bytes": max(peaks) if peaks else None,
+        "axis_error": samples[-1]["axis_error"],
+    }
+    for name in ("transforms_1", "transforms_threads"):
+        row[f"{name}_s"] = median(s[f"{name}_s"] for s in samples)
+        row[f"first_per_{name}"] = median(s["first_s"] / s[f"{name}_s"] for s in samples)
+        ratios = [median(s["again_s"]) / s[f"{name}_s"] for s in samples if s["again_s"]]
+        row[f"again_per_{name}"] = median(ratios) if ratios else None
+    return row
+
+
+COLUMNS = (
+    Column("N", "n", "d"),
+    Column("depths", "depths", "d"),
+    Column("code", "code"),
+    Column("first call [s]", "first_s", ".3g"),
+    Column("min [s]", "first_min_s", ".3g", brief=False),
+    Column("again [s]", "again_s", ".3g"),
+    Column("bare FFTs [s]", "transforms_1_s", ".3g", brief=False),
+    Column("first / FFTs", "first_per_transforms_1", ".3g"),
+    Column("again / FFTs", "again_per_transforms_1", ".3g"),
+    Column("first / FFTs, threads", "first_per_transforms_threads", ".3g", brief=False),
+    Column("again / FFTs, threads", "again_per_transforms_threads", ".3g"),
+    Column("error on the axis / p0", "axis_error", ".1e"),
+    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+    Column("cores", "cores", ".1f", brief=False),
+    Column("processes", "processes", "d", brief=False),
+)
