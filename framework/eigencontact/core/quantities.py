@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
+
+from eigencontact.core.units import parse_quantity
 
 __all__ = [
     "QUANTITIES",
@@ -23,6 +25,14 @@ class Unit:
 
     symbol: str
     name: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Tell pydantic to convert text with units before it checks the number."""
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_before_validator_function(
+            lambda value: parse_quantity(value, self.symbol, self.name), handler(source)
+        )
 
 
 #: Annotations for the fields of plugins: ``radius: Length``.

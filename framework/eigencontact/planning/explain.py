@@ -1,0 +1,116 @@
+"""A plan in words, and as data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["as_data", "explain"]
+
+
+def explain(plan: Plan) -> str:
+    """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
+    from eigencontact.planning.cost import resident_bytes
+
+    scene, grid = plan.scene, plan.grid
+    width, height = grid.size
+    lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
+    lines += [
+        f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
+        f"grid        {grid.nx} x {grid.ny} cells of {grid.dx:.4g} m x {grid.dy:.4g} m, "
+        f"window {width:.4g} m x {height:.4g} m ({plan.grid_reason})",
+        f"numerics    {scene.numerics.boundary}, {scene.numerics.precision} precision, "
+        f"tolerance {scene.numerics.tolerance:g}",
+        f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",
+        "",
+        "blocks, in order",
+    ]
+    for group in plan.groups:
+        for block in group:
+            cost = block.cost
+            price = f"{_bytes(cost.memory)}, {_time(cost.seconds_once + plan.steps * cost.seconds_per_step)}"
+            together = " (solved together)" if len(group) > 1 else ""
+            lines.append(f"  {block.name}{together}: {block.why}" + (f"  [{price}]" if cost.memory else ""))
+    lines += ["", f"kernels, {len(plan.kernels)} in all"]
+    lines += [f"  {kernel}" for kernel in plan.kernels]
+    base = resident_bytes()
+    lines += [
+        "",
+        f"predicted   {_bytes(plan.cost.memory)} of arrays, {_bytes(base + plan.cost.memory)} with the libraries; "
+        f"{_time(plan.seconds)} of solving",
+        "",
+        "left out, and why",
+    ]
+    lines += [f"  {item.what}: {item.why}" for item in plan.left_out]
+    return "\n".join(lines)
+
+
+def as_data(plan: Plan) -> dict[str, object]:
+    """Return the plan as plain data."""
+    from eigencontact.planning.cost import resident_bytes
+
+    return {
+        "name": plan.name,
+        "title": plan.scene.title,
+        "grid": {
+            "cells": [plan.grid.nx, plan.grid.ny],
+            "spacing": [plan.grid.dx, plan.grid.dy],
+            "center": list(plan.grid.center),
+            "reason": plan.grid_reason,
+        },
+        "steps": plan.steps,
+        "blocks": [
+            {
+                "name": block.name,
+                "why": block.why,
+                "requires": sorted(block.requires),
+                "provides": sorted(block.provides),
+                "memory_bytes": block.cost.memory,
+                "seconds": block.cost.seconds_once + plan.steps * block.cost.seconds_per_step,
+            }
+            for block in plan.blocks
+        ],
+        "kernels": [
+            {
+                "response": kernel.response,
+                "traction": kernel.traction,
+                "plugin": kernel.influence,
+                "layout": kernel.layout,
+                "count": kernel.count,
+            }
+            for kernel in plan.kernels
+        ],
+        "predicted_memory_bytes": plan.cost.memory + resident_bytes(),
+        "predicted_array_bytes": plan.cost.memory,
+        "predicted_seconds": plan.seconds,
+        "left_out": [{"what": item.what, "why": item.why} for item in plan.left_out],
+        "references": list(references(plan)),
+        "scene": plan.scene.resolved(),
+    }
+
+
+def references(plan: Plan) -> tuple[str, ...]:
+    """Sources to cite for what the plan uses, each once."""
+    used = [*plan.influences.values(), *plan.geometries, *(observer for _, observer in plan.observers)]
+    solver = (
+        "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
+        "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402, doi:10.1115/1.4027734",
+    )
+    return tuple(dict.fromkeys([text for component in used for text in component.references] + list(solver)))
+
+
+def _body(plan: Plan, index: int) -> str:
+    body = plan.bodies[index]
+    if body is None:
+        return f"body {index + 1} rigid"
+    return f"body {index + 1} elastic, E = {body.young_modulus:.4g} Pa, ν = {body.poisson_ratio:g}"
+
+
+def _bytes(value: float) -> str:
+    return f"{value / 1e6:.3g} MB" if value >= 1e5 else f"{value / 1e3:.3g} kB"
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.2g} s" if seconds >= 1 else f"{1e3 * seconds:.2g} ms"

@@ -1,0 +1,125 @@
+"""Influence coefficients as the solvers want them, from the influence plugins and the two bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.core.symmetry import parity
+from eigencontact.errors import PlanError
+from eigencontact.plugin import HasWavenumberResponse, SurfaceInfluence
+
+__all__ = ["KernelUse", "PairCoefficients", "StressCoefficients"]
+
+FloatArray = NDArray[np.float64]
+
+#: Direction of each traction.
+DIRECTIONS = {"q_x": "x", "q_y": "y", "p": "z"}
+
+
+@dataclass(frozen=True, slots=True)
+class KernelUse:
+    """One influence coefficient that a plan needs, for `explain` and for the cost."""
+
+    response: str
+    traction: str
+    influence: str
+    layout: str
+    count: int = 1
+
+    def __str__(self) -> str:
+        times = f" x {self.count}" if self.count > 1 else ""
+        return f"{self.response} <- {self.traction} (plugin {self.influence!r}), {self.layout}{times}"
+
+
+@dataclass(frozen=True, slots=True)
+class PairCoefficients:
+    """Relative surface displacement of two bodies under one traction component.
+
+    Normal response to normal traction (and tangential to tangential) adds up over the bodies; the cross terms of
+    body 2 count negative (thesis eqs 2.63, 2.64). A rigid body is None and costs nothing; like bodies are
+    evaluated once.
+    """
+
+    influence: SurfaceInfluence
+    bodies: tuple[Material | None, Material | None]
+    component: str
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Parity (in y, in x)."""
+        return parity(self.component, DIRECTIONS[self.influence.traction])
+
+    def _weights(self) -> dict[Material, float]:
+        cross = (self.component == "z") != (self.influence.traction == "p")
+        weights: dict[Material, float] = {}
+        for body, weight in zip(self.bodies, (1.0, -1.0 if cross else 1.0), strict=True):
+            if body is not None:
+                weights[body] = weights.get(body, 0.0) + weight
+        return weights
+
+    def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
+        """Response at offsets x, y [m] of a rectangle under unit traction, ``(ny, nx)`` [m/Pa]."""
+        total: FloatArray | None = None
+        for body, weight in self._weights().items():
+            values = self.influence.sample("displacement", [self.component], x, y, 0.0, half_widths, body)[0]
+            values = weight * values if weight != 1.0 else values
+            total = values if total is None else total + values
+        assert total is not None
+        return total
+
+    def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
+        """Amplitude of the response to a unit traction wave [m/Pa]."""
+        influence = _with_waves(self.influence)
+        total = sum(
+            weight * influence.wavenumber_response("displacement", [self.component], kx, ky, 0.0, body)[0]
+            for body, weight in self._weights().items()
+        )
+        return np.asarray(total, dtype=complex)
+
+
+@dataclass(frozen=True, slots=True)
+class StressCoefficients:
+    """Mandel stress in one body under one traction component."""
+
+    influence: SurfaceInfluence
+    body: Material
+
+    def parity(self, component: str) -> tuple[int, int]:
+        """Parity (in y, in x) of one stress component."""
+        return parity(component, DIRECTIONS[self.influence.traction])
+
+    def table(
+        self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
+    ) -> FloatArray:
+        """Stress at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)`` [-]."""
+        return self.influence.sample("stress", components, x, y, z, half_widths, self.body)
+
+    def response(
+        self, components: list[str], kx: FloatArray, ky: FloatArray, z: float
+    ) -> NDArray[np.complex128]:
+        """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
+        return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)
+
+    def at_points(
+        self,
+        components: list[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        half_widths: tuple[float, float],
+    ) -> FloatArray:
+        """Stress at points relative to the rectangle's centre [-]."""
+        return self.influence.stress(components, x, y, z, half_widths, self.body)
+
+
+def _with_waves(influence: SurfaceInfluence) -> HasWavenumberResponse:
+    if not isinstance(influence, HasWavenumberResponse):
+        raise PlanError(
+            f"numerics.boundary must be 'non-periodic' with surface influence {influence.key!r} (got 'periodic'); "
+            "it offers no wavenumber_response"
+        )
+    return influence

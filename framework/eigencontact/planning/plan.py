@@ -1,0 +1,117 @@
+"""The plan of a run: components built, grid chosen, blocks and kernels in order, cost predicted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.hooks.registry import Registry
+from eigencontact.planning.blocks import Block, Cost
+from eigencontact.planning.kernels import KernelUse
+from eigencontact.plugin import Geometry, Observer, SurfaceInfluence
+from eigencontact.scene.schema import Scene
+
+__all__ = ["LeftOut", "Plan"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """Something this package could model and this run does not."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Everything decided before anything is computed.
+
+    Attributes
+    ----------
+    scene, name : Scene, str
+        The scene and its name.
+    registry : Registry
+        Where its components came from.
+    grid : Grid
+        Cells, given or chosen.
+    bodies : (Material or None, Material or None)
+        Elastic constants; None is rigid.
+    geometries, observers, influences
+        Components.
+    groups : list of tuples of Block
+        In order; a tuple of more than one block is solved together.
+    left_out : sequence of LeftOut
+        What is not modelled, and why.
+    grid_reason : str
+        Where the grid came from.
+    """
+
+    scene: Scene
+    name: str
+    registry: Registry
+    grid: Grid
+    grid_reason: str
+    bodies: tuple[Material | None, Material | None]
+    geometries: tuple[Geometry, ...]
+    observers: tuple[tuple[str, Observer], ...]
+    influences: dict[str, SurfaceInfluence]
+    groups: list[tuple[Block, ...]]
+    left_out: Sequence[LeftOut]
+
+    @property
+    def blocks(self) -> list[Block]:
+        """Blocks in order of execution."""
+        return [block for group in self.groups for block in group]
+
+    @property
+    def kernels(self) -> list[KernelUse]:
+        """Every influence coefficient that will be built."""
+        return [kernel for block in self.blocks for kernel in block.kernels]
+
+    @property
+    def steps(self) -> int:
+        """Number of load steps, ramps counted in increments."""
+        return sum(step.increments for step in self.scene.steps)
+
+    @property
+    def cost(self) -> Cost:
+        """Predicted memory [bytes] beyond the libraries, and time."""
+        return sum((block.cost for block in self.blocks), Cost())
+
+    @property
+    def seconds(self) -> float:
+        """Predicted wall time of all steps [s]."""
+        return self.cost.seconds_once + self.steps * self.cost.seconds_per_step
+
+    def separation(self) -> FloatArray:
+        """Sum of the geometries on the grid, ``(ny, nx)`` [m]."""
+        y, x = self.grid.axes()
+        return sum_separations(self.geometries, x, y)
+
+    def explain(self) -> str:
+        """Return the plan in words."""
+        from eigencontact.planning.explain import explain
+
+        return explain(self)
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the plan as plain data for JSON."""
+        from eigencontact.planning.explain import as_data
+
+        return as_data(self)
+
+
+def sum_separations(geometries: Sequence[Geometry], x: FloatArray, y: FloatArray) -> FloatArray:
+    """Sum of separations at points that broadcast [m]."""
+    shape = np.broadcast_shapes(x.shape, y.shape)
+    total = np.zeros(shape)
+    for geometry in geometries:
+        total += geometry.separation(x, y)
+    return total

@@ -1,0 +1,82 @@
+"""Requested stress regions as lattices of target points on, or between, the cells of a grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.scene.schema import StressRequest
+
+__all__ = ["RegionLattice", "region_lattice"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RegionLattice:
+    """Target points of one region.
+
+    Attributes
+    ----------
+    target : (int, int)
+        Points along (y, x).
+    origin : (float, float)
+        First point relative to the grid's first cell, in cells along (y, x).
+    x, y : (target[1],), (target[0],) [m]
+    depths : (nz,) [m]
+    points : (n, 3) [m] or None
+        Scattered points (lines, lists) instead of a lattice.
+    """
+
+    target: tuple[int, int]
+    origin: tuple[float, float]
+    x: FloatArray
+    y: FloatArray
+    depths: FloatArray
+    points: FloatArray | None = None
+
+    @property
+    def on_cells(self) -> bool:
+        """Whether every point lies above or below a cell centre (parity then packs the spectra)."""
+        return all(value == round(value) for value in self.origin)
+
+
+def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
+    """Lattice of a request: planes and volumes follow the cells of the window, planes lie exactly where asked."""
+    if request.shape in ("line", "points"):
+        return RegionLattice(
+            target=(0, 0), origin=(0.0, 0.0), x=np.empty(0), y=np.empty(0), depths=np.empty(0), points=_points(request)
+        )
+    depths = _depths(request)
+    x, y, origin = grid.x, grid.y, [0.0, 0.0]
+    if request.shape == "plane" and request.normal == "x":
+        x = np.array([request.position])
+        origin[1] = _whole((request.position - grid.x[0]) / grid.dx)
+    if request.shape == "plane" and request.normal == "y":
+        y = np.array([request.position])
+        origin[0] = _whole((request.position - grid.y[0]) / grid.dy)
+    return RegionLattice(target=(y.size, x.size), origin=(origin[0], origin[1]), x=x, y=y, depths=depths)
+
+
+def _whole(value: float) -> float:
+    """Snap a position in cells to a whole number where it is one up to round-off."""
+    return float(round(value)) if abs(value - round(value)) < 1e-9 else value
+
+
+def _depths(request: StressRequest) -> FloatArray:
+    if request.shape == "plane" and request.normal == "z":
+        return np.array([request.position])
+    if request.depths is not None:
+        return np.array(sorted(request.depths))
+    assert request.depth_max is not None
+    return np.linspace(0.0, request.depth_max, request.depth_cells + 1)
+
+
+def _points(request: StressRequest) -> FloatArray:
+    if request.shape == "points":
+        return np.array(request.points, dtype=float)
+    share = np.linspace(0.0, 1.0, request.count)[:, None]
+    return (1.0 - share) * np.array(request.start) + share * np.array(request.end)

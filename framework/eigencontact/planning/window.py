@@ -1,0 +1,131 @@
+"""How large the contact will be, by a coarse solve; and from it the grid of an automatic scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Box, Grid
+from eigencontact.errors import EigencontactError, PlanError
+from eigencontact.scene.schema import GridSpec
+from eigencontact.solvers.control import Control
+from eigencontact.solvers.normal import NormalOptions, solve_normal
+from eigencontact.solvers.operator import Coefficients
+
+__all__ = ["ContactEstimate", "automatic_grid", "estimate_contact"]
+
+FloatArray = NDArray[np.float64]
+Separation = Callable[[FloatArray, FloatArray], FloatArray]
+
+_CELLS = 48
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEstimate:
+    """Bounding box of the contact in metres and the share of loaded cells in it."""
+
+    x0: float
+    x1: float
+    y0: float
+    y1: float
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Widths along x and y [m]."""
+        return self.x1 - self.x0, self.y1 - self.y0
+
+    def join(self, other: ContactEstimate) -> ContactEstimate:
+        """Smallest estimate that holds both."""
+        return ContactEstimate(
+            min(self.x0, other.x0), max(self.x1, other.x1), min(self.y0, other.y0), max(self.y1, other.y1)
+        )
+
+
+def estimate_contact(
+    grid: Grid, separation: Separation, coefficients: Coefficients, control: Control, *, periodic: bool
+) -> ContactEstimate | None:
+    """Contact on at most `_CELLS` cells each way over the window of `grid`; None where nothing touches or it fails."""
+    width, height = grid.size
+    nx, ny = min(grid.nx, _CELLS), min(grid.ny, _CELLS)
+    coarse = Grid(nx=nx, ny=ny, dx=width / nx, dy=height / ny, center=grid.center)
+    y, x = coarse.axes()
+    h = np.broadcast_to(np.asarray(separation(x, y), dtype=float), coarse.shape)
+    options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True, precision="single")
+    try:
+        pressure = solve_normal(coarse, h, coefficients, control, options).pressure
+    except EigencontactError:
+        return None
+    box = Box.around(pressure > 0)
+    if box is None:
+        return None
+    left, bottom = coarse.x[0] - 0.5 * coarse.dx, coarse.y[0] - 0.5 * coarse.dy
+    return ContactEstimate(
+        left + box.x0 * coarse.dx, left + box.x1 * coarse.dx, bottom + box.y0 * coarse.dy, bottom + box.y1 * coarse.dy
+    )
+
+
+def automatic_grid(
+    spec: GridSpec, separation: Separation, coefficients: Coefficients, controls: Sequence[Control], start: float
+) -> Grid:
+    """Grid that resolves the largest contact of the load history with the cells per contact radius asked for.
+
+    Parameters
+    ----------
+    start : float
+        A first guess of the window's side [m]; windows are enlarged or cut until the contact fills about half.
+
+    Raises
+    ------
+    PlanError
+        Where no window holds the contact (no load, a geometry without rise).
+    """
+    found: ContactEstimate | None = None
+    for control in controls:
+        estimate = _settle(spec, separation, coefficients, control, start)
+        if estimate is not None:
+            found = estimate if found is None else found.join(estimate)
+    if found is None:
+        raise PlanError(
+            "grid must be given for this scene (got automatic); no step makes a contact from which cells could be "
+            "chosen: give grid.cells and grid.size, or a load"
+        )
+    wide, high = found.extent
+    edge = 0.5 * min(wide, high) / spec.cells_per_contact_radius
+    center = (0.5 * (found.x0 + found.x1), 0.5 * (found.y0 + found.y1))
+    # An even number of cells, symmetric about the contact.
+    nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge))) for extent in (wide, high))
+    # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
+    center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
+    return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
+
+
+def _settle(
+    spec: GridSpec, separation: Separation, coefficients: Coefficients, control: Control, start: float
+) -> ContactEstimate | None:
+    """Contact of one control, on a window that it fills by a third to four fifths."""
+    size = np.array([start, start])
+    center = np.array(spec.center, dtype=float)
+    for _ in range(60):
+        cell = size / _CELLS
+        grid = Grid(nx=_CELLS, ny=_CELLS, dx=cell[0], dy=cell[1], center=(float(center[0]), float(center[1])))
+        estimate = estimate_contact(grid, separation, coefficients, control, periodic=False)
+        if estimate is None:
+            return None
+        extent = np.array(estimate.extent)
+        middle = 0.5 * np.array([estimate.x0 + estimate.x1, estimate.y0 + estimate.y1])
+        share = extent / size
+        edge = 0.5 - np.abs(middle - center) / size - 0.5 * share
+        if np.all(share < 0.8) and np.all(share > 0.3) and np.all(edge > 0.02):
+            return estimate
+        if np.all(share <= 2.5 / _CELLS):
+            size = size / 8.0
+        else:
+            size = np.where((share > 0.8) | (edge < 0.02), 2.5 * size, np.clip(1.8 * extent, 0.1 * size, size))
+        if not (1e-30 < size.min() and size.max() < 1e12):
+            break
+        if np.any(share < 0.3):
+            center = np.where(share < 0.3, middle, center)
+    return None

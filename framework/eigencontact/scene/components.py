@@ -1,0 +1,72 @@
+"""Scene tables to components: a table's keys are the fields of the plugin's dataclass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from functools import cache
+from pathlib import Path
+from typing import Any, get_type_hints
+
+from eigencontact.errors import PluginError, SceneError
+from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.scene.messages import explain_error, refuse_unknown
+
+__all__ = ["build_component", "instantiate"]
+
+
+def build_component(registry: Registry, kind: str, table: Mapping[str, Any], where: str) -> Any:
+    """Component of a scene table; ``type`` names the plugin.
+
+    Raises
+    ------
+    SceneError, PluginError
+        Naming the table, the field, the rule and the nearest valid choice.
+    """
+    parameters = dict(table)
+    key = parameters.pop("type", None)
+    if not isinstance(key, str) or not key:
+        known = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
+        raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {known}")
+    return instantiate(registry.get(kind, key, where=where), parameters, where)
+
+
+def instantiate(entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
+    """Component of a registered class from named parameters, each converted to its annotated type."""
+    cls = entry.component
+    known = {item.name: item for item in fields(cls)}
+    refuse_unknown(parameters, known, f"{where} ({entry.key})")
+    given = {name.replace("-", "_"): value for name, value in parameters.items()}
+    for name, item in known.items():
+        if name not in given and item.default is MISSING and item.default_factory is MISSING:
+            raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
+    adapters = _adapters(cls)
+    values = {name: _convert(adapters[name], value, f"{where}.{name.replace('_', '-')}") for name, value in given.items()}
+    try:
+        return cls(**values)
+    except SceneError:
+        raise
+    except Exception as problem:
+        raise PluginError(
+            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {type(problem).__name__}: {problem}"
+        ) from problem
+
+
+@cache
+def _adapters(cls: type) -> dict[str, Any]:
+    from pydantic import ConfigDict, TypeAdapter
+
+    hints = get_type_hints(cls, include_extras=True)
+    config = ConfigDict(arbitrary_types_allowed=True)
+    return {item.name: TypeAdapter(hints[item.name], config=config) for item in fields(cls)}
+
+
+def _convert(adapter: Any, value: Any, where: str) -> Any:
+    from pydantic import ValidationError
+
+    if isinstance(value, Path):
+        value = str(value)
+    try:
+        return adapter.validate_python(value)
+    except ValidationError as problem:
+        raise SceneError(explain_error(problem.errors()[0], where)) from None

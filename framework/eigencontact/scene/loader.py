@@ -1,0 +1,142 @@
+"""Loading a scene: a TOML file, a bundled name, a mapping; with changes from the command line."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from eigencontact.errors import SceneError, nearest
+from eigencontact.scene.schema import Scene
+
+__all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file"]
+
+
+def bundled_names() -> list[str]:
+    """Names of the bundled scenes."""
+    folder = files("eigencontact") / "gallery"
+    return sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
+
+
+def bundled_text(name: str) -> str:
+    """TOML text of a bundled scene."""
+    if name not in bundled_names():
+        raise SceneError(f"unknown bundled scene {name!r}; bundled: {', '.join(bundled_names())}{nearest(name, bundled_names())}")
+    return (files("eigencontact") / "gallery" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> tuple[Scene, str]:
+    """Scene and its name, from a TOML file or the name of a bundled scene.
+
+    Parameters
+    ----------
+    source : str or Path
+        Path of a TOML file, or a bundled scene's name.
+    changes : iterable of str
+        ``key=value`` with dotted keys, as ``--set`` of the command line gives them.
+
+    Raises
+    ------
+    SceneError
+        Missing or unreadable file, TOML that does not parse, or a scene that is refused.
+    """
+    path = Path(source)
+    if path.suffix == ".toml" or path.is_file():
+        text, name, folder = _read(path), path.stem, path.resolve().parent
+    elif str(source) in bundled_names():
+        text, name, folder = bundled_text(str(source)), str(source), None
+    else:
+        names = bundled_names()
+        raise SceneError(
+            f"scene must be a TOML file or the name of a bundled scene (got {str(source)!r}, and no such file); "
+            f"bundled: {', '.join(names)}{nearest(str(source), names)}"
+        )
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        raise SceneError(f"{path} must be valid TOML: {problem}") from None
+    data = apply_changes(data, changes)
+    if folder is not None:
+        _anchor_files(data, folder)
+    return Scene(**data), name
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise SceneError(
+            f"scene file must exist (got {str(path)!r}); bundled scenes: {', '.join(bundled_names())}"
+            f"{nearest(path.stem, bundled_names())}"
+        ) from None
+    except (OSError, UnicodeDecodeError) as problem:
+        raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
+
+
+def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
+    """Make relative ``file`` entries of components relative to the scene's folder."""
+    for group in ("geometry", "observers"):
+        tables = data.get(group, [])
+        for table in [tables] if isinstance(tables, dict) else tables:
+            name = table.get("file") if isinstance(table, dict) else None
+            if isinstance(name, str) and not name.startswith("gallery:"):
+                table["file"] = str(folder / name)
+
+
+def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, Any]:
+    """Return the tables with ``key=value`` changes applied.
+
+    A dotted key walks through tables; a number picks an entry of an array, and may be left out where there is one.
+
+    Examples
+    --------
+    >>> apply_changes({"steps": [{"normal-load": 1.0}]}, ["steps.normal-load=2 N"])
+    {'steps': [{'normal-load': '2 N'}]}
+    """
+    from copy import deepcopy
+
+    out = deepcopy(dict(data))
+    for change in changes:
+        key, equals, text = change.partition("=")
+        if not equals or not key.strip():
+            raise SceneError(f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})")
+        _put(out, [part.strip() for part in key.strip().split(".")], _value(text.strip()), change)
+    return out
+
+
+def _value(text: str) -> Any:
+    """Value of a change: TOML where it parses, plain text otherwise."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _put(table: Any, path: list[str], value: Any, change: str) -> None:
+    for position, part in enumerate(path):
+        last = position == len(path) - 1
+        if isinstance(table, list):
+            if not part.isdigit() and len(table) == 1:
+                table = table[0]
+            elif part.isdigit() and int(part) < len(table):
+                if last:
+                    table[int(part)] = value
+                else:
+                    table = table[int(part)]
+                continue
+            else:
+                raise SceneError(
+                    f"--set {change!r}: {'.'.join(path[:position])} is an array of {len(table)}; "
+                    f"give a number from 0 to {len(table) - 1} (got {part!r})"
+                )
+        if not isinstance(table, dict):
+            raise SceneError(f"--set {change!r}: {'.'.join(path[:position])} is no table (got {table!r})")
+        name = next((known for known in table if known.replace("_", "-") == part.replace("_", "-")), part)
+        if last:
+            table[name] = value
+        else:
+            if isinstance(table.get(name), str):
+                table[name] = {}
+            table = table.setdefault(name, {})

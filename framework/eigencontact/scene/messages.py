@@ -1,0 +1,58 @@
+"""Pydantic's findings in our words: where, rule, value, nearest choice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from eigencontact.errors import SceneError, nearest
+
+__all__ = ["explain_error", "refuse_unknown"]
+
+_RULES = {
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "string_type": "text",
+    "finite_number": "finite",
+    "list_type": "an array",
+    "tuple_type": "an array",
+    "model_type": "a table",
+    "dict_type": "a table",
+    "model_attributes_type": "a table",
+}
+
+
+def explain_error(error: Mapping[str, Any], where: str) -> str:
+    """One line for one finding of ``ValidationError.errors()``."""
+    kind, got = error["type"], error.get("input")
+    context = error.get("ctx", {})
+    place = ".".join([where, *(str(part).replace("_", "-") for part in error["loc"])]).strip(".")
+    if kind == "missing":
+        return f"{place} must be given"
+    if kind == "value_error":
+        text = str(context.get("error", error["msg"]))
+        return text if text.startswith("!") else f"{place} must be {text} (got {got!r})"
+    if kind == "literal_error":
+        choices = context["expected"]
+        names = [name.strip("' ") for name in choices.replace(" or ", ",").split(",")]
+        return f"{place} must be one of {choices} (got {got!r}){nearest(str(got), names)}"
+    if kind in ("too_short", "too_long"):
+        length = context.get("min_length", context.get("max_length"))
+        return f"{place} must be an array of {length} values (got {context['actual_length']})"
+    return f"{place} must be {_RULES.get(kind, error['msg'])} (got {got!r})"
+
+
+def refuse_unknown(table: Iterable[str], known: Iterable[str], where: str) -> None:
+    """Refuse keys of a table that nothing reads; names the nearest known one."""
+    known = [name.replace("_", "-") for name in known]
+    for key in table:
+        if key.replace("_", "-") not in known:
+            raise SceneError(
+                f"unknown key {key!r} in {where or 'the scene'}; known: {', '.join(known)}"
+                f"{nearest(key.replace('_', '-'), known)}"
+            )

@@ -1,0 +1,253 @@
+"""The scene: everything that defines a computation, as a Python object and as a TOML file with the same fields.
+
+Field names are snake_case in Python and kebab-case in TOML. Numbers are SI; text may carry a unit (``"105 um"``).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress
+from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many, positive
+
+__all__ = ["Body", "GridSpec", "Numerics", "Output", "Scene", "Step", "StressRequest"]
+
+PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
+FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
+Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, alias_generator=lambda name: name.replace("_", "-"), populate_by_name=True
+    )
+
+
+class Body(_Table):
+    """One half-space: rigid, or elastic with its two constants."""
+
+    rigid: bool = False
+    young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
+    poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Body:
+        given = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
+        if self.rigid and len(given) < 2:
+            raise ValueError("rigid without elastic constants, or elastic: leave out rigid or young-modulus")
+        if not self.rigid and given:
+            raise ValueError(f"rigid = true, or elastic with {' and '.join(given)} given")
+        return self
+
+
+class GridSpec(_Table):
+    """Cells of the contact window: given by two of cells, size, spacing; or chosen from the contact's size."""
+
+    cells: Annotated[tuple[int, int], BeforeValidator(one_or_many)] | None = None
+    size: tuple[PositiveLength, PositiveLength] | None = None
+    spacing: tuple[PositiveLength, PositiveLength] | None = None
+    center: tuple[FiniteLength, FiniteLength] = (0.0, 0.0)
+    cells_per_contact_radius: Annotated[float, AfterValidator(at_least(1.0))] = 32.0
+    margin: Annotated[float, AfterValidator(at_least(1.0))] = 1.5
+
+    @model_validator(mode="before")
+    @classmethod
+    def _auto(cls, value: Any) -> Any:
+        if value == "auto":
+            return {}
+        if isinstance(value, dict) and isinstance(value.get("cells"), int):
+            return {**value, "cells": [value["cells"]] * 2}
+        return value
+
+    @model_validator(mode="after")
+    def _determined(self) -> GridSpec:
+        given = [name for name in ("cells", "size", "spacing") if getattr(self, name) is not None]
+        if given and len(given) != 2:
+            raise ValueError(f"two of cells, size, spacing, or none of them for an automatic grid; given: {given}")
+        if self.cells is not None and min(self.cells) < 1:
+            raise ValueError("of at least 1 cell each way")
+        return self
+
+    @property
+    def automatic(self) -> bool:
+        """Whether the planner chooses the grid."""
+        return self.cells is None and self.size is None
+
+
+class Step(_Table):
+    """One piece of the load history: a linear ramp from the last state to the values given here."""
+
+    normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
+    approach: FiniteLength | None = None
+    moment_x: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
+    tilt_x: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
+    moment_y: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
+    tilt_y: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
+    increments: Annotated[int, AfterValidator(at_least(1))] = 1
+
+    @model_validator(mode="after")
+    def _controlled(self) -> Step:
+        for one, other in (("normal_load", "approach"), ("moment_x", "tilt_x"), ("moment_y", "tilt_y")):
+            if getattr(self, one) is not None and getattr(self, other) is not None:
+                raise ValueError(f"controlled by {one} or {other}, not both".replace("_", "-"))
+        if self.normal_load is None and self.approach is None:
+            raise ValueError("controlled by normal-load or approach: give one of them")
+        return self
+
+
+class Numerics(_Table):
+    """Fidelity and effort. The defaults are accurate."""
+
+    boundary: Literal["non-periodic", "periodic"] = "non-periodic"
+    precision: Literal["double", "single"] = "double"
+    tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
+    max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
+    threads: Annotated[int, AfterValidator(at_least(1))] | None = None
+    allow_contact_at_edge: bool = False
+
+
+class StressRequest(_Table):
+    """Points at which sub-surface stress is wanted.
+
+    ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
+    from `start` to `end`; ``points`` are listed. z is the depth into `body`.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""
+    shape: Literal["plane", "volume", "line", "points"]
+    body: Literal[1, 2] = 1
+    normal: Literal["x", "y", "z"] = "y"
+    position: FiniteLength = 0.0
+    depths: list[Annotated[Length, AfterValidator(non_negative("m"))]] | None = None
+    depth_max: PositiveLength | None = None
+    depth_cells: Annotated[int, AfterValidator(at_least(1))] = 48
+    start: tuple[FiniteLength, FiniteLength, Annotated[Length, AfterValidator(non_negative("m"))]] | None = None
+    end: tuple[FiniteLength, FiniteLength, Annotated[Length, AfterValidator(non_negative("m"))]] | None = None
+    count: Annotated[int, AfterValidator(at_least(2))] = 64
+    points: list[tuple[FiniteLength, FiniteLength, Annotated[Length, AfterValidator(non_negative("m"))]]] | None = None
+    quantities: list[Literal["von_mises", "tresca", "principal", "hydrostatic"]] = ["von_mises"]
+
+    @model_validator(mode="after")
+    def _determined(self) -> StressRequest:
+        deep = self.shape == "volume" or (self.shape == "plane" and self.normal != "z")
+        if deep and (self.depths is None) == (self.depth_max is None):
+            raise ValueError(f"given depths or depth-max (a {self.shape} needs one of them)")
+        if deep and self.depths is not None and not self.depths:
+            raise ValueError("given at least one depth")
+        if self.shape == "plane" and self.normal == "z" and self.position < 0:
+            raise ValueError("at a depth (position) of 0 or more")
+        if self.shape == "line" and (self.start is None or self.end is None):
+            raise ValueError("given start and end (a line needs both)")
+        if self.shape == "points" and not self.points:
+            raise ValueError("given points")
+        return self
+
+    @property
+    def label(self) -> str:
+        """Name of the region in the results."""
+        return self.name or f"{self.shape}_{self.normal if self.shape == 'plane' else 'body'}{self.body}"
+
+
+class Output(_Table):
+    """What is written besides results and summary."""
+
+    pictures: bool = True
+    vtk: bool = False
+    tangential_displacement: bool = False
+
+
+class Scene(_Table):
+    """A contact to compute.
+
+    Parameters
+    ----------
+    title : str
+        One line for plots and lists.
+    body1, body2 : Body
+        The half-spaces; at least one is elastic. z points into body 1.
+    geometry : list of tables or components
+        Separations that add up; ``type`` names the geometry plugin.
+    grid : GridSpec
+        Cells, or ``"auto"``.
+    steps : list of Step
+        Load history.
+    numerics, stress, observers, output
+        Fidelity; sub-surface stresses; observers (``type`` names the plugin); files.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     body1={"young_modulus": "210 GPa", "poisson_ratio": 0.3},
+    ...     body2={"rigid": True},
+    ...     geometry={"type": "sphere", "radius": "105 um"},
+    ...     steps={"normal_load": "0.65 N"},
+    ... )
+    >>> scene.body1.young_modulus
+    210000000000.0
+    """
+
+    title: str = ""
+    description: str = ""
+    body1: Body
+    body2: Body = Body(rigid=True)
+    geometry: Annotated[Tables, Field(min_length=1)]
+    grid: GridSpec = GridSpec()
+    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1)]
+    numerics: Numerics = Numerics()
+    stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = []
+    observers: Tables = []
+    output: Output = Output()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scene:
+        if self.body1.rigid and self.body2.rigid:
+            raise ValueError("!body1 and body2 must not both be rigid; give one of them young-modulus and poisson-ratio")
+        labels = [request.label for request in self.stress]
+        for label in labels:
+            if labels.count(label) > 1:
+                raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
+        for request in self.stress:
+            if (self.body1, self.body2)[request.body - 1].rigid:
+                raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
+        if self.numerics.boundary == "periodic" and any(request.shape in ("line", "points") for request in self.stress):
+            raise ValueError("!stress of a periodic scene must be asked for on planes or volumes (got a line or points)")
+        return self
+
+    def __init__(self, **data: Any) -> None:
+        from pydantic import ValidationError
+
+        from eigencontact.errors import SceneError
+        from eigencontact.scene.messages import explain_error
+
+        try:
+            super().__init__(**_with_tables(data))
+        except ValidationError as problem:
+            from eigencontact.scene.unknown import find_unknown
+
+            find_unknown(data, Scene)
+            errors = problem.errors()
+            more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+            raise SceneError(explain_error(errors[0], "").lstrip("!") + more) from None
+
+    def resolved(self) -> dict[str, Any]:
+        """Return every field with its default filled in, SI units, TOML names."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
+    """Accept component objects where a table is expected."""
+    from dataclasses import asdict, is_dataclass
+
+    def table(item: Any) -> Any:
+        if is_dataclass(item) and not isinstance(item, type):
+            return {"type": getattr(item, "key", ""), **asdict(item)}
+        return item
+
+    out = dict(data)
+    for name in ("geometry", "observers"):
+        if name in out:
+            value = out[name]
+            out[name] = [table(item) for item in value] if isinstance(value, list | tuple) else table(value)
+    return out

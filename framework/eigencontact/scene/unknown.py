@@ -1,0 +1,35 @@
+"""Search of a refused scene for keys that nothing reads, so that the message can name the nearest known key."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+from pydantic import BaseModel
+
+from eigencontact.scene.messages import refuse_unknown
+
+__all__ = ["find_unknown"]
+
+
+def find_unknown(data: Any, model: type[BaseModel], where: str = "") -> None:
+    """Raise `SceneError` for the first unknown key of `data` or of a table in it."""
+    if not isinstance(data, dict):
+        return
+    refuse_unknown(data, model.model_fields, where)
+    for key, value in data.items():
+        inner = _model(model.model_fields[key.replace("-", "_")].annotation)
+        if inner is not None:
+            for number, item in enumerate(value if isinstance(value, list) else [value]):
+                place = f"{where}.{key}".strip(".") + (f".{number}" if isinstance(value, list) else "")
+                find_unknown(item, inner, place)
+
+
+def _model(annotation: Any) -> type[BaseModel] | None:
+    """Model class inside an annotation such as ``list[Step]``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for inner in get_args(annotation):
+        found = _model(inner)
+        if found is not None:
+            return found
+    return None

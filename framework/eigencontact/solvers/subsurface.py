@@ -1,0 +1,192 @@
+"""Stress below the surface from tractions on it, at chosen depths or points and nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.convolution.backends import available_threads, in_parallel
+from eigencontact.core.grid import Box, Grid
+from eigencontact.core.tensors import COMPONENTS
+
+__all__ = ["StressKernel", "SubsurfaceStress", "stress_at_points"]
+
+FloatArray = NDArray[np.float64]
+
+# Field points times loaded cells evaluated together in the direct sum: six components of it take 50 MB.
+_CHUNK = 1_000_000
+
+
+class StressKernel(Protocol):
+    """Mandel stress of one uniformly loaded rectangle, per unit traction."""
+
+    def parity(self, component: str) -> tuple[int, int]:
+        """Parity (in y, in x)."""
+        ...
+
+    def table(
+        self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
+    ) -> FloatArray:
+        """Values on a lattice of offsets at one depth, ``(n, ny, nx)``."""
+        ...
+
+    def response(
+        self, components: list[str], kx: FloatArray, ky: FloatArray, z: float
+    ) -> NDArray[np.complex128]:
+        """Amplitudes for a traction wave at one depth, ``(n, nky, nkx)``."""
+        ...
+
+    def at_points(
+        self,
+        components: list[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: FloatArray,
+        half_widths: tuple[float, float],
+    ) -> FloatArray:
+        """Values at points relative to the rectangle's centre."""
+        ...
+
+
+class SubsurfaceStress:
+    """Stress on a lattice of target points at several depths, as a convolution whose spectra are made once.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the tractions.
+    kernels : sequence of StressKernel
+        One for each traction given to `apply`.
+    source : Box
+        Cells that may be loaded.
+    target : (int, int)
+        Target points along (y, x), of the pitch of the grid.
+    origin : (float, float)
+        Position of target (0, 0) relative to the grid's cell (0, 0), in cells along (y, x); need not be whole.
+    depths : (nz,) [m]
+        Depths of the target planes.
+    periodic, precision, threads
+        See `eigencontact.convolution`.
+
+    Notes
+    -----
+    Memory of the spectra: six components, nz depths, a quarter of the padded box where targets lie on cell centres.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        kernels: Sequence[StressKernel],
+        *,
+        source: Box,
+        target: tuple[int, int],
+        origin: tuple[float, float] = (0.0, 0.0),
+        depths: FloatArray,
+        periodic: bool = False,
+        precision: str = "double",
+        threads: int | None = None,
+    ) -> None:
+        self.grid, self.source, self.depths = grid, source, np.asarray(depths, dtype=float)
+        whole = Box(0, grid.ny, 0, grid.nx)
+        self._box = whole if periodic else source
+        shift = (origin[0] - self._box.y0, origin[1] - self._box.x0)
+        self._layout = Layout(self._box.shape, grid.shape if periodic else target, shift, periodic=periodic)
+        self._crop = tuple(
+            (np.arange(n) + int(np.floor(o + 0.5))) % size if periodic else np.arange(n)
+            for n, o, size in zip(target, origin, grid.shape, strict=True)
+        )
+        if periodic:
+            self._layout = Layout(grid.shape, grid.shape, periodic=True)
+        self._periodic, self._precision = periodic, precision
+        self._convolver = Convolver(self._layout, precision=precision, threads=threads)
+        self._threads = threads or available_threads()
+        self._spectra: list[list[list[Spectrum]]] = [[] for _ in self.depths]
+        in_parallel(self._threads, [partial(self._fill, k, list(kernels)) for k in range(self.depths.size)])
+
+    def _fill(self, k: int, kernels: list[StressKernel]) -> None:
+        """Spectra of one depth, ``[component][traction]``."""
+        names = list(COMPONENTS)
+        by_kernel = []
+        for kernel in kernels:
+            if self._periodic:
+                ky, kx = self._layout.wavenumbers(self.grid.dy, self.grid.dx)
+                values = kernel.response(names, kx[None, :], ky[:, None], float(self.depths[k]))
+                by_kernel.append(
+                    [
+                        self._layout.spectrum_from_response(value, kernel.parity(name), precision=self._precision)
+                        for name, value in zip(names, values, strict=True)
+                    ]
+                )
+                continue
+            dx, dy = self.grid.dx, self.grid.dy
+            x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
+            tables = kernel.table(names, x, y, float(self.depths[k]), (0.5 * dx, 0.5 * dy))
+            by_kernel.append(
+                [
+                    self._layout.spectrum(table, kernel.parity(name), precision=self._precision)
+                    for name, table in zip(names, tables, strict=True)
+                ]
+            )
+        self._spectra[k] = [list(row) for row in zip(*by_kernel, strict=True)]
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the stored spectra."""
+        return sum(s.nbytes for depth in self._spectra for row in depth for s in row)
+
+    @property
+    def kernels(self) -> int:
+        """Number of spectra held."""
+        return sum(len(row) for depth in self._spectra for row in depth)
+
+    def covers(self, box: Box) -> bool:
+        """Whether tractions on `box` can be handed to `apply`."""
+        s = self._box
+        return s.y0 <= box.y0 and box.y1 <= s.y1 and s.x0 <= box.x0 and box.x1 <= s.x1
+
+    def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
+        """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]."""
+        sources = np.array([traction[self._box.slices] for traction in tractions])
+        flat = [row for depth in self._spectra for row in depth]
+        values = self._convolver.apply(sources, flat)
+        if self._periodic:
+            values = values[:, self._crop[0]][:, :, self._crop[1]]
+        stacked = values.reshape(self.depths.size, len(COMPONENTS), *values.shape[1:])
+        return np.moveaxis(stacked, 1, 0)
+
+
+def stress_at_points(
+    grid: Grid, kernels: Sequence[StressKernel], tractions: Sequence[FloatArray], points: FloatArray
+) -> FloatArray:
+    """Mandel stress at scattered points by direct superposition of the loaded cells.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        x, y and depth z [m].
+
+    Returns
+    -------
+    (6, n)
+        Stress [Pa].
+    """
+    points = np.asarray(points, dtype=float)
+    out = np.zeros((len(COMPONENTS), len(points)))
+    half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
+    for kernel, traction in zip(kernels, tractions, strict=True):
+        rows, columns = np.nonzero(traction)
+        weights = traction[rows, columns]
+        xs, ys = grid.x[columns], grid.y[rows]
+        step = max(1, _CHUNK // max(1, len(weights)))
+        for first in range(0, len(points), step):
+            some = points[first : first + step]
+            values = kernel.at_points(
+                list(COMPONENTS), some[:, :1] - xs, some[:, 1:2] - ys, some[:, 2:3], half_widths
+            )
+            out[:, first : first + step] += values @ weights
+    return out
