@@ -125,8 +125,9 @@ def _integrate(
             continue
         xs, ys, zs = x[shell], y[shell], z[shell]
         values = np.zeros((len(names), shell.size))
-        for dx, weight_x in _rule(half_widths[0], inner * edge):
-            for dy, weight_y in _rule(half_widths[1], inner * edge):
+        rule_x, rule_y = (_rule(half_width, inner * edge) for half_width in half_widths)
+        for dx, weight_x in rule_x:
+            for dy, weight_y in rule_y:
                 force = PointForce(ys - dy, xs - dx, zs) if direction == "y" else PointForce(xs - dx, ys - dy, zs)
                 for row, name in enumerate(names):
                     values[row] += (weight_x * weight_y) * table[name](force, 1 - 2 * nu)
