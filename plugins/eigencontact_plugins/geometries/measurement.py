@@ -1,0 +1,185 @@
+"""Reading a measured surface: NumPy files, x-y-z text, and what SurfaceTopography opens.
+
+Every reader returns the heights as they stand in the file, ``(ny, nx)`` with NaN where a point is missing, and the
+distances between points if the file knows them. A refusal is one line: ``topography.file must be ...``.
+"""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import SceneError
+
+__all__ = ["Measurement", "read_measurement"]
+
+FloatArray = NDArray[np.float64]
+GALLERY = "gallery:"
+TEXT = (".xyz", ".txt", ".csv", ".dat", ".asc")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measurement:
+    """Heights on a regular raster.
+
+    Attributes
+    ----------
+    heights : (ny, nx) float64
+        NaN where missing; rows run along y, columns along x.
+    spacing : (float, float) or None
+        Distance of the points along x and y; None where the file does not say.
+    in_metres : bool
+        True where the file carries its own units, already converted to m.
+    """
+
+    heights: FloatArray
+    spacing: tuple[float, float] | None = None
+    in_metres: bool = False
+
+
+def read_measurement(file: str) -> Measurement:
+    """Read `file`: a path, or ``gallery:NAME`` for a file of the bundled gallery."""
+    path = _locate(file)
+    suffix = path.suffix.lower()
+    try:
+        if suffix in (".npy", ".npz"):
+            measurement = _read_numpy(path, file)
+        elif suffix in TEXT and _columns(path, file) == 3:
+            measurement = _read_xyz(path, file)
+        else:
+            measurement = _read_instrument(path, file)
+    except (OSError, EOFError, zipfile.BadZipFile, zlib.error, ValueError) as problem:
+        raise _refusal("a readable measurement", file, _first_line(problem)) from problem
+    heights = measurement.heights
+    if heights.ndim != 2 or min(heights.shape) < 2:
+        raise _refusal("heights on a raster of at least 2 x 2 points", file, f"its shape is {heights.shape}")
+    if np.isinf(heights).any():
+        raise _refusal("finite heights", file, f"{np.isinf(heights).sum()} are infinite; mark missing points with NaN")
+    if np.isnan(heights).all():
+        raise _refusal("a measurement with heights", file, "every point is missing")
+    return measurement
+
+
+def _refusal(rule: str, file: str, reason: str) -> SceneError:
+    return SceneError(f"topography.file must be {rule} (got {file!r}); {reason}")
+
+
+def _first_line(problem: BaseException) -> str:
+    return (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+
+
+def _locate(file: str) -> Path:
+    if file.startswith(GALLERY):
+        folder, name = Path(str(files("eigencontact"))) / "gallery", file.removeprefix(GALLERY)
+        known = sorted(p.name for p in folder.glob("*") if p.suffix in (".npy", ".npz", *TEXT))
+        if name not in known:
+            raise _refusal("a file of the gallery", file, f"the gallery holds {', '.join(known) or 'none'}")
+        return folder / name
+    path = Path(file)
+    if not path.is_file():
+        raise _refusal("an existing file", file, "a relative path counts from the folder of the scene")
+    return path
+
+
+def _read_numpy(path: Path, file: str) -> Measurement:
+    with path.open("rb") as stream:
+        content: Any = np.load(stream, allow_pickle=False)
+        if isinstance(content, np.ndarray):
+            return Measurement(heights=_real(content, file))
+        arrays = {name: content[name] for name in content}
+    if "heights" not in arrays and len(arrays) != 1:
+        raise _refusal("an archive with the array 'heights'", file, f"it holds {', '.join(arrays) or 'nothing'}")
+    heights = _real(arrays.get("heights", next(iter(arrays.values()))), file)
+    dx, dy = arrays.get("dx", arrays.get("dy")), arrays.get("dy", arrays.get("dx"))
+    if dx is None or dy is None:
+        return Measurement(heights=heights)
+    if dx.size != 1 or dy.size != 1:
+        reason = f"their shapes are {dx.shape} and {dy.shape}"
+        raise _refusal("an archive with one number each for dx and dy", file, reason)
+    return Measurement(heights=heights, spacing=(float(dx.item()), float(dy.item())))
+
+
+def _real(values: NDArray[np.float64], file: str) -> FloatArray:
+    if values.dtype.kind not in "fiu":
+        raise _refusal("an array of real numbers", file, f"its type is {values.dtype}")
+    return np.array(values, dtype=float)
+
+
+def _first_row(path: Path) -> str:
+    with path.open(encoding="utf-8", errors="replace") as lines:
+        return next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
+
+
+def _columns(path: Path, file: str) -> int:
+    columns = len(_first_row(path).replace(",", " ").replace(";", " ").split())
+    if columns == 0:
+        raise _refusal("a text file with rows x y z", file, "it holds no row")
+    return columns
+
+
+def _read_xyz(path: Path, file: str) -> Measurement:
+    """Three columns x, y, z in any order of rows; points of the raster that have no row are missing."""
+    row = _first_row(path)
+    delimiter = next((mark for mark in ",;" if mark in row), None)
+    x, y, z = np.loadtxt(path, delimiter=delimiter, comments="#", ndmin=2, unpack=True, usecols=(0, 1, 2))
+    (ix, nx, dx), (iy, ny, dy) = _raster(x, "x", file), _raster(y, "y", file)
+    if 10 * x.size < nx * ny:
+        raise _refusal("a regular raster", file, f"{x.size} points lie scattered over {nx} x {ny} places")
+    place = iy * nx + ix
+    repeated = place.size - np.unique(place).size
+    if repeated:
+        raise _refusal("a raster with one height a point", file, f"{repeated} rows repeat a point")
+    heights = np.full(ny * nx, np.nan)
+    heights[place] = z
+    return Measurement(heights=heights.reshape(ny, nx), spacing=(dx, dy))
+
+
+def _raster(values: FloatArray, axis: str, file: str) -> tuple[NDArray[np.intp], int, float]:
+    """Index of each coordinate on its axis, the number of levels and their distance; refuses uneven levels."""
+    if not np.isfinite(values).all():
+        raise _refusal("a raster with finite coordinates", file, f"{axis} holds {np.sum(~np.isfinite(values))} others")
+    order = np.sort(values)
+    gaps = np.diff(order)
+    gaps = gaps[gaps > 0.1 * gaps.max(initial=0.0)]  # smaller ones are the rounding of one coordinate
+    if gaps.size == 0:
+        raise _refusal("heights on a raster of at least 2 x 2 points", file, f"all {axis} are equal")
+    typical = np.median(gaps)
+    typical = gaps[np.abs(gaps - typical) < 0.5 * typical].mean()  # an absent row or column leaves a double gap
+    span = float(order[-1] - order[0])
+    levels = round(span / typical) + 1
+    step = span / (levels - 1)
+    position = (values - order[0]) / step
+    index = np.rint(position).astype(np.intp)
+    if np.abs(position - index).max() > 0.05:
+        reason = f"steps along {axis} go from {gaps.min():.6g} to {gaps.max():.6g}; resample it to equal steps first"
+        raise _refusal("a regular raster", file, reason)
+    return index, levels, step
+
+
+def _read_instrument(path: Path, file: str) -> Measurement:
+    """Any format that SurfaceTopography knows, first height channel, in its own units where it has them."""
+    try:
+        from SurfaceTopography import open_topography
+    except ImportError as problem:
+        reason = "for other formats: pip install eigencontact[topography]"
+        raise _refusal("a .npy, .npz or three-column text file", file, reason) from problem
+    try:
+        with open_topography(str(path)) as reader:
+            points, extent = reader.default_channel.nb_grid_pts, reader.default_channel.physical_sizes
+            topography = reader.topography() if extent else reader.topography(physical_sizes=points)
+            in_metres = topography.unit is not None
+            if in_metres:
+                topography = topography.to_unit("m")
+            heights: FloatArray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
+            steps = [float(size / number) for size, number in zip(topography.physical_sizes, points, strict=True)]
+    except Exception as problem:  # each of its readers raises errors of its own
+        raise _refusal("a format that SurfaceTopography reads", file, _first_line(problem)) from problem
+    spacing = (steps[0], steps[-1]) if extent else None
+    return Measurement(heights=np.ascontiguousarray(heights.T), spacing=spacing, in_metres=in_metres)
