@@ -31,7 +31,7 @@ FloatArray = NDArray[np.float64]
 _MEMORY_SHARE = 0.9
 
 
-def make_plan(scene: Scene, registry: Registry, name: str = "scene") -> Plan:
+def make_plan(scene: Scene, registry: Registry) -> Plan:
     """Decide what a scene needs.
 
     Raises
@@ -61,7 +61,6 @@ def make_plan(scene: Scene, registry: Registry, name: str = "scene") -> Plan:
     blocks, outputs = _declare(scene, grid, geometries, observers, box, pressure)
     plan = Plan(
         scene=scene,
-        name=name,
         registry=registry,
         grid=grid,
         grid_reason=reason,

@@ -96,7 +96,7 @@ def references(plan: Plan) -> tuple[str, ...]:
     used = [*plan.influences.values(), *plan.geometries, *(observer for _, observer in plan.observers)]
     solver = (
         "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
-        "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402, doi:10.1115/1.4027734",
+        "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402",
     )
     return tuple(dict.fromkeys([text for component in used for text in component.references] + list(solver)))
 

@@ -35,8 +35,8 @@ class Plan:
 
     Attributes
     ----------
-    scene, name : Scene, str
-        The scene and its name.
+    scene : Scene
+        The scene.
     registry : Registry
         Where its components came from.
     grid : Grid
@@ -54,7 +54,6 @@ class Plan:
     """
 
     scene: Scene
-    name: str
     registry: Registry
     grid: Grid
     grid_reason: str
@@ -64,6 +63,11 @@ class Plan:
     influences: dict[str, SurfaceInfluence]
     groups: list[tuple[Block, ...]]
     left_out: Sequence[LeftOut]
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self.scene.label
 
     @property
     def blocks(self) -> list[Block]:

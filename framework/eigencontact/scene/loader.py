@@ -27,8 +27,8 @@ def bundled_text(name: str) -> str:
     return (files("eigencontact") / "gallery" / f"{name}.toml").read_text(encoding="utf-8")
 
 
-def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> tuple[Scene, str]:
-    """Scene and its name, from a TOML file or the name of a bundled scene.
+def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
+    """Scene from a TOML file or the name of a bundled scene.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> tuple[Sc
     data = apply_changes(data, changes)
     if folder is not None:
         _anchor_files(data, folder)
-    return Scene(**data), name
+    return Scene(**{"name": name, **data})
 
 
 def _read(path: Path) -> str:

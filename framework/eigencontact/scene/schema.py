@@ -163,6 +163,8 @@ class Scene(_Table):
 
     Parameters
     ----------
+    name : str
+        Short name, for folders; a file's name where it is not given.
     title : str
         One line for plots and lists.
     body1, body2 : Body
@@ -188,6 +190,7 @@ class Scene(_Table):
     210000000000.0
     """
 
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]*$")] = ""
     title: str = ""
     description: str = ""
     body1: Body
@@ -230,6 +233,12 @@ class Scene(_Table):
             errors = problem.errors()
             more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
             raise SceneError(explain_error(errors[0], "").lstrip("!") + more) from None
+
+    @property
+    def label(self) -> str:
+        """Name for folders and headings: `name`, or the title's first words."""
+        words = "".join(letter.lower() if letter.isalnum() else " " for letter in self.title).split()
+        return self.name or "-".join(words[:6]) or "scene"
 
     def resolved(self) -> dict[str, Any]:
         """Return every field with its default filled in, SI units, TOML names."""

@@ -410,11 +410,11 @@ class _Normal:
         inside = float(np.max(np.abs(gap), where=loaded, initial=0.0)) / deflection
         overlap = max(0.0, -float(np.min(gap, where=~loaded, initial=0.0))) / deflection
         forces = [float(np.vdot(np.broadcast_to(mode_field(m, grid), grid.shape), pressure)) for m in range(3)]
-        forces = [value * grid.cell_area for value in forces]
+        forces = [float(value * grid.cell_area) for value in forces]
         load_error = 0.0
         for mode, value in self.free.items():
             reference = abs(self.free.get(0, forces[0])) * (1.0 if mode == 0 else 0.5 * max(grid.size))
-            load_error = max(load_error, abs(forces[mode] - value) / reference if reference else 0.0)
+            load_error = max(load_error, float(abs(forces[mode] - value) / reference) if reference else 0.0)
         self.report.certificate = Certificate(
             gap=inside, penetration=overlap, load=load_error, tolerance=options.tolerance
         )

@@ -18,8 +18,8 @@ __all__ = ["StressKernel", "SubsurfaceStress", "stress_at_points"]
 
 FloatArray = NDArray[np.float64]
 
-# Field points times loaded cells evaluated together in the direct sum: six components of it take 50 MB.
-_CHUNK = 1_000_000
+# Field points times loaded cells evaluated together in the direct sum: six components and their temporaries take 50 MB.
+_CHUNK = 200_000
 
 
 class StressKernel(Protocol):

@@ -1,0 +1,216 @@
+"""The command line: run, explain, plugins, gallery, plot."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+from eigencontact.errors import EigencontactError
+
+__all__ = ["main"]
+
+app = typer.Typer(
+    name="eigencontact",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Semi-analytical contact mechanics: exact half-space kernels, FFT convolution, constrained solvers.",
+    epilog=(
+        "Exit codes: 0 done, 1 failure, 2 refused input or plugin, 3 not converged, 4 window too small, "
+        "5 results cannot be written or read, 130 interrupted (continue with --resume)."
+    ),
+)
+
+SceneArgument = Annotated[str, typer.Argument(help="A TOML file, or the name of a bundled scene (see `gallery`).", metavar="SCENE")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a value: `--set body1.poisson-ratio=0.4`; repeatable."),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+
+
+def _fail(problem: EigencontactError) -> NoReturn:
+    typer.echo(f"eigencontact: {problem}", err=True)
+    raise typer.Exit(problem.exit_code)
+
+
+@app.callback(invoke_without_command=True)
+def _root(*, version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+    if version:
+        from eigencontact import __version__
+
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    *,
+    changes: SetOption = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for results; by default ./SCENE.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run of the same scene.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Solve a scene: results, summary and pictures in a folder.
+
+    Example: `eigencontact run hertz -o hertz --set steps.normal-load="1 N"`
+    """
+    from eigencontact import app as calls
+    from eigencontact.progress import ProgressBars
+
+    try:
+        loaded = calls.load_scene(scene, changes or [])
+        planned = calls.plan(loaded)
+        folder = output if output is not None else Path(planned.name)
+        with ProgressBars(enabled=not (quiet or as_json)) as bars:
+            result = calls.run(planned, folder, resume=resume, overwrite=overwrite, watcher=bars)
+    except EigencontactError as problem:
+        _fail(problem)
+    except KeyboardInterrupt:
+        typer.echo("eigencontact: interrupted; accepted steps are kept, continue with --resume", err=True)
+        raise typer.Exit(130) from None
+    if as_json:
+        typer.echo(json.dumps(result.summary, indent=2))
+    elif not quiet:
+        _report(planned.name, result)
+
+
+def _report(name: str, result: Any) -> None:
+    """Say what was found, what was written, and how long it took."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from eigencontact.listing import readable
+
+    console, summary = Console(highlight=False), result.summary
+    numbers = Table.grid(padding=(0, 2))
+    rows = (
+        ("normal load", "normal_load", "N"),
+        ("approach", "approach", "m"),
+        ("contact radius (area-equivalent)", "contact_radius", "m"),
+        ("contact area", "contact_area", "m^2"),
+        ("largest pressure", "max_pressure", "Pa"),
+        ("largest von Mises stress", "max_von_mises", "Pa"),
+        ("  at depth", "max_von_mises_depth", "m"),
+    )
+    for text, key, unit in rows:
+        if summary.get(key) is not None:
+            numbers.add_row(text, readable(float(summary[key]), unit))
+    numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
+    console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
+    console.print(numbers)
+    folder = result.folder.resolve()
+    console.print(f"\nin {folder}:", soft_wrap=True)
+    files = Table.grid(padding=(0, 2))
+    for file, text in result.files.items():
+        files.add_row(f"  {file}", text)
+    console.print(files)
+    console.print(
+        f"\nsolved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
+        f"{summary['convolutions']} convolutions); everything, pictures included, in {result.seconds:.3g} s"
+    )
+
+
+@app.command()
+def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOption = False) -> None:
+    """Say what a scene will model, with which kernels, memory and time; and what is left out and why."""
+    from eigencontact import app as calls
+
+    try:
+        planned = calls.plan(calls.load_scene(scene, changes or []))
+        typer.echo(json.dumps(planned.to_dict(), indent=2) if as_json else planned.explain())
+    except EigencontactError as problem:
+        _fail(problem)
+
+
+@app.command()
+def plugins(
+    key: Annotated[str | None, typer.Argument(help="Show one plugin: its parameters and sources.")] = None,
+    *,
+    as_json: JsonOption = False,
+) -> None:
+    """List installed plugins by kind, the package each comes from, and what failed to load."""
+    from eigencontact.app import installed_plugins
+    from eigencontact.listing import plugin_data, plugin_text
+
+    try:
+        data = plugin_data(installed_plugins(), key)
+        typer.echo(json.dumps(data, indent=2) if as_json else plugin_text(data, detailed=key is not None))
+    except EigencontactError as problem:
+        _fail(problem)
+
+
+gallery = typer.Typer(help="List the bundled scenes, or print one to start from.", invoke_without_command=True)
+app.add_typer(gallery, name="gallery")
+
+
+@gallery.callback()
+def _gallery(context: typer.Context, *, as_json: JsonOption = False) -> None:
+    if context.invoked_subcommand is not None:
+        return
+    from eigencontact.listing import gallery_data
+
+    data = gallery_data()
+    if as_json:
+        typer.echo(json.dumps(data, indent=2))
+        return
+    width = max(len(name) for name in data)
+    for name, title in data.items():
+        typer.echo(f"{name:<{width}}  {title}")
+    typer.echo("\n`eigencontact run NAME` solves one; `eigencontact gallery show NAME > my.toml` copies one.")
+
+
+@gallery.command("show")
+def _show(name: Annotated[str, typer.Argument(help="Name of a bundled scene.")]) -> None:
+    """Print the TOML text of a bundled scene."""
+    from eigencontact.scene.loader import bundled_text
+
+    try:
+        typer.echo(bundled_text(name), nl=False)
+    except EigencontactError as problem:
+        _fail(problem)
+
+
+@app.command()
+def plot(
+    results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
+    *,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; by default beside the results.")
+    ] = None,
+    vtk: Annotated[bool, typer.Option(help="Also write VTK files for ParaView.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Draw pictures (PNG) and write VTK files from stored results."""
+    from eigencontact import app as calls
+
+    try:
+        files = calls.draw(results, output, vtk=vtk)
+    except EigencontactError as problem:
+        _fail(problem)
+    if as_json:
+        typer.echo(json.dumps({str(path): text for path, text in files.items()}, indent=2))
+    elif not quiet:
+        for path, text in files.items():
+            typer.echo(f"{path}  {text}")
+
+
+def main() -> None:
+    """Run the command line; the console script's entry point."""
+    app(prog_name="eigencontact", args=sys.argv[1:])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,104 @@
+"""What is installed and what is bundled, as data and as text."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, fields
+from typing import Any, get_args, get_type_hints
+
+from eigencontact.core.quantities import Unit
+from eigencontact.errors import PluginError, nearest
+from eigencontact.hooks.registry import Entry, Registry
+
+__all__ = ["gallery_data", "plugin_data", "plugin_text", "readable"]
+
+
+def readable(value: float, unit: str) -> str:
+    """Return a number with an engineering prefix.
+
+    Examples
+    --------
+    >>> readable(6.05e-6, "m"), readable(8.47e9, "Pa"), readable(1.15e-10, "m^2")
+    ('6.05 um', '8.47 GPa', '115 um^2')
+    """
+    power = 2 if unit.endswith("^2") else 1
+    for exponent, prefix in ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "u"), (-9, "n")):
+        scaled = value / 10.0 ** (exponent * power)
+        if abs(scaled) >= 1.0 and not (unit.startswith("m") and exponent > 3):
+            return f"{scaled:.5g} {prefix}{unit}"
+    return f"{value:.4g} {unit}"
+
+
+def gallery_data() -> dict[str, str]:
+    """Names and titles of the bundled scenes."""
+    import tomllib
+
+    from eigencontact.scene.loader import bundled_names, bundled_text
+
+    return {name: str(tomllib.loads(bundled_text(name)).get("title", "")) for name in bundled_names()}
+
+
+def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:
+    """Installed plugins (all, or those of one key) and broken ones, as plain data.
+
+    Raises
+    ------
+    PluginError
+        No plugin has this key; names the nearest, and broken plugins.
+    """
+    entries = list(registry) if key is None else registry.named(key)
+    broken = [{"name": b.name, "package": b.package, "reason": b.reason} for b in registry.broken]
+    if key is not None and not entries:
+        keys = sorted({entry.key for entry in registry})
+        lost = "".join(f"; {item}" for item in registry.broken)
+        raise PluginError(f"unknown plugin {key!r}; installed: {', '.join(keys)}{nearest(key, keys)}{lost}")
+    return {"plugins": [_entry(entry) for entry in entries], "broken": broken}
+
+
+def _entry(entry: Entry) -> dict[str, Any]:
+    cls = entry.component
+    hints = get_type_hints(cls, include_extras=True)
+    parameters = []
+    for item in fields(cls):
+        unit = next((part.symbol for part in get_args(hints[item.name]) if isinstance(part, Unit)), None)
+        required = item.default is MISSING and item.default_factory is MISSING
+        parameters.append(
+            {
+                "name": item.name.replace("_", "-"),
+                "unit": unit,
+                "required": required,
+                "default": None if required else repr(item.default),
+            }
+        )
+    return {
+        "kind": entry.kind,
+        "key": entry.key,
+        "package": entry.package,
+        "version": entry.version,
+        "summary": (cls.__doc__ or "").strip().split("\n")[0],
+        "doc": cls.__doc__ or "",
+        "parameters": parameters,
+        "references": list(getattr(cls, "references", ())),
+    }
+
+
+def plugin_text(data: dict[str, Any], *, detailed: bool) -> str:
+    """Lines for the terminal."""
+    lines: list[str] = []
+    kind = ""
+    for entry in data["plugins"]:
+        if entry["kind"] != kind:
+            kind = entry["kind"]
+            lines += ["", kind] if lines else [kind]
+        lines.append(f"  {entry['key']:<16} {entry['summary']}  ({entry['package']} {entry['version']})")
+        if detailed:
+            lines += [f"    {_parameter(item)}" for item in entry["parameters"]]
+            lines += ["    sources:", *(f"      {source}" for source in entry["references"])]
+    if data["broken"]:
+        lines += ["", "broken, and why"]
+        lines += [f"  {item['name']} of {item['package']}: {item['reason']}" for item in data["broken"]]
+    return "\n".join(lines)
+
+
+def _parameter(item: dict[str, Any]) -> str:
+    unit = f" [{item['unit']}]" if item["unit"] else ""
+    return f"{item['name']}{unit}: " + ("required" if item["required"] else f"default {item['default']}")

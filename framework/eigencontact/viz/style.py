@@ -1,0 +1,187 @@
+"""The look of all figures: sizes, fonts, colours and engineering units. Nothing here changes global settings."""
+
+from __future__ import annotations
+
+import math
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
+
+import numpy as np
+
+from eigencontact.results.atomic import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+__all__ = [
+    "COLOURS",
+    "Scale",
+    "box_size",
+    "colour_range",
+    "heading",
+    "label_plane",
+    "new_figure",
+    "paper_style",
+    "place",
+    "save",
+    "scale_for",
+]
+
+#: Colour-blind-safe line colours (Okabe and Ito): blue, vermilion, green, orange, purple, sky.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
+#: Resolution of the pictures [dots per inch].
+DPI = 200
+
+_RC: dict[str, Any] = {
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": True,
+    "axes.spines.right": True,
+    "axes.formatter.useoffset": False,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 3.2,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "image.interpolation": "nearest",
+    "mathtext.default": "regular",
+    "savefig.facecolor": "white",
+}
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+@contextmanager
+def paper_style() -> Iterator[None]:
+    """Settings of the figures, for the block only."""
+    import matplotlib as mpl
+    from cycler import cycler
+
+    with mpl.rc_context({**_RC, "axes.prop_cycle": cycler(color=COLOURS)}):
+        yield
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """Engineering unit for an axis: ``values * factor`` are numbers of `unit`."""
+
+    factor: float
+    unit: str
+
+    def __call__(self, values: ArrayLike) -> Any:
+        """Numbers in this unit."""
+        return np.asarray(values) * self.factor
+
+    def text(self, value: float, digits: int = 3) -> str:
+        """Number and unit in words: ``"8.47 GPa"``."""
+        number = f"{float(value) * self.factor:.{digits}g}"
+        return f"{number} {self.unit}".strip() if "e" not in number else f"{float(value) * self.factor:.0f} {self.unit}"
+
+
+def scale_for(values: ArrayLike, unit: str) -> Scale:
+    """Engineering unit in which the largest magnitude of `values` lies in 1 ... 1000.
+
+    Parameters
+    ----------
+    values : array_like
+        Values in the SI unit `unit`; those that are not finite are ignored.
+    unit : str
+        ``"m"``, ``"m2"``, ``"Pa"``, ``"N"``, ... Units that take no prefix (``"1"``) are returned as they are.
+
+    Examples
+    --------
+    >>> scale_for([0.0, 8.47e9], "Pa").unit, scale_for([105e-6], "m").text(105e-6)
+    ('GPa', '105 µm')
+    """
+    finite = np.abs(np.asarray(values, dtype=float))
+    finite = finite[np.isfinite(finite)]
+    largest = float(finite.max()) if finite.size else 0.0
+    if unit in ("1", "", "unknown"):
+        return Scale(1.0, "")
+    if largest == 0.0:
+        return Scale(1.0, unit.replace("m2", "m²"))
+    power = 2 if unit == "m2" else 1
+    # A value a hair below a power of ten, 999.9996, is a round number that lost a digit.
+    exponent = 3 * power * math.floor(math.log10(largest * (1 + 1e-9)) / (3 * power))
+    exponent = max(min(exponent, 12 if power == 1 else 0), -12 * power)
+    if unit in ("m", "m2"):  # no kilometres of contact
+        exponent = min(exponent, 0)
+    return Scale(10.0**-exponent, _PREFIXES[exponent // power] + unit.replace("m2", "m²"))
+
+
+def colour_range(values: ArrayLike) -> tuple[str, float, float]:
+    """Colour map and its limits: viridis from 0 for values of one sign, a symmetric diverging map for signed ones."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if low < -1e-9 * max(abs(high), abs(low)) and high > 0:
+        end = max(-low, high)
+        return "RdBu_r", -end, end
+    if high <= 0 and low < 0:
+        return "viridis_r", low, 0.0
+    return "viridis", 0.0, high
+
+
+def box_size(width: float, height: float, largest: tuple[float, float] = (4.2, 3.6)) -> tuple[float, float]:
+    """Size [inch] of an axes box with the proportions of ``width x height``, as large as `largest` allows."""
+    ratio = min(largest[0] / width, largest[1] / height)
+    return width * ratio, height * ratio
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Empty figure [inch] with a canvas of its own, unknown to pyplot."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def label_plane(axes: Axes, x: str, y: str, size: tuple[float, float]) -> None:
+    """Label the axes of a map, with as many ticks as its sides (`size`, inch) have room for."""
+    from matplotlib.ticker import MaxNLocator
+
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=max(2, min(8, round(size[0] / 0.55))), steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=max(2, min(8, round(size[1] / 0.45))), steps=[1, 2, 5, 10]))
+
+
+def place(axis: str, value: float) -> str:
+    """Coordinate in words: ``"y = 125 nm"``, ``"y = 0"``."""
+    return f"{axis} = {scale_for([value], 'm').text(value)}" if value else f"{axis} = 0"
+
+
+def heading(dataset: xr.Dataset, step: int, what: str) -> str:
+    """Title of a picture: what is shown, at which load, at which step of several."""
+    words = what
+    if "normal_load" in dataset:
+        load = float(dataset["normal_load"][step])
+        words += f" at {scale_for([load], 'N').text(load)}"
+    if dataset.sizes["step"] > 1:
+        words += f" (step {int(dataset['step'][step])} of {int(dataset['step'][-1])})"
+    return words
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a PNG; the file appears complete or not at all.
+
+    Raises
+    ------
+    ResultsError
+        When it cannot be stored.
+    """
+    with paper_style(), replacing(path, f"picture {path.name}") as sink:
+        figure.savefig(cast("BinaryIO", sink), format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.06)

@@ -1,0 +1,182 @@
+"""Stored results as VTK files for ParaView and pyvista.
+
+Coordinates are those of the results, in metres and unchanged: the surface is z = 0 and z **increases into the body**.
+In a viewer whose z points up the body therefore lies above the surface; rotate the camera, not the data. Surface
+fields are cell values (a cell of the grid is a cell of the image), sub-surface fields are point values. Stress is
+stored as VTK orders symmetric tensors: xx, yy, zz, xy, yz, xz.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import partial_name, reason, replacing
+from eigencontact.results.reader import open_results
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["write_vtk"]
+
+#: Order in which VTK, and so ParaView, reads the six components of a symmetric tensor.
+VTK_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+_REORDER = [COMPONENTS.index(name) for name in VTK_COMPONENTS]
+#: Names that VTK shows beside the components, in the same order.
+_VTK_NAMES = tuple(name.upper() for name in VTK_COMPONENTS)
+
+
+def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
+    """Write every step of stored results as VTK files.
+
+    Parameters
+    ----------
+    results : xarray.Dataset or path
+        Results of a run, or where they are stored.
+    folder : Path
+        Made where missing.
+
+    Returns
+    -------
+    list of Path
+        ``surface_0001.vti`` and so on; per region ``<region>_0001`` as ``.vti`` (evenly spaced), ``.vtr`` (spaced
+        otherwise), or ``.vtp`` (lines, points); and for each series a ``.pvd`` that ParaView opens as a whole, with
+        the time of the load history.
+
+    Raises
+    ------
+    ResultsError
+        When the results cannot be read or the folder cannot be written.
+    """
+    if isinstance(results, (str, Path)):
+        with open_results(results) as dataset:
+            return write_vtk(dataset, folder)
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ResultsError(
+            f"folder {folder} must be a folder that can be written (got: {reason(error)}); choose another"
+        ) from error
+    regions = json.loads(results.attrs["regions"])
+    times = [float(time) for time in results["time"].values]
+    written: list[Path] = []
+    for name in ("surface", *regions):
+        series = []
+        for at, index in enumerate(int(step) for step in results["step"].values):
+            mesh = _surface(results, at) if name == "surface" else _region(results, name, regions[name], at)
+            series.append(_save(mesh, folder, f"{name}_{index:04d}"))
+        collection = folder / f"{name}.pvd"
+        with replacing(collection, f"collection {collection.name}") as sink:
+            sink.write(_collection(times, series).encode())
+        written += [*series, collection]
+    return written
+
+
+def _surface(dataset: xr.Dataset, at: int) -> Any:
+    """Image of one layer of cells in z = 0 with the surface fields."""
+    import pyvista as pv
+
+    dx, dy = (float(edge) for edge in np.atleast_1d(dataset.attrs["cell_size"]))
+    origin = (float(dataset["x"][0]) - 0.5 * dx, float(dataset["y"][0]) - 0.5 * dy, 0.0)
+    ny, nx = dataset.sizes["y"], dataset.sizes["x"]
+    mesh = pv.ImageData(dimensions=(nx + 1, ny + 1, 1), spacing=(dx, dy, 1.0), origin=origin)
+    for name, variable in dataset.data_vars.items():
+        if variable.attrs.get("role") == "field":
+            mesh.cell_data[str(name)] = np.ascontiguousarray(variable[at].values).ravel()
+    return mesh
+
+
+def _region(dataset: xr.Dataset, name: str, described: dict[str, Any], at: int) -> Any:
+    """Mesh of a region with its fields as point values."""
+    import pyvista as pv
+
+    coords = {axis: np.asarray(dataset[f"{name}_{axis}"].values, dtype=float) for axis in "xyz"}
+    if described["dims"] == ["point"]:
+        size = dataset.sizes[f"{name}_point"]
+        points = np.column_stack([coords[axis] * np.ones(size) for axis in "xyz"])
+        mesh = pv.PolyData(points)
+        if described["shape"] == "line" and size > 1:
+            mesh = pv.PolyData(points, lines=np.concatenate([[size], np.arange(size)]))
+    else:
+        mesh = _lattice(*(np.atleast_1d(coords[axis]) for axis in "xyz"))
+    # VTK counts x fastest, then y, then z: the C order of arrays (z, y, x), whichever of them are single.
+    for quantity in described["fields"]:
+        values = np.asarray(dataset[f"{name}_{quantity}"][at].values)
+        if quantity in ("stress", "principal"):
+            values = values.reshape(values.shape[0], -1).T
+            mesh.point_data[quantity] = np.ascontiguousarray(values[:, _REORDER] if quantity == "stress" else values)
+            if quantity == "stress":
+                _name_components(mesh.point_data[quantity])
+        else:
+            mesh.point_data[quantity] = np.ascontiguousarray(values).ravel()
+    return mesh
+
+
+def _lattice(x: NDArray[Any], y: NDArray[Any], z: NDArray[Any]) -> Any:
+    """Image where the points are evenly spaced along all axes, otherwise a rectilinear grid."""
+    import pyvista as pv
+
+    steps = [np.diff(axis) for axis in (x, y, z)]
+    if all(step.size == 0 or (step[0] > 0 and np.ptp(step) <= 1e-9 * np.abs(step[0])) for step in steps):
+        # Even from the ends, so that the last point has no accumulated rounding.
+        spacing = tuple(float(np.ptp(axis)) / (axis.size - 1) if axis.size > 1 else 1.0 for axis in (x, y, z))
+        origin = (float(x[0]), float(y[0]), float(z[0]))
+        return pv.ImageData(dimensions=(x.size, y.size, z.size), spacing=spacing, origin=origin)
+    return pv.RectilinearGrid(x, y, z)
+
+
+def _name_components(array: Any) -> None:
+    vtk_array = getattr(array, "VTKObject", None)
+    if vtk_array is not None:
+        for n, name in enumerate(_VTK_NAMES):
+            vtk_array.SetComponentName(n, name)
+
+
+def _save(mesh: Any, folder: Path, stem: str) -> Path:
+    """Write a mesh under a temporary name, check that it arrived, rename it."""
+    suffix = {"ImageData": ".vti", "RectilinearGrid": ".vtr", "PolyData": ".vtp"}[type(mesh).__name__]
+    target = folder / f"{stem}{suffix}"
+    partial = partial_name(target).with_suffix(suffix)
+    try:
+        mesh.save(partial)
+        with partial.open("r+b") as file:  # VTK's writer does not raise when the disk is full
+            file.seek(-min(32, partial.stat().st_size), os.SEEK_END)
+            if b"</VTKFile>" not in file.read():
+                raise OSError(errno.ENOSPC, "file incomplete, is the disk full?")
+            os.fsync(file.fileno())
+        partial.replace(target)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise ResultsError(
+            f"{target.name} must be stored in {folder} (got: {reason(error)}); free space or choose another folder"
+        ) from error
+    return target
+
+
+def _collection(times: list[float], series: list[Path]) -> str:
+    """XML of a ParaView collection: one file for each time."""
+    rows = [
+        f'    <DataSet timestep="{time!r}" group="" part="0" file={quoteattr(path.name)}/>'
+        for time, path in zip(times, series, strict=True)
+    ]
+    return "\n".join(
+        [
+            '<?xml version="1.0"?>',
+            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
+            "  <Collection>",
+            *rows,
+            "  </Collection>",
+            "</VTKFile>",
+            "",
+        ]
+    )
