@@ -37,7 +37,8 @@ class Code:
     distribution : str
         Name of the installed package, for its version.
     modules : tuple of str
-        What a user's script imports; imported before the clock starts and before memory is counted.
+        What a user's script imports, and what the code imports later by itself; all of it is imported before the
+        clock starts and before memory is counted.
     settings : str
         Method and tolerance, printed below the tables.
     solve : callable
