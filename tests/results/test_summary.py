@@ -8,31 +8,9 @@ from eigencontact.results.store import ResultStore
 from eigencontact.results.summary import write_summary
 from results import synthetic
 
-KEYS = set(
-    [
-        "converged",
-        "normal_load",
-        "approach",
-        "contact_area",
-        "contact_radius",
-        "max_pressure",
-        "max_von_mises",
-        "max_von_mises_depth",
-        "iterations",
-        "convolutions",
-        "solve_seconds",
-        "peak_memory_bytes",
-        "gap_residual",
-        "name",
-        "title",
-        "scene_hash",
-        "steps",
-        "versions",
-        "references",
-        "files",
-        "history",
-    ]
-)
+KEYS = """converged normal_load approach contact_area contact_radius max_pressure max_von_mises max_von_mises_depth
+iterations convolutions solve_seconds peak_memory_bytes gap_residual name title scene_hash steps versions references
+files history"""
 
 
 @pytest.mark.parametrize("finished", [False, True])
@@ -46,7 +24,7 @@ def test_summary_has_its_keys_and_the_history(tmp_path, finished, regions):
     if finished:
         store.finish()
     found = json.loads(write_summary(tmp_path, info, records[-1], {"peak_memory_bytes": np.int64(7)}).read_text())
-    assert set(found) >= KEYS
+    assert set(found) >= set(KEYS.split())
     assert found["converged"] is True
     assert found["normal_load"] == records[-1].scalars["normal_load"]
     assert found["iterations"] == 13 + 14 + 15

@@ -96,7 +96,7 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         filled = _contours(axes, length(h), length(v), stress(values))
         axes.set_xlim(length(h[[0, -1]]))
         axes.set_ylim(length(v[[-1, 0]] if vertical == "z" else v[[0, -1]]))
-        label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]", (width, height))
+        label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")
         title = heading(dataset, step, _WORDS[field])
         axes.set_title("\n".join([title, *(f"at {place(axis, value)}" for axis, value in cut.items())]))
         if filled is None:

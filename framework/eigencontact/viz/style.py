@@ -55,6 +55,7 @@ _RC: dict[str, Any] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
+    "xtick.major.pad": 5.5,  # a label at the corner stays clear of that of the other axis
     "xtick.labelsize": 8.5,
     "ytick.labelsize": 8.5,
     "image.interpolation": "nearest",
@@ -149,14 +150,18 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def label_plane(axes: Axes, x: str, y: str, size: tuple[float, float]) -> None:
-    """Label the axes of a map, with as many ticks as its sides (`size`, inch) have room for."""
-    from matplotlib.ticker import MaxNLocator
+def label_plane(axes: Axes, x: str, y: str) -> None:
+    """Label the axes of a map of equal scales; the short side has the ticks of the long one if that gives two."""
+    from matplotlib.ticker import MaxNLocator, MultipleLocator
 
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=max(2, min(8, round(size[0] / 0.55))), steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=max(2, min(8, round(size[1] / 0.45))), steps=[1, 2, 5, 10]))
+    sides = [(axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())]
+    longest = max((limits for _, limits in sides), key=lambda limits: abs(limits[1] - limits[0]))
+    ticks = MaxNLocator(nbins=8, steps=[1, 2, 4, 5, 10]).tick_values(min(longest), max(longest))
+    step = float(ticks[1] - ticks[0])
+    for axis, (low, high) in sides:
+        axis.set_major_locator(MultipleLocator(step) if abs(high - low) >= 2 * step else MaxNLocator(nbins=2))
 
 
 def place(axis: str, value: float) -> str:

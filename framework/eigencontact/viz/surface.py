@@ -71,7 +71,7 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
             vmin=low * stress.factor,
             vmax=high * stress.factor,
         )
-        label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]", (width, height))
+        label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
         axes.set_title(heading(dataset, step, "Contact pressure"))
         if np.any(shown):
             _outline(axes, shown != 0, length(edges_x[view.x0 : view.x1 + 1]), length(edges_y[view.y0 : view.y1 + 1]))

@@ -149,11 +149,7 @@ def _save(mesh: Any, folder: Path, stem: str) -> Path:
     partial = partial_name(target).with_suffix(suffix)
     try:
         mesh.save(partial)
-        with partial.open("r+b") as file:  # VTK's writer does not raise when the disk is full
-            file.seek(-min(32, partial.stat().st_size), os.SEEK_END)
-            if b"</VTKFile>" not in file.read():
-                raise OSError(errno.ENOSPC, "file incomplete, is the disk full?")
-            os.fsync(file.fileno())
+        _arrived(partial)
         partial.replace(target)
     except OSError as error:
         partial.unlink(missing_ok=True)
@@ -161,6 +157,15 @@ def _save(mesh: Any, folder: Path, stem: str) -> Path:
             f"{target.name} must be stored in {folder} (got: {reason(error)}); free space or choose another folder"
         ) from error
     return target
+
+
+def _arrived(path: Path) -> None:
+    """Put a VTK file on the disk, or raise: VTK's own writer does not raise when the disk is full."""
+    with path.open("r+b") as file:
+        file.seek(-min(32, path.stat().st_size), os.SEEK_END)
+        if b"</VTKFile>" not in file.read():
+            raise OSError(errno.ENOSPC, "file incomplete, is the disk full?")
+        os.fsync(file.fileno())
 
 
 def _collection(times: list[float], series: list[Path]) -> str:
