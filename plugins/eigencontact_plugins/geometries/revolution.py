@@ -33,7 +33,7 @@ NODES, WEIGHTS = 0.5 * (_X + 1.0), 0.5 * _W
 def contact_radius(
     rate: Rate, normal_load: float, contact_modulus: float, *, junction: float = 0.0, limit: float = np.inf
 ) -> float:
-    """Contact radius a [m] under a load [N].
+    """Contact radius a [m] under a load [N]; NaN if the profile ends before it carries the load.
 
     Parameters
     ----------
@@ -61,13 +61,17 @@ def contact_radius(
     low, high = 0.0, min(max(junction, np.sqrt(goal)), 0.5 * limit)
     while excess(high) < 0:
         low, high = high, min(2.0 * high, 0.5 * (high + limit))
+        if limit - high < 1e-9 * limit:
+            return float("nan")
     return float(brentq(excess, low, high, xtol=1e-14 * high, rtol=1e-14))
 
 
 def revolution_pressure(
     r: FloatArray, rate: Rate, contact_radius: float, contact_modulus: float, *, junction: float = 0.0
 ) -> FloatArray:
-    """Pressure p(r) [Pa] under the given contact radius [m], zero outside it; same shape as `r` [m]."""
+    """Pressure p(r) [Pa] under the given contact radius [m], zero outside it, NaN if it is NaN; shape of `r`."""
+    if np.isnan(contact_radius):
+        return np.full(r.shape, np.nan)
     inside = r < contact_radius
     radius = r[inside]
     split = np.clip(junction, radius, contact_radius)

@@ -39,7 +39,8 @@ class Sphere(Geometry):
     Notes
     -----
     Closed form: Hertz for the parabola, p = p0 √(1 - r²/a²); for the circle Sneddon's g'(t) = artanh(t/R)
-    + tR/(R² - t²), which tends to Hertz as a/R → 0 (load at equal a: 1 + 2a²/(5R²) + ... times Hertz's).
+    + tR/(R² - t²), which tends to Hertz as a/R → 0 (load at equal a: 1 + 2a²/(5R²) + ... times Hertz's). It is NaN
+    for a load of some 20 E* R² and more, which no a < R carries.
 
     Examples
     --------
