@@ -120,7 +120,7 @@ def replacing(path: Path, what: str) -> Iterator[Sink]:
         _discard(partial)
         raise ResultsError(
             f"{what} must be stored in {path.parent} (got: {reason(error)}); free space or make the folder "
-            "writable, then --resume continues after the last complete step"
+            "writable; --resume keeps the steps that are stored"
         ) from error
     except _Inside as error:
         _discard(partial)
