@@ -130,7 +130,7 @@ def replacing(path: Path, what: str) -> Iterator[Sink]:
         raise
 
 
-class _Inside(Exception):  # noqa: N818 - never leaves this module
+class _Inside(Exception):
     """Carries an error of the block past the handler for errors of the file."""
 
 
