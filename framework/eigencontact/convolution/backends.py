@@ -16,6 +16,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.errors import require
+
 __all__ = ["Backend", "available_threads", "backend", "in_parallel"]
 
 Plan = Callable[[], Any]
@@ -59,7 +61,12 @@ class _FFTW:
 
     def _plan(self, source: NDArray[Any], target: NDArray[Any], direction: str, *, destroy: bool) -> Plan:
         keep = ("FFTW_DESTROY_INPUT",) if destroy else ()
+        # Any planning but ESTIMATE overwrites both arrays; plans are made when the first data are already there.
+        saved = None if "FFTW_ESTIMATE" in self._flags else (source.copy(), target.copy())
         plan = self._fftw.FFTW(source, target, axes=(-1,), direction=direction, flags=self._flags + keep, threads=1)
+        if saved is not None:
+            np.copyto(source, saved[0])
+            np.copyto(target, saved[1])
         execute: Plan = plan.execute
         return execute
 
@@ -108,6 +115,8 @@ class _SciPy:
 @cache
 def backend(name: str = "auto", effort: str = "estimate") -> Backend:
     """Return the FFT backend: ``"pyfftw"``, ``"scipy"`` or ``"auto"`` (pyFFTW where it is installed)."""
+    require(name in ("auto", "pyfftw", "scipy"), "numerics", "library", name, "'auto', 'pyfftw' or 'scipy'")
+    require(effort in ("estimate", "measure"), "numerics", "effort", effort, "'estimate' or 'measure'")
     if name == "auto":
         name = "pyfftw" if find_spec("pyfftw") else "scipy"
     return _FFTW(effort) if name == "pyfftw" else _SciPy()

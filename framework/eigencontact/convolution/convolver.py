@@ -58,6 +58,7 @@ class Convolver:
         effort: str = "estimate",
     ) -> None:
         require(precision in ("double", "single"), "numerics", "precision", precision, "'double' or 'single'")
+        require(threads is None or threads >= 1, "numerics", "threads", threads, "at least 1")
         self.layout = layout
         self.precision = precision
         self.count = 0
@@ -107,6 +108,17 @@ class Convolver:
     def _apply(self, sources: NDArray[Any], kernels: Sequence[Sequence[Spectrum | None]]) -> NDArray[Any]:
         expected = (sources.shape[0], *self.layout.source)
         require(sources.shape == expected, "convolution", "sources", sources.shape, f"of shape {expected}")
+        n, widths = len(sources), [len(row) for row in kernels]
+        require(set(widths) <= {n}, "convolution", "kernels", widths, f"rows of {n} kernels, one for each source")
+        for kernel in (kernel for row in kernels for kernel in row if kernel is not None):
+            shape = (self.layout.x.half, self.layout.y.half if kernel.sign_y else self.layout.y.length)
+            require(
+                kernel.values.shape == shape,
+                "convolution",
+                "kernels",
+                kernel.values.shape,
+                f"of this convolver's layout, with spectra of shape {shape}",
+            )
         self.count += sum(kernel is not None for row in kernels for kernel in row)
         rows = [self._rows_forward(index, field) for index, field in enumerate(sources)]
         targets = np.empty((len(kernels), *self.layout.target), self._real)

@@ -161,6 +161,8 @@ class Layout:
         scale : float
             Factor on the coefficients.
         """
+        rule = "False where a table is given; a periodic kernel is given by its response (spectrum_from_response)"
+        require(not self.periodic, "convolution", "periodic", self.periodic, rule)
         expected = (self.y.lattice.size, self.x.lattice.size)
         require(table.shape == expected, "convolution", "table", table.shape, f"of shape {expected}")
         return transform_table(self.y, self.x, table, parity, precision, scale)
