@@ -1,8 +1,9 @@
 """The convolution itself: real transforms of the rows that hold something, then cache-sized batches of columns.
 
 Of the zero-padded (F_y, F_x) domain only the source's rows are transformed along x, and only the target's rows are
-transformed back. Columns are gathered in batches small enough to stay in cache; each batch is transformed along y,
-multiplied by the packed spectrum and transformed back at once, so the padded complex field never exists in memory.
+transformed back. Rows and columns are gathered in batches small enough to stay in cache; each batch of columns is
+transformed along y, multiplied by the packed spectrum and transformed back at once. Neither the padded real field nor
+the padded complex field ever exists in memory.
 """
 
 from __future__ import annotations
@@ -14,15 +15,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.convolution.backends import Plan, available_threads, backend, in_parallel
+from eigencontact.convolution.backends import Backend, Plan, available_threads, backend, in_parallel
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.errors import require
 
 __all__ = ["Convolver"]
 
-# Bytes of one batch of columns: three of them (in, transformed, out) and the spectrum stay in a 1 MiB cache.
+Array = NDArray[Any]
+Kernels = Sequence[Sequence[Spectrum | None]]
+
+# Bytes of one batch: three of them (in, transformed, out) and the spectrum stay in a 1 MiB cache.
 _BATCH_BYTES = 262_144
+# Targets whose half-transformed rows are held at a time.
+_TOGETHER = 6
 
 
 class Convolver:
@@ -66,12 +72,14 @@ class Convolver:
         self._complex = np.complex128 if precision == "double" else np.complex64
         self._fft = backend(library, effort)
         y, x = layout.y, layout.x
-        points = x.length * y.length
-        self.threads = min(threads or available_threads(), max(1, points // 16_384))
-        self._columns = _blocks(x.half, max(1, _BATCH_BYTES // (16 * y.length)))
-        self._forward_rows: list[tuple[NDArray[Any], NDArray[Any], list[Plan]]] = []
-        self._inverse_rows: list[tuple[NDArray[Any], NDArray[Any], list[Plan]]] = []
-        self._workers = [_Worker(self, len(self._columns)) for _ in range(self.threads)]
+        self.threads = min(threads or available_threads(), max(1, x.length * y.length // 16_384))
+        columns = _blocks(x.half, max(1, _BATCH_BYTES // (16 * y.length)))
+        batch_rows = max(1, _BATCH_BYTES // (8 * x.length))
+        self._workers = [
+            _Worker(layout, self._fft, (self._real, self._complex), columns, batch_rows, (k, self.threads))
+            for k in range(self.threads)
+        ]
+        self._half: list[Array] = []
 
     @property
     def library(self) -> str:
@@ -81,12 +89,9 @@ class Convolver:
     @property
     def nbytes(self) -> int:
         """Memory of buffers held now."""
-        rows = (a.nbytes + b.nbytes for a, b, _ in self._forward_rows + self._inverse_rows)
-        return sum(rows) + sum(worker.nbytes for worker in self._workers)
+        return sum(int(half.nbytes) for half in self._half) + sum(worker.nbytes for worker in self._workers)
 
-    def apply(
-        self, sources: ArrayLike, kernels: Spectrum | Sequence[Sequence[Spectrum | None]]
-    ) -> NDArray[Any]:
+    def apply(self, sources: ArrayLike, kernels: Spectrum | Kernels) -> Array:
         """Convolve sources with a matrix of kernels: ``target[i] = sum_j kernels[i][j] * source[j]``.
 
         Parameters
@@ -102,10 +107,10 @@ class Convolver:
             Fresh memory, of the precision of the convolver.
         """
         if isinstance(kernels, Spectrum):
-            return self._apply(np.asarray(sources)[None], [[kernels]])[0]
+            return np.asarray(self._apply(np.asarray(sources)[None], [[kernels]])[0])
         return self._apply(np.asarray(sources), kernels)
 
-    def _apply(self, sources: NDArray[Any], kernels: Sequence[Sequence[Spectrum | None]]) -> NDArray[Any]:
+    def _apply(self, sources: Array, kernels: Kernels) -> Array:
         expected = (sources.shape[0], *self.layout.source)
         require(sources.shape == expected, "convolution", "sources", sources.shape, f"of shape {expected}")
         n, widths = len(sources), [len(row) for row in kernels]
@@ -120,105 +125,133 @@ class Convolver:
                 f"of this convolver's layout, with spectra of shape {shape}",
             )
         self.count += sum(kernel is not None for row in kernels for kernel in row)
-        rows = [self._rows_forward(index, field) for index, field in enumerate(sources)]
         targets = np.empty((len(kernels), *self.layout.target), self._real)
-        together = 6  # targets whose half-transformed rows are held at a time
-        for first in range(0, len(kernels), together):
-            group = kernels[first : first + together]
-            half = [self._inverse_buffers(index)[0] for index in range(len(group))]
-            in_parallel(
-                self.threads,
-                [
-                    partial(worker.run, self._columns[number :: self.threads], rows, group, half)
-                    for number, worker in enumerate(self._workers)
-                ],
-            )
-            for index in range(len(group)):
-                _, full, plans = self._inverse_buffers(index)
-                in_parallel(self.threads, plans)
-                start = self.layout.x.target_start
-                targets[first + index] = full[:, start : start + self.layout.target[1]]
+        groups = [kernels[first : first + _TOGETHER] for first in range(0, len(kernels), _TOGETHER)]
+        # The half-transformed rows of targets take the place of those of the sources, unless these are needed again.
+        kept = len(sources) if len(groups) > 1 else 0
+        half = self._buffers(max(len(sources), kept + max(map(len, groups), default=0)))
+        self._all([partial(worker.rows_forward, sources, half) for worker in self._workers])
+        for number, group in enumerate(groups):
+            into = targets[_TOGETHER * number :]
+            self._all([partial(w.columns, len(sources), group, half, half[kept:]) for w in self._workers])
+            self._all([partial(w.rows_inverse, len(group), half[kept:], into) for w in self._workers])
         return targets
 
-    def _rows_forward(self, index: int, field: NDArray[Any]) -> NDArray[Any]:
-        """Transform the rows of one source along x."""
-        x = self.layout.x
-        while len(self._forward_rows) <= index:
-            padded = self._fft.empty((self.layout.source[0], x.length), self._real)
-            half = self._fft.empty((self.layout.source[0], x.half), self._complex)
-            self._forward_rows.append((padded, half, self._split(self._fft.real_forward, padded, half)))
-        padded, half, plans = self._forward_rows[index]
-        padded[:, x.source_start : x.source_start + self.layout.source[1]] = field
-        in_parallel(self.threads, plans)
-        return half
+    def _all(self, tasks: list[Callable[[], None]]) -> None:
+        in_parallel(self.threads, tasks)
 
-    def _inverse_buffers(self, index: int) -> tuple[NDArray[Any], NDArray[Any], list[Plan]]:
-        x = self.layout.x
-        while len(self._inverse_rows) <= index:
-            half = self._fft.empty((self.layout.target[0], x.half), self._complex)
-            full = self._fft.empty((self.layout.target[0], x.length), self._real)
-            self._inverse_rows.append((half, full, self._split(self._fft.real_inverse, half, full)))
-        return self._inverse_rows[index]
-
-    def _split(
-        self, plan: Callable[[NDArray[Any], NDArray[Any]], Plan], source: NDArray[Any], target: NDArray[Any]
-    ) -> list[Plan]:
-        rows = _blocks(len(source), -(-len(source) // self.threads))
-        return [plan(source[block], target[block]) for block in rows]
+    def _buffers(self, count: int) -> list[Array]:
+        """Half-transformed rows: places along y, wavenumbers along x."""
+        rows = max(self.layout.source[0], self.layout.target[0])
+        while len(self._half) < count:
+            self._half.append(self._fft.empty((rows, self.layout.x.half), self._complex))
+        return self._half
 
 
 class _Worker:
-    """Buffers and plans with which one thread transforms batches of columns."""
+    """Buffers and plans with which one thread transforms its share of rows and columns."""
 
-    def __init__(self, owner: Convolver, batches: int) -> None:
-        layout, fft = owner.layout, owner._fft  # noqa: SLF001 - a part of its owner, apart for the thread's sake
-        self._layout = layout
-        self._make = partial(fft.empty, dtype=owner._complex)  # noqa: SLF001
-        self._fft = fft
-        columns = owner._columns[0]  # noqa: SLF001
-        self._shape = (columns.stop - columns.start, layout.y.length)
-        self._sources: list[tuple[NDArray[Any], NDArray[Any], Plan]] = []
-        self._product = self._make(self._shape)
-        self._sum = self._make(self._shape)
-        self._back = self._make(self._shape)
-        self._inverse = fft.inverse(self._sum, self._back)
+    def __init__(
+        self,
+        layout: Layout,
+        fft: Backend,
+        dtypes: tuple[Any, Any],
+        columns: list[slice],
+        batch_rows: int,
+        share: tuple[int, int],
+    ) -> None:
+        number, threads = share
+        y, x = layout.y, layout.x
+        self._layout, self._fft, self._complex = layout, fft, dtypes[1]
+        self._source_rows = _blocks(y.sources, batch_rows)[number::threads]
+        self._target_rows = _blocks(y.targets, batch_rows)[number::threads]
+        self._columns = columns[number::threads]
+        # Zero outside the source's columns, and kept so: real transforms do not destroy their input.
+        self._padded = fft.empty((min(batch_rows, y.sources), x.length), dtypes[0])
+        self._full = fft.empty((min(batch_rows, y.targets), x.length), dtypes[0])
+        self._shape = (columns[0].stop - columns[0].start, y.length)
+        self._forward_plans: dict[tuple[int, int], Plan] = {}
+        self._inverse_plans: dict[tuple[int, int], Plan] = {}
+        self._sources: list[tuple[Array, Array, Plan]] = []
+        self._product = self._sum = self._back = np.empty((0, 0))
+        self._inverse: Plan | None = None
 
     @property
     def nbytes(self) -> int:
-        return (3 + 2 * len(self._sources)) * int(self._product.nbytes)
+        columns = sum(a.nbytes + b.nbytes for a, b, _ in self._sources)
+        own = (self._padded, self._full, self._product, self._sum, self._back)
+        return int(columns + sum(array.nbytes for array in own))
 
-    def run(
-        self,
-        batches: Sequence[slice],
-        sources: Sequence[NDArray[Any]],
-        kernels: Sequence[Sequence[Spectrum | None]],
-        targets: Sequence[NDArray[Any]],
-    ) -> None:
+    def rows_forward(self, sources: Array, half: Sequence[Array]) -> None:
+        """Transform this thread's rows of the sources along x."""
+        start = self._layout.x.source_start
+        inner = slice(start, start + self._layout.source[1])
+        for index, field in enumerate(sources):
+            for rows in self._source_rows:
+                n = rows.stop - rows.start
+                key = (id(half[index]), rows.start)
+                if key not in self._forward_plans:
+                    self._forward_plans[key] = self._fft.real_forward(self._padded[:n], half[index][rows])
+                self._padded[:n, inner] = field[rows]
+                self._forward_plans[key]()
+
+    def columns(self, count: int, kernels: Kernels, sources: Sequence[Array], targets: Sequence[Array]) -> None:
+        """Transform this thread's columns along y, apply the kernels, transform back."""
         y = self._layout.y
         source_rows = slice(y.source_start, y.source_start + y.sources)
         target_rows = slice(y.target_start, y.target_start + y.targets)
-        while len(self._sources) < len(sources):
-            padded, spectrum = self._make(self._shape), self._make(self._shape)
-            self._sources.append((padded, spectrum, self._fft.forward(padded, spectrum)))
-        for columns in batches:
+        self._prepare(count)
+        assert self._inverse is not None
+        for columns in self._columns:
             n = columns.stop - columns.start
-            for field, (padded, _, forward) in zip(sources, self._sources, strict=False):
-                padded[:n, source_rows] = field[:, columns].T
+            for field, (padded, _, forward) in zip(sources[:count], self._sources, strict=False):
+                padded[:n, source_rows] = field[: y.sources, columns].T
                 forward()
-            for row, target in zip(kernels, targets, strict=True):
-                out = self._sum[:n]
-                first = True
-                for kernel, (_, spectrum, _) in zip(row, self._sources, strict=False):
-                    if kernel is None:
-                        continue
-                    kernel.multiply(spectrum[:n], columns, out if first else self._product[:n])
-                    if not first:
-                        out += self._product[:n]
-                    first = False
-                if first:
-                    out[:] = 0.0
+            for row, target in zip(kernels, targets, strict=False):
+                self._combine(row, columns, n)
                 self._inverse()
-                target[:, columns] = self._back[:n, target_rows].T
+                target[: y.targets, columns] = self._back[:n, target_rows].T
+
+    def _combine(self, row: Sequence[Spectrum | None], columns: slice, n: int) -> None:
+        """Sum of the sources' spectra times their kernels."""
+        out, first = self._sum[:n], True
+        for kernel, (_, spectrum, _) in zip(row, self._sources, strict=False):
+            if kernel is None:
+                continue
+            kernel.multiply(spectrum[:n], columns, out if first else self._product[:n])
+            if not first:
+                out += self._product[:n]
+            first = False
+        if first:
+            out[:] = 0.0
+
+    def _prepare(self, count: int) -> None:
+        """Make the buffers and plans of the columns, once."""
+
+        def empty() -> Array:
+            return self._fft.empty(self._shape, self._complex)
+
+        if self._inverse is None:
+            self._sum, self._back = empty(), empty()
+            self._inverse = self._fft.inverse(self._sum, self._back)
+        if count > 1 and self._product.size == 0:
+            self._product = empty()
+        while len(self._sources) < count:
+            padded, spectrum = empty(), empty()
+            self._sources.append((padded, spectrum, self._fft.forward(padded, spectrum)))
+
+    def rows_inverse(self, count: int, half: Sequence[Array], targets: Array) -> None:
+        """Transform this thread's rows back and keep the target's columns."""
+        start = self._layout.x.target_start
+        inner = slice(start, start + self._layout.target[1])
+        for index in range(count):
+            for rows in self._target_rows:
+                n = rows.stop - rows.start
+                key = (id(half[index]), rows.start)
+                if key not in self._inverse_plans:
+                    self._inverse_plans[key] = self._fft.real_inverse(half[index][rows], self._full[:n])
+                self._inverse_plans[key]()
+                targets[index, rows] = self._full[:n, inner]
 
 
 def _blocks(total: int, size: int) -> list[slice]:

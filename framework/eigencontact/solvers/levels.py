@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.grid import Grid
+from eigencontact.core.grid import Box, Grid
 
 __all__ = ["coarse_factors", "prolong", "restrict"]
 
@@ -26,10 +26,14 @@ def coarse_factors(grid: Grid) -> tuple[int, int] | None:
 
 
 def restrict(field: FloatArray, factors: tuple[int, int]) -> FloatArray:
-    """Mean of each group of merged cells; left-over rows and columns are dropped."""
-    fy, fx = factors
-    ny, nx = field.shape[0] // fy, field.shape[1] // fx
-    return np.asarray(field[: ny * fy, : nx * fx].reshape(ny, fy, nx, fx).mean(axis=(1, 3)))
+    """Mean of each pair or square of merged cells; a left-over row or column is dropped."""
+    if factors[0] == 2:
+        rows = field.shape[0] // 2 * 2
+        field = field[0:rows:2] + field[1:rows:2]
+    if factors[1] == 2:
+        columns = field.shape[1] // 2 * 2
+        field = field[:, 0:columns:2] + field[:, 1:columns:2]
+    return field / (factors[0] * factors[1])
 
 
 def prolong(pressure: FloatArray, factors: tuple[int, int], shape: tuple[int, int]) -> FloatArray:
@@ -38,14 +42,24 @@ def prolong(pressure: FloatArray, factors: tuple[int, int], shape: tuple[int, in
     Near the edge of a smooth contact the pressure falls like the square root of the distance; its square is smooth
     there, so interpolating the square puts the edge nearly right.
     """
-    square = pressure * pressure
+    out = np.zeros(shape)
+    box = Box.around(pressure > 0)
+    if box is None:
+        return out
+    box = box.grown(1, 1, pressure.shape)
+    square = pressure[box.slices] ** 2
     for axis, factor in enumerate(factors):
         if factor == 2:
-            pad = [(0, 0), (0, 0)]
-            pad[axis] = (1, 1)
-            wide = np.moveaxis(np.pad(square, pad), axis, 0)
-            middle = wide[1:-1]
-            fine = np.stack([0.75 * middle + 0.25 * wide[:-2], 0.75 * middle + 0.25 * wide[2:]], axis=1)
-            square = np.moveaxis(fine.reshape(-1, *middle.shape[1:]), 0, axis)
-    missing = [(0, full - have) for full, have in zip(shape, square.shape, strict=True)]
-    return np.sqrt(np.pad(square, missing))
+            square = _refine(square, axis)
+    y0, x0 = factors[0] * box.y0, factors[1] * box.x0
+    np.sqrt(square, out=out[y0 : y0 + square.shape[0], x0 : x0 + square.shape[1]])
+    return out
+
+
+def _refine(field: FloatArray, axis: int) -> FloatArray:
+    """Two cells for one along an axis, a quarter of a coarse cell to either side of its centre."""
+    coarse = np.moveaxis(field, axis, 0)
+    fine = np.repeat(0.75 * coarse, 2, axis=0)
+    fine[2::2] += 0.25 * coarse[:-1]
+    fine[1:-1:2] += 0.25 * coarse[1:]
+    return np.moveaxis(fine, 0, axis)

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
-from eigencontact.solvers.constrained_cg import BoxProblem, rigid_fit, solve_box
+from eigencontact.solvers.constrained_cg import BoxProblem, solve_box
 from eigencontact.solvers.control import Control, mode_field
 from eigencontact.solvers.levels import coarse_factors, prolong, restrict
 from eigencontact.solvers.operator import Coefficients, Compliance
 from eigencontact.solvers.preconditioner import circulant_inverse
+from eigencontact.solvers.rigid import RigidModes
 from eigencontact.solvers.report import Certificate, Progress, SolveReport
 
 __all__ = ["NormalOptions", "NormalSolution", "solve_normal"]
@@ -324,10 +325,7 @@ class _Normal:
         modes, forces, sizes = self._modes(grid, box)
         dtype = np.float64 if compliance.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
-        if 0 in self.free:
-            length = unit * self.free[0] / grid.cell_area
-        else:
-            length = max(-float(here.min()), 1e-300)
+        length = unit * self.free[0] / grid.cell_area if 0 in self.free else max(-float(here.min()), 1e-300)
         scale = length / unit
         if pressure is not None and np.any(pressure[box.slices] > 0):
             p = pressure[box.slices] / scale
@@ -339,7 +337,7 @@ class _Normal:
             apply=operator,
             precondition=circulant_inverse(compliance, box),
             separation=(here / length).astype(dtype),
-            modes=modes.astype(dtype),
+            modes=modes,
             forces=forces / (scale * grid.cell_area),
         )
 
@@ -361,26 +359,21 @@ class _Normal:
         out *= scale
         return out, state.rigid * length / sizes, state.residual
 
-    def _modes(self, grid: Grid, box: Box) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Fields, forces and sizes of the force-controlled modes, scaled to order one."""
-        fields, forces, sizes = [], [], []
-        for mode, force in self.free.items():
-            whole = np.broadcast_to(mode_field(mode, grid), grid.shape)
+    def _modes(self, grid: Grid, box: Box) -> tuple[RigidModes, FloatArray, FloatArray]:
+        """Force-controlled modes on a box scaled to order one, their forces, and the scales."""
+        fields, sizes = [], []
+        for mode in self.free:
             size = float(np.abs(mode_field(mode, self.grid)).max()) or 1.0
-            fields.append(whole[box.slices] / size)
-            forces.append(force / size)
+            fields.append(_cut(mode_field(mode, grid), box) / size)
             sizes.append(size)
-        shape = (len(fields), *box.shape)
-        return np.array(fields).reshape(shape), np.array(forces), np.array(sizes)
+        return RigidModes(fields), np.array(list(self.free.values())) / np.array(sizes), np.array(sizes)
 
     def _first(self, here: FloatArray, grid: Grid) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Start from nothing: the lowest cells share the load, or the overlapping cells are loaded with zero."""
         if 0 not in self.free:
             return np.zeros(here.shape), here < 0
-        if len(self.free) > 1:
-            loaded = np.ones(here.shape, dtype=bool)
-        else:
-            loaded = here <= np.quantile(here, 0.25)
+        few = len(self.free) == 1
+        loaded = here <= np.quantile(here, 0.25) if few else np.ones(here.shape, dtype=bool)
         return np.where(loaded, self.free[0] / (grid.cell_area * loaded.sum()), 0.0), loaded
 
     def _certify(
@@ -389,34 +382,27 @@ class _Normal:
         """Check the contact conditions on the whole window, with a convolution of its own."""
         grid, options = self.grid, self.options
         whole = Box(0, grid.ny, 0, grid.nx)
-        operator = compliance.between(whole if options.periodic else box, whole)
-        source = pressure if options.periodic else pressure[box.slices]
-        top = float(source.max()) or 1.0
-        displacement = np.asarray(operator(source / top), dtype=float)
+        source = whole if options.periodic else box
+        inner = pressure[source.slices]
+        top = float(inner.max()) or 1.0
+        displacement = np.asarray(compliance.between(source, whole)(inner / top), dtype=float)
         displacement *= top * compliance.unit
-        loaded = pressure > 0
         gap = fixed + displacement
-        rigid = {}
-        if self.free:
-            names = list(self.free)
-            fields = [np.broadcast_to(mode_field(mode, grid), grid.shape) for mode in names]
-            sizes = np.array([float(np.abs(each).max()) or 1.0 for each in fields])
-            stacked = np.array([each[box.slices] / size for each, size in zip(fields, sizes, strict=True)])
-            fit = rigid_fit(gap[box.slices], stacked, loaded[box.slices].astype(float)) / sizes
-            for mode, value, each in zip(names, fit, fields, strict=True):
-                gap -= value * each
-                rigid[mode] = float(value)
-        deflection = float(np.max(displacement, where=loaded, initial=0.0)) or inf
-        inside = float(np.max(np.abs(gap), where=loaded, initial=0.0)) / deflection
-        overlap = max(0.0, -float(np.min(gap, where=~loaded, initial=0.0))) / deflection
-        forces = [float(np.vdot(np.broadcast_to(mode_field(m, grid), grid.shape), pressure)) for m in range(3)]
-        forces = [float(value * grid.cell_area) for value in forces]
-        load_error = 0.0
-        for mode, value in self.free.items():
-            reference = abs(self.free.get(0, forces[0])) * (1.0 if mode == 0 else 0.5 * max(grid.size))
-            load_error = max(load_error, float(abs(forces[mode] - value) / reference) if reference else 0.0)
+        loaded = inner > 0
+        weight = loaded.astype(float)
+        modes, _, sizes = self._modes(grid, source)
+        fit = modes.fit(gap[source.slices] * weight, weight) / sizes
+        rigid = {mode: float(value) for mode, value in zip(self.free, fit, strict=True)}
+        for mode, value in rigid.items():
+            gap -= value * mode_field(mode, grid)
+        deflection = float((displacement[source.slices] * weight).max()) or inf
+        near = gap[source.slices]
+        inside = float(np.abs(near * weight).max()) / deflection
+        overlap = max(0.0, -_least_outside(gap, source), -float((near * (1.0 - weight)).min())) / deflection
+        every = RigidModes([_cut(mode_field(mode, grid), source) for mode in range(3)])
+        forces = [float(force) * grid.cell_area for force in every.project(inner)]
         self.report.certificate = Certificate(
-            gap=inside, penetration=overlap, load=load_error, tolerance=options.tolerance
+            gap=inside, penetration=overlap, load=self._load_error(forces), tolerance=options.tolerance
         )
         rigid |= self.control.displacements()
         solution = NormalSolution(
@@ -431,8 +417,17 @@ class _Normal:
             moment_y=forces[2],
             report=self.report,
         )
-        over = Box.around(~loaded & (gap < -options.tolerance * deflection))
+        over = None
+        if overlap > options.tolerance:
+            over = Box.around((pressure == 0) & (gap < -options.tolerance * deflection))
         return solution, over
+
+    def _load_error(self, forces: list[float]) -> float:
+        """Largest relative error of the prescribed forces; moments relative to the load at half the window."""
+        load = abs(self.free.get(0, forces[0]))
+        arm = 0.5 * max(self.grid.size)
+        errors = [abs(forces[m] - value) / (load * (arm if m else 1.0)) for m, value in self.free.items() if load > 0]
+        return max(errors, default=0.0)
 
     def _checked(self, solution: NormalSolution) -> NormalSolution:
         """Refuse contact at the edge of the window, which the window may have cut."""
@@ -453,6 +448,18 @@ class _Normal:
 
 def _margin(box: Box) -> tuple[int, int]:
     return tuple(max(2, -(-n // 64)) for n in box.shape)  # type: ignore[return-value]
+
+
+def _cut(field: FloatArray, box: Box) -> FloatArray:
+    """Part of a broadcastable field that belongs to a box."""
+    rows, columns = box.slices
+    return field[rows if field.shape[0] > 1 else slice(None), columns if field.shape[1] > 1 else slice(None)]
+
+
+def _least_outside(field: FloatArray, box: Box) -> float:
+    """Smallest value of a field outside a box; infinity where there is nothing outside."""
+    strips = (field[: box.y0], field[box.y1 :], field[box.y0 : box.y1, : box.x0], field[box.y0 : box.y1, box.x1 :])
+    return min((float(strip.min()) for strip in strips if strip.size), default=inf)
 
 
 def _union(a: Box, b: Box) -> Box:

@@ -1,0 +1,89 @@
+"""Rigid modes of one box: fields that a prescribed force leaves free, kept as rows and columns, never as full arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["RigidModes", "dot"]
+
+Array = NDArray[Any]
+
+
+def dot(a: Array, b: Array) -> float:
+    """Sum of products of two fields.
+
+    Not through BLAS: its idle threads keep spinning for a while after each call and take cores from the transforms.
+    """
+    return float(np.einsum("ij,ij->", a, b))
+
+
+class RigidModes:
+    """The modes 1, y, -x (those that are free), scaled to order one.
+
+    Parameters
+    ----------
+    fields : sequence of arrays of shape (1, 1), (ny, 1) or (1, nx)
+        One per free mode, broadcastable to the box.
+    """
+
+    def __init__(self, fields: Sequence[Array]) -> None:
+        self.fields = [np.asarray(field, dtype=float) for field in fields]
+        self._only_uniform = len(self.fields) == 1 and self.fields[0].size == 1
+
+    def __len__(self) -> int:
+        return len(self.fields)
+
+    def combine(self, amounts: Array, dtype: Any) -> Array:
+        """Sum of the modes times `amounts`, broadcastable to the box."""
+        total: Array = sum((a * f for a, f in zip(amounts, self.fields, strict=True)), np.zeros((1, 1)))
+        return total.astype(dtype)
+
+    def project(self, field: Array) -> Array:
+        """Sums of each mode times a field, (m,)."""
+        if self._only_uniform:
+            return np.array([float(np.sum(field, dtype=float)) * float(self.fields[0][0, 0])])
+        rows, columns = np.sum(field, axis=1, dtype=float), np.sum(field, axis=0, dtype=float)
+        whole = float(rows.sum())
+        out = []
+        for mode in self.fields:
+            if mode.size == 1:
+                out.append(whole * float(mode[0, 0]))
+            else:
+                out.append(float(np.sum(rows * mode[:, 0]) if mode.shape[1] == 1 else np.sum(columns * mode[0])))
+        return np.array(out)
+
+    def gram(self, weight: Array) -> Array:
+        """Matrix of the sums ``mode_i mode_j weight``, (m, m)."""
+        return np.array([self.project(weight * mode.astype(weight.dtype)) for mode in self.fields])
+
+    def fit(self, field: Array, loaded: Array) -> Array:
+        """Least-squares amounts of the modes in a field over the loaded cells (weights 0 or 1), (m,).
+
+        The field must be zero at cells that are not loaded.
+        """
+        if self._only_uniform:
+            count = float(np.sum(loaded, dtype=float))
+            return self.project(field) / (count * float(self.fields[0][0, 0]) ** 2) if count else np.zeros(1)
+        return np.asarray(np.linalg.lstsq(self.gram(loaded), self.project(field), rcond=1e-13)[0])
+
+    def remove(self, field: Array, loaded: Array) -> None:
+        """Take the rigid part out of a field that is zero at cells not loaded, in place."""
+        if len(self):
+            field -= self.combine(self.fit(field, loaded), field.dtype) * loaded
+
+    def carry(self, pressure: Array, forces: Array) -> Array:
+        """Scale a pressure by ``1 + c . modes`` so that it carries the forces; it stays positive where it was."""
+        for _ in range(30):
+            error = forces - self.project(pressure)
+            if not np.any(np.abs(error) > 1e-14 * np.abs(forces).max()):
+                break
+            if self._only_uniform:
+                carried = float(self.project(pressure)[0])
+                return pressure * pressure.dtype.type(forces[0] / carried) if carried > 0 else pressure
+            change = np.linalg.lstsq(self.gram(pressure), error, rcond=1e-13)[0]
+            pressure = pressure * np.maximum(1.0 + self.combine(change, float), 0.1).astype(pressure.dtype)
+        return pressure
