@@ -45,6 +45,7 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 
+
 @cache
 def installed_plugins() -> Registry:
     """Return the registry of every installed plugin; what failed to load is in its ``broken``."""
@@ -80,8 +81,6 @@ def load_scene(source: Scene | str | Path | Mapping[str, Any], changes: Iterable
     if isinstance(source, Mapping):
         return Scene(**apply_changes(source, changes))
     return load_scene_file(source, changes)
-
-
 
 
 def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | None = None) -> Plan:
@@ -175,7 +174,9 @@ def run(
     if folder is not None:
         return _run_in(planned, Path(folder), began, resume=resume, overwrite=overwrite, watcher=watcher, keep=True)
     if resume:
-        raise ResultsError("resume must be given with a folder (got folder=None); a run in memory leaves nothing behind")
+        raise ResultsError(
+            "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
+        )
     with tempfile.TemporaryDirectory(prefix="eigencontact-") as scratch:
         return _run_in(planned, Path(scratch), began, resume=False, overwrite=False, watcher=watcher, keep=False)
 
@@ -330,9 +331,11 @@ def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = F
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 
-                files |= {path: "fields for ParaView" for path in write_vtk(dataset, target)}
+                files |= dict.fromkeys(write_vtk(dataset, target), "fields for ParaView")
         except OSError as problem:
-            raise ResultsError(f"output folder {target} must be writable (got {problem}); choose another with -o") from None
+            raise ResultsError(
+                f"output folder {target} must be writable (got {problem}); choose another with -o"
+            ) from None
     return files
 
 
@@ -439,14 +442,22 @@ def rectangle_field(
     load = np.asarray(traction, dtype=float)
     widths = np.asarray(half_widths, dtype=float)
     at = np.asarray(points, dtype=float)
-    require(load.shape == (3,) and np.all(np.isfinite(load)), "rectangle_field", "traction", traction, "three finite numbers (q_x, q_y, p) [Pa]")
+    require(
+        load.shape == (3,) and np.all(np.isfinite(load)),
+        "rectangle_field",
+        "traction",
+        traction,
+        "three finite numbers (q_x, q_y, p) [Pa]",
+    )
     good = widths.shape == (2,) and np.all(widths > 0) and np.all(np.isfinite(widths))
     require(good, "rectangle_field", "half_widths", half_widths, "two positive numbers (a, b) [m]")
     require(at.ndim == 2 and at.shape[1] == 3, "rectangle_field", "points", at.shape, "of shape (n, 3) [m]")
     if not np.all(np.isfinite(at)):
         raise SceneError("rectangle_field.points must be finite [m] (got NaN or infinity)")
     require(np.all(at[:, 2] >= 0), "rectangle_field", "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
-    require(quantity in ("displacement", "stress"), "rectangle_field", "quantity", quantity, "'displacement' or 'stress'")
+    require(
+        quantity in ("displacement", "stress"), "rectangle_field", "quantity", quantity, "'displacement' or 'stress'"
+    )
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
     total = np.zeros((len(names), len(at)))
@@ -454,7 +465,9 @@ def rectangle_field(
         if value:
             influence = _influence_entry(component).component()
             evaluate = influence.displacement if quantity == "displacement" else influence.stress
-            total += value * evaluate(names, at[:, 0], at[:, 1], at[:, 2], (float(widths[0]), float(widths[1])), material)
+            total += value * evaluate(
+                names, at[:, 0], at[:, 1], at[:, 2], (float(widths[0]), float(widths[1])), material
+            )
     return total.T if quantity == "displacement" else to_matrix(total)
 
 
@@ -462,4 +475,6 @@ def _influence_entry(traction: str) -> Entry:
     for entry in installed_plugins().of_kind("surface-influence"):
         if entry.component.traction == traction:  # type: ignore[attr-defined]
             return entry
-    raise PluginError(f"traction {traction!r} must have an installed surface influence (got none); reinstall eigencontact")
+    raise PluginError(
+        f"traction {traction!r} must have an installed surface influence (got none); reinstall eigencontact"
+    )

@@ -27,7 +27,9 @@ app = typer.Typer(
     ),
 )
 
-SceneArgument = Annotated[str, typer.Argument(help="A TOML file, or the name of a bundled scene (see `gallery`).", metavar="SCENE")]
+SceneArgument = Annotated[
+    str, typer.Argument(help="A TOML file, or the name of a bundled scene (see `gallery`).", metavar="SCENE")
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a value: `--set body1.poisson-ratio=0.4`; repeatable."),
@@ -187,7 +189,8 @@ def plot(
     results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
     *,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; by default beside the results.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; by default beside the results."),
     ] = None,
     vtk: Annotated[bool, typer.Option(help="Also write VTK files for ParaView.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import log10
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from eigencontact.results.records import StepRecord
@@ -22,7 +22,7 @@ class ProgressBars:
         self._steps: Any = None
         self._solve: Any = None
 
-    def __enter__(self) -> ProgressBars:
+    def __enter__(self) -> Self:
         if self._enabled:
             from rich.console import Console
             from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -59,4 +59,4 @@ class ProgressBars:
     def step_finished(self, record: StepRecord, total: int) -> None:
         """Count the accepted step."""
         if self._bars is not None:
-            self._bars.update(self._steps, completed=record.index)
+            self._bars.update(self._steps, completed=record.index, total=total)

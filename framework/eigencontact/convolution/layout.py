@@ -169,8 +169,8 @@ class Layout:
 
     def wavenumbers(self, dy: float, dx: float) -> tuple[FloatArray, FloatArray]:
         """Wavenumbers (ky of shape (F_y//2+1,), kx of shape (F_x//2+1,)) of a periodic layout [1/m]."""
-        ky = 2.0 * np.pi * np.arange(self.y.half) / (self.y.length * dy)
-        kx = 2.0 * np.pi * np.arange(self.x.half) / (self.x.length * dx)
+        ky = 2.0 * np.pi * np.arange(self.y.half, dtype=np.float64) / (self.y.length * dy)
+        kx = 2.0 * np.pi * np.arange(self.x.half, dtype=np.float64) / (self.x.length * dx)
         return ky, kx
 
     def spectrum_from_response(

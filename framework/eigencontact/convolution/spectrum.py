@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.convolution.backends import available_threads
+
 if TYPE_CHECKING:
     from eigencontact.convolution.layout import Axis
 
@@ -36,9 +38,7 @@ class Spectrum:
     imaginary: bool
 
     @classmethod
-    def pack(
-        cls, values: NDArray[Any], points: int, sign_y: int, *, imaginary: bool, precision: str
-    ) -> Spectrum:
+    def pack(cls, values: NDArray[Any], points: int, sign_y: int, *, imaginary: bool, precision: str) -> Spectrum:
         """Normalise by the number of points of the transform, cast to the precision asked for, make contiguous."""
         values = values * (1.0 / points)
         single = np.complex64 if np.iscomplexobj(values) else np.float32
@@ -70,17 +70,22 @@ def transform_table(
     """Spectrum of a table of coefficients: cosine and sine transforms along axes with parity, full ones elsewhere."""
     from scipy import fft
 
+    workers = available_threads() if table.size > 65_536 else 1
     values: NDArray[Any] = table.T
     imaginary = False
     negative = False
     for axis, plan, sign in ((0, x, parity[1]), (1, y, parity[0])):
         if plan.symmetric:
-            values = _parity_transform(values, axis, sign)
+            values = _parity_transform(values, axis, sign, workers)
             if sign < 0:  # the transform of an odd sequence is -1j times its sine transform
                 negative, imaginary = (not negative, True) if not imaginary else (negative, False)
         else:
             values = plan.scatter(values, axis)
-            values = fft.rfft(values, axis=axis) if axis == 0 else fft.fft(values, axis=axis)
+            values = (
+                fft.rfft(values, axis=axis, workers=workers)
+                if axis == 0
+                else fft.fft(values, axis=axis, workers=workers)
+            )
     values = values * (-scale if negative else scale)
     sign_y = parity[0] if y.symmetric else 0
     if imaginary and np.iscomplexobj(values):
@@ -89,16 +94,16 @@ def transform_table(
     return Spectrum.pack(values, y.length * x.length, sign_y, imaginary=imaginary, precision=precision)
 
 
-def _parity_transform(table: NDArray[Any], axis: int, sign: int) -> NDArray[Any]:
+def _parity_transform(table: NDArray[Any], axis: int, sign: int, workers: int) -> NDArray[Any]:
     """DFT of the even (or 1j times that of the odd) extension of offsets 0..F/2 along `axis`."""
     from scipy import fft
 
     n = table.shape[axis]
     if sign > 0:
-        return table if n == 1 else np.asarray(fft.dct(table, type=1, axis=axis))
+        return table if n == 1 else np.asarray(fft.dct(table, type=1, axis=axis, workers=workers))
     out = np.zeros_like(table)
     if n > 2:
         inner = [slice(None)] * table.ndim
         inner[axis] = slice(1, -1)
-        out[tuple(inner)] = fft.dst(table[tuple(inner)], type=1, axis=axis)
+        out[tuple(inner)] = fft.dst(table[tuple(inner)], type=1, axis=axis, workers=workers)
     return out

@@ -94,12 +94,12 @@ class Grid:
     @property
     def x(self) -> FloatArray:
         """Cell centres along x, (nx,) [m]."""
-        return self.center[0] + (np.arange(self.nx) - 0.5 * (self.nx - 1)) * self.dx
+        return np.asarray(self.center[0] + (np.arange(self.nx) - 0.5 * (self.nx - 1)) * self.dx, dtype=float)
 
     @property
     def y(self) -> FloatArray:
         """Cell centres along y, (ny,) [m]."""
-        return self.center[1] + (np.arange(self.ny) - 0.5 * (self.ny - 1)) * self.dy
+        return np.asarray(self.center[1] + (np.arange(self.ny) - 0.5 * (self.ny - 1)) * self.dy, dtype=float)
 
     @property
     def cell_area(self) -> float:

@@ -65,7 +65,7 @@ def deviatoric_norm(stress: ArrayLike) -> FloatArray:
     """
     s = np.asarray(stress)
     normal = ((s[0] - s[1]) ** 2 + (s[1] - s[2]) ** 2 + (s[2] - s[0]) ** 2) / 3.0
-    return np.sqrt(normal + s[3] ** 2 + s[4] ** 2 + s[5] ** 2)
+    return np.asarray(np.sqrt(normal + s[3] ** 2 + s[4] ** 2 + s[5] ** 2), dtype=float)
 
 
 def von_mises(stress: ArrayLike) -> FloatArray:
@@ -76,16 +76,16 @@ def von_mises(stress: ArrayLike) -> FloatArray:
     >>> float(von_mises([2.0, 0, 0, 0, 0, 0]))
     2.0
     """
-    return np.sqrt(1.5) * deviatoric_norm(stress)
+    return np.asarray(np.sqrt(1.5) * deviatoric_norm(stress))
 
 
 def principal(stress: ArrayLike) -> FloatArray:
     """Principal stresses ``(3, ...)`` [Pa] of Mandel stress ``(6, ...)``, largest (most tensile) first."""
-    values = np.linalg.eigvalsh(to_matrix(stress))
+    values = np.asarray(np.linalg.eigvalsh(to_matrix(stress)), dtype=float)
     return np.moveaxis(values[..., ::-1], -1, 0)
 
 
 def tresca(stress: ArrayLike) -> FloatArray:
     """Tresca equivalent stress [Pa], the largest difference of principal stresses, of ``(6, ...)``."""
     values = principal(stress)
-    return values[0] - values[2]
+    return np.asarray(values[0] - values[2])

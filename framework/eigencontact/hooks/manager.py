@@ -64,8 +64,7 @@ def _register(
             for implementation in hook.get_hookimpls():
                 if implementation.plugin is module:
                     found += [(kind, component) for component in implementation.function()]
-        if not found:
-            raise PluginError(f"it registers nothing: implement one of {', '.join(hookspecs.REGISTER_HOOKS.values())}")
+        _require_some(found)
         trial = Registry(registry.kinds)
         for kind, component in found:
             trial.add(kind, component, package=package, version=version)
@@ -74,6 +73,11 @@ def _register(
     except Exception:
         manager.unregister(module)
         raise
+
+
+def _require_some(found: list[tuple[str, type]]) -> None:
+    if not found:
+        raise PluginError(f"it registers nothing: implement one of {', '.join(hookspecs.REGISTER_HOOKS.values())}")
 
 
 def _reason(problem: BaseException) -> str:

@@ -105,14 +105,14 @@ def _only_provider(providers: Mapping[str, list[Block]], quantity: str, who: str
             f"{nearest(quantity, providers)}"
         )
     names = ", ".join(repr(block.name) for block in candidates)
-    raise PlanError(f"{quantity!r} must be provided by one block ({who} asked for it, candidates are {names}); choose one")
+    raise PlanError(
+        f"{quantity!r} must be provided by one block ({who} asked for it, candidates are {names}); choose one"
+    )
 
 
 def _in_order(needed: Mapping[str, Block], providers: Mapping[str, list[Block]]) -> list[tuple[Block, ...]]:
     """Order by dependence; mutual dependence makes a group. Plans are small: reachability is computed outright."""
-    before = {
-        name: {providers[quantity][0].name for quantity in block.requires} for name, block in needed.items()
-    }
+    before = {name: {providers[quantity][0].name for quantity in block.requires} for name, block in needed.items()}
     reach = {name: set(direct) for name, direct in before.items()}
     changed = True
     while changed:

@@ -40,7 +40,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
-    bodies = (_material(scene.body1, "body1"), _material(scene.body2, "body2"))
+    bodies = (_material(scene.body1), _material(scene.body2))
     geometries = tuple(
         build_component(registry, "geometry", table, _where("geometry", i, scene.geometry))
         for i, table in enumerate(scene.geometry)
@@ -79,7 +79,7 @@ def _where(group: str, index: int, tables: Sequence[object]) -> str:
     return group if len(tables) == 1 else f"{group}.{index}"
 
 
-def _material(body: Body, where: str) -> Material | None:
+def _material(body: Body) -> Material | None:
     if body.rigid:
         return None
     assert body.young_modulus is not None
@@ -126,11 +126,13 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
     if native:
         return native[0], "the grid of the measured topography"
     if scene.numerics.boundary == "periodic":
-        raise SceneError("grid must be given for a periodic scene (got automatic); its size is the period: give cells and size")
+        raise SceneError(
+            "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
+        )
     controls = [control for control in _controls(scene) if control.normal_load != 0.0]
     separation = partial(sum_separations, geometries)
     start = max((_first_window(separation, normal, control) for control in controls), default=1.0)
-    grid = automatic_grid(spec, lambda x, y: separation(x, y), normal, controls, start)
+    grid = automatic_grid(spec, separation, normal, controls, start)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 
 
@@ -141,7 +143,9 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
         ring = np.array([0.5, -0.5, 0.0, 0.0]) * side
         h = separation(ring, ring[::-1].copy())
         if control.normal_load is not None:
-            lift = normal.table(np.zeros(1), np.zeros(1), (0.5 * side, 0.5 * side))[0, 0] * control.normal_load / side**2
+            lift = (
+                normal.table(np.zeros(1), np.zeros(1), (0.5 * side, 0.5 * side))[0, 0] * control.normal_load / side**2
+            )
         else:
             lift = abs(control.approach or 0.0)
         if float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0]) > lift > 0:
@@ -156,7 +160,7 @@ def _largest_contact(
     periodic = scene.numerics.boundary == "periodic"
     found: ContactEstimate | None = None
     for control in _controls(scene):
-        estimate = estimate_contact(grid, lambda x, y: separation(x, y), normal, control, periodic=periodic)
+        estimate = estimate_contact(grid, separation, normal, control, periodic=periodic)
         if estimate is not None:
             found = estimate if found is None else found.join(estimate)
     return found
@@ -193,7 +197,7 @@ def _declare(
             cost=normal_cost(grid.shape, box, periodic=periodic, **effort),
         ),
     ]
-    outputs = {name: "every run" for name in ("pressure", "gap", "displacement_z")}
+    outputs = dict.fromkeys(("pressure", "gap", "displacement_z"), "every run")
     if scene.output.tangential_displacement:
         blocks.append(
             Block(
@@ -236,9 +240,7 @@ def _declare(
     return blocks, outputs
 
 
-def _stress_block(
-    request: StressRequest, grid: Grid, box: tuple[int, int], key: str, effort: dict[str, Any]
-) -> Block:
+def _stress_block(request: StressRequest, grid: Grid, box: tuple[int, int], key: str, effort: dict[str, Any]) -> Block:
     from eigencontact.planning.regions import region_lattice
 
     lattice = region_lattice(request, grid)
@@ -260,9 +262,7 @@ def _stress_block(
         requires=frozenset({"pressure"}),
         provides=frozenset({f"stress:{request.label}"}),
         why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
-        kernels=(
-            KernelUse("stress (6 components)", "pressure p", key, text, 1 if scattered else lattice.depths.size),
-        ),
+        kernels=(KernelUse("stress (6 components)", "pressure p", key, text, 1 if scattered else lattice.depths.size),),
         cost=cost,
         settings={"request": request, "lattice": lattice},
     )
@@ -270,11 +270,15 @@ def _stress_block(
 
 def _left_out(scene: Scene, bodies: tuple[Material | None, Material | None]) -> list[LeftOut]:
     out = [
-        LeftOut("shear tractions q_x, q_y and their kernels", "the scene prescribes no tangential load and has no friction"),
+        LeftOut(
+            "shear tractions q_x, q_y and their kernels", "the scene prescribes no tangential load and has no friction"
+        ),
     ]
     elastic = [body for body in bodies if body is not None]
     if len(elastic) == 2 and elastic[0] == elastic[1]:
-        out.append(LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice"))
+        out.append(
+            LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
+        )
     if None in bodies:
         number = bodies.index(None) + 1
         out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
@@ -301,5 +305,3 @@ def _check_memory(plan: Plan) -> None:
             f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
             f"{largest.name!r}); use fewer cells or depths, or numerics.precision = 'single'"
         )
-
-

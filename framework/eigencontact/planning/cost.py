@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import resource
 import sys
 from dataclasses import dataclass
 from functools import cache
 from math import log2
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -13,7 +15,7 @@ import numpy as np
 from eigencontact.convolution.layout import fast_even
 from eigencontact.planning.blocks import Cost
 
-__all__ = ["Speed", "resident_bytes", "speed", "normal_cost", "stress_cost"]
+__all__ = ["Speed", "normal_cost", "resident_bytes", "speed", "stress_cost"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +94,8 @@ def stress_cost(
 def resident_bytes() -> float:
     """Memory of this process now; what the interpreter and its libraries take before the work begins."""
     try:
-        with open("/proc/self/statm", encoding="ascii") as handle:
-            import resource
-
-            return float(handle.read().split()[1]) * resource.getpagesize()
+        pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
+        return float(pages) * resource.getpagesize()
     except OSError:
-        import resource
-
         peak = float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
         return peak if sys.platform == "darwin" else 1024.0 * peak

@@ -14,15 +14,14 @@ def explain(plan: Plan) -> str:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
     from eigencontact.planning.cost import resident_bytes
 
-    scene, grid = plan.scene, plan.grid
+    scene, grid, numerics = plan.scene, plan.grid, plan.scene.numerics
     width, height = grid.size
     lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
     lines += [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
-        f"grid        {grid.nx} x {grid.ny} cells of {grid.dx:.4g} m x {grid.dy:.4g} m, "
-        f"window {width:.4g} m x {height:.4g} m ({plan.grid_reason})",
-        f"numerics    {scene.numerics.boundary}, {scene.numerics.precision} precision, "
-        f"tolerance {scene.numerics.tolerance:g}",
+        f"grid        {grid.nx} x {grid.ny} cells of {grid.dx:.4g} m x {grid.dy:.4g} m; {plan.grid_reason}",
+        f"window      {width:.4g} m x {height:.4g} m",
+        f"numerics    {numerics.boundary}, {numerics.precision} precision, tolerance {numerics.tolerance:g}",
         f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",
         "",
         "blocks, in order",
@@ -38,8 +37,8 @@ def explain(plan: Plan) -> str:
     base = resident_bytes()
     lines += [
         "",
-        f"predicted   {_bytes(plan.cost.memory)} of arrays, {_bytes(base + plan.cost.memory)} with the libraries; "
-        f"{_time(plan.seconds)} of solving",
+        f"predicted   {_bytes(plan.cost.memory)} of arrays, {_bytes(base + plan.cost.memory)} with the libraries",
+        f"            {_time(plan.seconds)} of solving",
         "",
         "left out, and why",
     ]

@@ -98,9 +98,7 @@ class StressCoefficients:
         """Stress at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)`` [-]."""
         return self.influence.sample("stress", components, x, y, z, half_widths, self.body)
 
-    def response(
-        self, components: list[str], kx: FloatArray, ky: FloatArray, z: float
-    ) -> NDArray[np.complex128]:
+    def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
         return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)
 

@@ -63,7 +63,7 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
 
 def _whole(value: float) -> float:
     """Snap a position in cells to a whole number where it is one up to round-off."""
-    return float(round(value)) if abs(value - round(value)) < 1e-9 else value
+    return float(round(value)) if abs(value - round(value)) < 1e-9 else float(value)
 
 
 def _depths(request: StressRequest) -> FloatArray:
@@ -79,4 +79,5 @@ def _points(request: StressRequest) -> FloatArray:
     if request.shape == "points":
         return np.array(request.points, dtype=float)
     share = np.linspace(0.0, 1.0, request.count)[:, None]
-    return (1.0 - share) * np.array(request.start) + share * np.array(request.end)
+    start, end = np.array(request.start, dtype=float), np.array(request.end, dtype=float)
+    return np.asarray((1.0 - share) * start + share * end)

@@ -124,7 +124,7 @@ def _settle(
             size = size / 8.0
         else:
             size = np.where((share > 0.8) | (edge < 0.02), 2.5 * size, np.clip(1.8 * extent, 0.1 * size, size))
-        if not (1e-30 < size.min() and size.max() < 1e12):
+        if not (size.min() > 1e-30 and size.max() < 1e12):
             break
         if np.any(share < 0.3):
             center = np.where(share < 0.3, middle, center)

@@ -44,7 +44,9 @@ class State:
 class Runner(Protocol):
     """Advances the state of one load step."""
 
-    def __call__(self, state: State) -> None: ...
+    def __call__(self, state: State) -> None:
+        """Read what its block requires from the state and add what it provides."""
+        ...
 
 
 def build_runner(plan: Plan, block: Block) -> Runner:
@@ -53,7 +55,7 @@ def build_runner(plan: Plan, block: Block) -> Runner:
 
 
 class _Separation:
-    def __init__(self, plan: Plan, block: Block) -> None:
+    def __init__(self, plan: Plan, _block: Block) -> None:
         self._field = plan.separation()
 
     def __call__(self, state: State) -> None:
@@ -61,7 +63,7 @@ class _Separation:
 
 
 class _NormalContact:
-    def __init__(self, plan: Plan, block: Block) -> None:
+    def __init__(self, plan: Plan, _block: Block) -> None:
         self._grid = plan.grid
         self._coefficients = PairCoefficients(plan.influences["p"], plan.bodies, "z")
         numerics = plan.scene.numerics
@@ -109,7 +111,7 @@ class _NormalContact:
 
 
 class _TangentialDisplacement:
-    def __init__(self, plan: Plan, block: Block) -> None:
+    def __init__(self, plan: Plan, _block: Block) -> None:
         from eigencontact.convolution import Convolver, Layout
 
         grid, numerics = plan.grid, plan.scene.numerics
@@ -137,7 +139,7 @@ class _TangentialDisplacement:
 
 
 class _ReferencePressure:
-    def __init__(self, plan: Plan, block: Block) -> None:
+    def __init__(self, plan: Plan, _block: Block) -> None:
         from eigencontact.core.material import contact_modulus
 
         self._grid = plan.grid

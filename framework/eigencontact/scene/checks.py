@@ -22,12 +22,12 @@ def _check(rule: str, holds: Callable[[float], bool]) -> Check:
 
 def positive(unit: str) -> Check:
     """Positive and finite."""
-    return _check(f"positive and finite [{unit}]", lambda value: 0 < value and isfinite(value))
+    return _check(f"positive and finite [{unit}]", lambda value: value > 0 and isfinite(value))
 
 
 def non_negative(unit: str) -> Check:
     """Zero or positive, and finite."""
-    return _check(f"zero or positive, and finite [{unit}]", lambda value: 0 <= value and isfinite(value))
+    return _check(f"zero or positive, and finite [{unit}]", lambda value: value >= 0 and isfinite(value))
 
 
 def finite(unit: str) -> Check:
@@ -43,9 +43,7 @@ def at_least(low: float) -> Callable[[Any], Any]:
 def in_range(low: float, high: float, unit: str, *, open_low: bool = False) -> Check:
     """Within an interval."""
     bracket = "(" if open_low else "["
-    return _check(
-        f"in {bracket}{low:g}, {high:g}] {unit}", lambda v: (low < v if open_low else low <= v) and v <= high
-    )
+    return _check(f"in {bracket}{low:g}, {high:g}] {unit}", lambda v: (low < v if open_low else low <= v) and v <= high)
 
 
 def one_or_many(value: Any) -> Any:

@@ -41,7 +41,9 @@ def instantiate(entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
         if name not in given and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
     adapters = _adapters(cls)
-    values = {name: _convert(adapters[name], value, f"{where}.{name.replace('_', '-')}") for name, value in given.items()}
+    values = {
+        name: _convert(adapters[name], value, f"{where}.{name.replace('_', '-')}") for name, value in given.items()
+    }
     try:
         return cls(**values)
     except SceneError:

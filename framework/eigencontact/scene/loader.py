@@ -23,7 +23,9 @@ def bundled_names() -> list[str]:
 def bundled_text(name: str) -> str:
     """TOML text of a bundled scene."""
     if name not in bundled_names():
-        raise SceneError(f"unknown bundled scene {name!r}; bundled: {', '.join(bundled_names())}{nearest(name, bundled_names())}")
+        raise SceneError(
+            f"unknown bundled scene {name!r}; bundled: {', '.join(bundled_names())}{nearest(name, bundled_names())}"
+        )
     return (files("eigencontact") / "gallery" / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -101,7 +103,9 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
     for change in changes:
         key, equals, text = change.partition("=")
         if not equals or not key.strip():
-            raise SceneError(f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})")
+            raise SceneError(
+                f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
+            )
         _put(out, [part.strip() for part in key.strip().split(".")], _value(text.strip()), change)
     return out
 

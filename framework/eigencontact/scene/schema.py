@@ -206,16 +206,22 @@ class Scene(_Table):
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
         if self.body1.rigid and self.body2.rigid:
-            raise ValueError("!body1 and body2 must not both be rigid; give one of them young-modulus and poisson-ratio")
+            raise ValueError(
+                "!body1 and body2 must not both be rigid; give one of them young-modulus and poisson-ratio"
+            )
         labels = [request.label for request in self.stress]
         for label in labels:
             if labels.count(label) > 1:
                 raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
         for request in self.stress:
             if (self.body1, self.body2)[request.body - 1].rigid:
-                raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
+                raise ValueError(
+                    f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)"
+                )
         if self.numerics.boundary == "periodic" and any(request.shape in ("line", "points") for request in self.stress):
-            raise ValueError("!stress of a periodic scene must be asked for on planes or volumes (got a line or points)")
+            raise ValueError(
+                "!stress of a periodic scene must be asked for on planes or volumes (got a line or points)"
+            )
         return self
 
     def __init__(self, **data: Any) -> None:

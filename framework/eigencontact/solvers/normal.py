@@ -16,8 +16,8 @@ from eigencontact.solvers.control import Control, mode_field
 from eigencontact.solvers.levels import coarse_factors, prolong, restrict
 from eigencontact.solvers.operator import Coefficients, Compliance
 from eigencontact.solvers.preconditioner import circulant_inverse
-from eigencontact.solvers.rigid import RigidModes
 from eigencontact.solvers.report import Certificate, Progress, SolveReport
+from eigencontact.solvers.rigid import RigidModes
 
 __all__ = ["NormalOptions", "NormalSolution", "solve_normal"]
 
@@ -225,7 +225,7 @@ class _Normal:
         """Loose solution on a coarser grid, for a start only."""
         compliance = self.compliance(grid, "single")  # a start needs no more
         box = self._box(grid, pressure)
-        p, _, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
+        p, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
         return p
 
     def _finest(self, fixed: FloatArray, pressure: FloatArray | None) -> NormalSolution:
@@ -239,7 +239,7 @@ class _Normal:
         left = options.max_iterations
         for _ in range(50):
             done = self.report.iterations
-            pressure, rigid, residual = self._on_box(compliance, fixed, pressure, box, tolerance, left)
+            pressure, residual = self._on_box(compliance, fixed, pressure, box, tolerance, left)
             left -= self.report.iterations - done
             solution, overlapping = self._certify(compliance, fixed, pressure, box)
             certificate = solution.report.certificate
@@ -316,13 +316,13 @@ class _Normal:
         box: Box,
         tolerance: float,
         iterations: int,
-    ) -> tuple[FloatArray, FloatArray, float]:
+    ) -> tuple[FloatArray, float]:
         """Solve on one box; pressures in Pa on the whole grid in and out."""
         grid = compliance.grid
         operator = compliance.between(box, box)
         unit = compliance.unit
         here = fixed[box.slices]
-        modes, forces, sizes = self._modes(grid, box)
+        modes, forces, _ = self._modes(grid, box)
         dtype = np.float64 if compliance.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
         length = unit * self.free[0] / grid.cell_area if 0 in self.free else max(-float(here.min()), 1e-300)
@@ -357,7 +357,7 @@ class _Normal:
         out = np.zeros(grid.shape)
         out[box.slices] = state.pressure
         out *= scale
-        return out, state.rigid * length / sizes, state.residual
+        return out, state.residual
 
     def _modes(self, grid: Grid, box: Box) -> tuple[RigidModes, FloatArray, FloatArray]:
         """Force-controlled modes on a box scaled to order one, their forces, and the scales."""

@@ -86,12 +86,14 @@ class Compliance:
     def table(self, ny: int, nx: int) -> FloatArray:
         """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, in units of ``unit``."""
         if self.periodic:
-            wrap = [np.minimum(i % n, n - i % n) for i, n in zip(map(np.arange, (ny, nx)), self.grid.shape, strict=True)]
+            indices = (np.arange(ny), np.arange(nx))
+            wrap = [np.minimum(i % n, n - i % n) for i, n in zip(indices, self.grid.shape, strict=True)]
             return self._table[np.ix_(*wrap)]
         if self._table.shape[0] < ny or self._table.shape[1] < nx:
             ny, nx = max(ny, self._table.shape[0]), max(nx, self._table.shape[1])
             dx, dy = self.grid.dx, self.grid.dy
-            table = self._coefficients.table(np.arange(nx) * dx, np.arange(ny) * dy, (0.5 * dx, 0.5 * dy))
+            x, y = np.arange(nx, dtype=np.float64) * dx, np.arange(ny, dtype=np.float64) * dy
+            table = self._coefficients.table(x, y, (0.5 * dx, 0.5 * dy))
             self.unit = float(table[0, 0])
             table /= self.unit
             self._table = table

@@ -1,4 +1,4 @@
-"""Rigid modes of one box: fields that a prescribed force leaves free, kept as rows and columns, never as full arrays."""
+"""Rigid modes of one box: fields that a prescribed force leaves free, kept as rows and columns, not full arrays."""
 
 from __future__ import annotations
 

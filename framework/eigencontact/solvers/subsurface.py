@@ -35,9 +35,7 @@ class StressKernel(Protocol):
         """Values on a lattice of offsets at one depth, ``(n, ny, nx)``."""
         ...
 
-    def response(
-        self, components: list[str], kx: FloatArray, ky: FloatArray, z: float
-    ) -> NDArray[np.complex128]:
+    def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes for a traction wave at one depth, ``(n, nky, nkx)``."""
         ...
 
@@ -185,8 +183,6 @@ def stress_at_points(
         step = max(1, _CHUNK // max(1, len(weights)))
         for first in range(0, len(points), step):
             some = points[first : first + step]
-            values = kernel.at_points(
-                list(COMPONENTS), some[:, :1] - xs, some[:, 1:2] - ys, some[:, 2:3], half_widths
-            )
+            values = kernel.at_points(list(COMPONENTS), some[:, :1] - xs, some[:, 1:2] - ys, some[:, 2:3], half_widths)
             out[:, first : first + step] += values @ weights
     return out
