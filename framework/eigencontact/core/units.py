@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+from eigencontact.errors import nearest
+
 __all__ = ["parse_quantity"]
 
 
@@ -42,6 +44,8 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     rule = f"{name} [{symbol}]"
     try:
         quantity = _registry().Quantity(value)
+    except pint.UndefinedUnitError as problem:
+        raise ValueError(f"{rule}; {_unknown_unit(problem, symbol)}") from problem
     except Exception as problem:  # pint raises many kinds for text that is no quantity
         raise ValueError(f'{rule}, as a number or as text like "{_EXAMPLES.get(symbol, "1 " + symbol)}"') from problem
     if quantity.unitless and symbol != "rad":
@@ -52,4 +56,17 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
         raise ValueError(f"{rule}; {value!r} has the dimension {quantity.dimensionality}") from problem
 
 
+def _unknown_unit(problem: Any, symbol: str) -> str:
+    """Name the unit that is not known and the nearest that would fit; upper and lower case differ in meaning."""
+    names = problem.unit_names
+    name = names if isinstance(names, str) else ", ".join(names)
+    prefixes = ("", "n", "u", "m", "k", "M", "G")
+    known = [prefix + unit for unit in _SPELLINGS.get(symbol, (symbol,)) for prefix in prefixes]
+    alike = next((unit for unit in known if unit.lower() == name.lower()), None)
+    hint = f"; did you mean {alike!r}?" if alike else nearest(name, known)
+    return f"there is no unit {name!r}{hint or f', write it like {_EXAMPLES.get(symbol, symbol)!r}'}"
+
+
+#: Units that a misspelt one is compared with.
+_SPELLINGS = {"m": ("m",), "Pa": ("Pa",), "N": ("N",), "rad": ("rad", "deg"), "N*m": ("N*m", "N*mm")}
 _EXAMPLES = {"m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N*m": "2 N*mm"}

@@ -18,6 +18,7 @@ _RULES = {
     "bool_type": "true or false",
     "bool_parsing": "true or false",
     "string_type": "text",
+    "string_pattern_mismatch": "a plain name: letters, digits, '_', and for the scene also '.' and '-'",
     "finite_number": "finite",
     "list_type": "an array",
     "tuple_type": "an array",
@@ -42,8 +43,8 @@ def explain_error(error: Mapping[str, Any], where: str) -> str:
         names = [name.strip("' ") for name in choices.replace(" or ", ",").split(",")]
         return f"{place} must be one of {choices} (got {got!r}){nearest(str(got), names)}"
     if kind in ("too_short", "too_long"):
-        length = context.get("min_length", context.get("max_length"))
-        return f"{place} must be an array of {length} values (got {context['actual_length']})"
+        rule = f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
+        return f"{place} must be an array of length {rule} (got length {context['actual_length']})"
     return f"{place} must be {_RULES.get(kind, error['msg'])} (got {got!r})"
 
 

@@ -238,7 +238,7 @@ class Scene(_Table):
             find_unknown(data, Scene)
             errors = problem.errors()
             more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-            raise SceneError(explain_error(errors[0], "").lstrip("!") + more) from None
+            raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
 
     @property
     def label(self) -> str:
@@ -249,6 +249,14 @@ class Scene(_Table):
     def resolved(self) -> dict[str, Any]:
         """Return every field with its default filled in, SI units, TOML names."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
+    """Finding without the number 0 of an array for which a single table was written."""
+    place = tuple(error["loc"])
+    if len(place) > 1 and place[1] == 0 and isinstance(data.get(place[0]), dict):
+        place = (place[0], *place[2:])
+    return {**error, "loc": place}
 
 
 def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
