@@ -203,9 +203,13 @@ def _run_in(
     done = {index: _reader(store, index) for index in accepted}
     last: StepRecord | None = store.load_step(accepted[-1]) if accepted else None
     with _fft_memory_watch() as peak:
-        for record in drive(planned, watcher=watcher, done=done):
-            store.write_step(record)
-            last = record
+        try:
+            for record in drive(planned, watcher=watcher, done=done):
+                store.write_step(record)
+                last = record
+        except BaseException:
+            store.abandon()
+            raise
     assert last is not None
     results = store.folder / "results.nc" if store.finished else store.finish()
     files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}

@@ -40,11 +40,14 @@ class ResultStore:
         What holds for all steps.
     problems : list of str
         Stored steps that `accepted` could not use, in words, to be shown to the user; they are computed again.
+    made : list of Path
+        Folders that `create` made, innermost first.
     """
 
     folder: Path
     info: RunInfo
     problems: list[str] = field(default_factory=list)
+    made: list[Path] = field(default_factory=list)
 
     @classmethod
     def create(cls, folder: Path, info: RunInfo, *, resume: bool = False, overwrite: bool = False) -> ResultStore:
@@ -75,6 +78,7 @@ class ResultStore:
             _refuse_foreign_steps(folder / STEPS)
             if not overwrite:
                 _refuse_conflict(folder, info, kept, resume=resume)
+            store.made = [path for path in (folder, *folder.parents) if not path.exists()]
             folder.mkdir(parents=True, exist_ok=True)
             _probe(folder)
             if overwrite:
@@ -100,6 +104,16 @@ class ResultStore:
         mark = {"scene_hash": self.info.scene_hash, "name": self.info.name, "load_steps": self.info.steps}
         with replacing(steps / _MARK, "the mark of the run") as sink:
             sink.write(json.dumps(mark).encode())
+
+    def abandon(self) -> None:
+        """Leave no trace of a run that failed before its first step was accepted; with a step stored, do nothing."""
+        if _step_files(self.folder / STEPS):
+            return
+        _remove_steps(self.folder)
+        for path in self.made:
+            if any(path.iterdir()):
+                break
+            path.rmdir()
 
     def write_step(self, record: StepRecord) -> None:
         """Store one accepted step, complete and on the disk when this returns.
