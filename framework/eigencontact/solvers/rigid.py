@@ -65,6 +65,8 @@ class RigidModes:
 
         The field must be zero at cells that are not loaded.
         """
+        if not self.fields:
+            return np.zeros(0)
         if self._only_uniform:
             count = float(np.sum(loaded, dtype=float))
             return self.project(field) / (count * float(self.fields[0][0, 0]) ** 2) if count else np.zeros(1)
