@@ -18,6 +18,8 @@ from eigencontact_verification.benchmarks.measure import HertzProblem
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from eigencontact.core.material import Material
+
 __all__ = ["CODES", "OURS", "PEERS", "Code", "Solution", "find_code"]
 
 FloatArray = NDArray[np.float64]
@@ -62,19 +64,57 @@ class Code:
             importlib.import_module(name)
 
 
-def solve_eigencontact(n: int, threads: int, precision: str) -> Solution:  # noqa: ARG001 - until wired
-    """Solve with this package; the solver is wired in when it exists."""
-    raise ImportError("not wired yet")
+def solve_eigencontact(n: int, threads: int, precision: str) -> Solution:
+    """Solve with this package, as a library user would; single precision is asked for 1e-5, which it can reach."""
+    from eigencontact.core.grid import Grid
+    from eigencontact.planning.kernels import PairCoefficients
+    from eigencontact.solvers.control import Control
+    from eigencontact.solvers.normal import NormalOptions, solve_normal
+    from eigencontact_plugins.surface_loads import PressureLoad
+
+    problem = HertzProblem(n=n)
+    grid = Grid(nx=n, ny=n, dx=problem.cell, dy=problem.cell)
+    tolerance = 1e-6 if precision == "double" else 1e-5
+    solution = solve_normal(
+        grid,
+        problem.separation,
+        PairCoefficients(PressureLoad(), (_steel_like(), None), "z"),
+        Control(normal_load=problem.load),
+        NormalOptions(tolerance=tolerance, precision=precision, threads=threads),
+    )
+    return solution.pressure, solution.report.iterations, solution.report.convolutions
 
 
-def stress_eigencontact(
-    n: int,  # noqa: ARG001 - until wired
-    depths: FloatArray,  # noqa: ARG001
-    threads: int,  # noqa: ARG001
-    precision: str,  # noqa: ARG001
-) -> Callable[[FloatArray], FloatArray]:
-    """Sub-surface stress operator of this package; wired in when it exists."""
-    raise ImportError("not wired yet")
+def stress_eigencontact(n: int, depths: FloatArray, threads: int, precision: str) -> Callable[[FloatArray], FloatArray]:
+    """Sub-surface stress operator of this package, every cell loaded, every cell a target."""
+    from eigencontact.core.grid import Box, Grid
+    from eigencontact.core.tensors import from_mandel
+    from eigencontact.planning.kernels import StressCoefficients
+    from eigencontact.solvers.subsurface import SubsurfaceStress
+    from eigencontact_plugins.surface_loads import PressureLoad
+
+    problem = HertzProblem(n=n)
+    operator = SubsurfaceStress(
+        Grid(nx=n, ny=n, dx=problem.cell, dy=problem.cell),
+        [StressCoefficients(PressureLoad(), _steel_like())],
+        source=Box(0, n, 0, n),
+        target=(n, n),
+        depths=depths,
+        precision=precision,
+        threads=threads,
+    )
+
+    def apply(pressure: FloatArray) -> FloatArray:
+        return from_mandel(operator.apply([pressure]))
+
+    return apply
+
+
+def _steel_like() -> Material:
+    """Poisson's ratio 0.3, plane-strain modulus 1."""
+    from eigencontact.core.material import Material
+
+    return Material(young_modulus=1.0 - 0.3**2, poisson_ratio=0.3)
 
 
 def solve_tamaas(n: int, threads: int, precision: str) -> Solution:  # noqa: ARG001 - one signature for all
@@ -152,8 +192,15 @@ CODES = {
         Code(
             name="eigencontact",
             distribution="eigencontact",
-            modules=(),
-            settings="defaults",
+            modules=(
+                "pyfftw",
+                "scipy.fft",
+                "eigencontact.solvers.normal",
+                "eigencontact.solvers.subsurface",
+                "eigencontact.planning.kernels",
+                "eigencontact_plugins.surface_loads",
+            ),
+            settings="solve_normal, tolerance 1e-6",
             solve=solve_eigencontact,
             stress=stress_eigencontact,
         ),
