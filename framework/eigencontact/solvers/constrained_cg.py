@@ -102,7 +102,7 @@ def solve_box(
         r, outside = _split_gap(g, modes, state.rigid, c)
         state.residual, overlap = _residual(r, outside, g, problem.separation, c)
         on_iteration(state.residual)
-        if state.residual <= tolerance or (np.isinf(state.residual) and overlap <= 0):
+        if state.residual <= tolerance:
             break
         if overlap > 0:  # take in the cells that overlap
             taken = outside < 0

@@ -223,6 +223,8 @@ class _Normal:
 
     def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> FloatArray:
         """Loose solution on a coarser grid, for a start only."""
+        if 0 not in self.free and fixed.min() >= 0:  # the merged cells do not touch yet
+            return np.zeros(grid.shape)
         compliance = self.compliance(grid, "single")  # a start needs no more
         box = self._box(grid, pressure)
         p, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
@@ -325,7 +327,7 @@ class _Normal:
         modes, forces, _ = self._modes(grid, box)
         dtype = np.float64 if compliance.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
-        length = unit * self.free[0] / grid.cell_area if 0 in self.free else max(-float(here.min()), 1e-300)
+        length = unit * self.free[0] / grid.cell_area if 0 in self.free else -float(fixed.min())
         scale = length / unit
         if pressure is not None and np.any(pressure[box.slices] > 0):
             p = pressure[box.slices] / scale
@@ -395,7 +397,8 @@ class _Normal:
         rigid = {mode: float(value) for mode, value in zip(self.free, fit, strict=True)}
         for mode, value in rigid.items():
             gap -= value * mode_field(mode, grid)
-        deflection = float((displacement[source.slices] * weight).max()) or inf
+        # Without any pressure the overlap is measured against itself: such a state must never be certified.
+        deflection = float((displacement[source.slices] * weight).max()) or max(0.0, -float(gap.min())) or inf
         near = gap[source.slices]
         inside = float(np.abs(near * weight).max()) / deflection
         overlap = max(0.0, -_least_outside(gap, source), -float((near * (1.0 - weight)).min())) / deflection
