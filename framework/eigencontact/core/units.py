@@ -51,9 +51,11 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     if quantity.unitless and symbol != "rad":
         raise ValueError(f'{rule}: give a plain number or a unit, like "{_EXAMPLES.get(symbol, "1 " + symbol)}"')
     try:
-        return float(quantity.to(symbol).magnitude)
+        number = float(quantity.to(symbol).magnitude)
     except (pint.DimensionalityError, pint.OffsetUnitCalculusError) as problem:
         raise ValueError(f"{rule}; {value!r} has the dimension {quantity.dimensionality}") from problem
+    # Conversion factors carry rounding errors; "105 um" is 1.05e-4 to the last bit. Degrees have no short decimals.
+    return number if symbol == "rad" else float(f"{number:.15g}")
 
 
 def _unknown_unit(problem: Any, symbol: str) -> str:

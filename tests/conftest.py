@@ -1,0 +1,113 @@
+"""Shared fixtures: the command line called in process, and plugin packages installed into a folder of the test."""
+
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command returned and printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def command(capsys):
+    """Call the command line as the console script does: ``command("run", "hertz", "-o", folder)``."""
+    from eigencontact.cli import app
+
+    def call(*arguments):
+        capsys.readouterr()
+        try:
+            app(args=[str(item) for item in arguments], prog_name="eigencontact")
+            code = 0
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        return Outcome(code, *capsys.readouterr())
+
+    return call
+
+
+#: Changes that make a bundled scene quick where its numbers do not matter.
+QUICK = ["stress=[]", "grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"]
+
+
+@pytest.fixture
+def quick():
+    """Arguments ``--set ...`` that make the scene ``hertz`` quick."""
+    return [part for change in QUICK for part in ("--set", change)]
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    """Write a small TOML scene; the text given is added to it."""
+
+    def write(extra="", *, geometry='type = "sphere"\nradius = "105 um"', load='normal-load = "0.65 N"', name="small"):
+        text = f"""
+[body1]
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+
+[geometry]
+{geometry}
+
+[grid]
+cells = 24
+size = ["16 um", "16 um"]
+
+[steps]
+{load}
+
+[output]
+pictures = false
+
+{dedent(extra)}
+"""
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def install(tmp_path, monkeypatch):
+    """Install a package with an entry point the way pip leaves it: a module and its ``.dist-info`` on ``sys.path``."""
+    from eigencontact.app import installed_plugins
+
+    site = tmp_path / "site"
+    site.mkdir()
+    monkeypatch.syspath_prepend(str(site))
+    names = []
+
+    def package(source, *, name="eigencontact-stranger", version="1.2.3", entry="stranger", target=None):
+        module = name.replace("-", "_")
+        names.append(module)
+        (site / f"{module}.py").write_text(dedent(source), encoding="utf-8")
+        info = site / f"{module}-{version}.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", encoding="utf-8")
+        points = f"[eigencontact]\n{entry} = {target or module}\n"
+        (info / "entry_points.txt").write_text(points, encoding="utf-8")
+        installed_plugins.cache_clear()
+        return site
+
+    installed_plugins.cache_clear()
+    yield package
+    installed_plugins.cache_clear()
+    for module in names:
+        sys.modules.pop(module, None)
+    shutil.rmtree(site)
+
+
+@pytest.fixture(scope="session")
+def root():
+    """Root of the checkout."""
+    return Path(__file__).resolve().parent.parent
