@@ -44,8 +44,12 @@ def circulant_inverse(compliance: Compliance, box: Box) -> _Preconditioner:
     for axis, length in enumerate(lengths):
         if length > 1:
             spectrum = fft.dct(spectrum, type=1, axis=axis)
-    # Positive in exact arithmetic; the floor guards round-off and the zero mean of a periodic compliance.
-    inverse = 1.0 / np.maximum(spectrum, 1e-6 * float(spectrum.max()))
+    # Positive in exact arithmetic; the floor guards round-off. A periodic compliance has no mean response: its uniform
+    # wave is treated like the longest one, the most compliant.
+    top = float(spectrum.max())
+    if spectrum[0, 0] <= 1e-6 * top or top <= 0:
+        spectrum[0, 0] = top if top > 0 else 1.0
+    inverse = 1.0 / np.maximum(spectrum, 1e-6 * float(spectrum[0, 0]))
     layout = Layout(box.shape, box.shape, periodic=True, lengths=lengths)
     packed = Spectrum.pack(inverse.T, lengths[0] * lengths[1], 1, imaginary=False, precision=compliance.precision)
     convolver = Convolver(layout, precision=compliance.precision, threads=compliance.threads)
