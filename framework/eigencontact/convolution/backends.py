@@ -45,7 +45,7 @@ class Backend(Protocol):
         ...
 
     def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
-        """Array aligned for this library, filled with zeros."""
+        """Array aligned for this library; its values are arbitrary."""
         ...
 
 
@@ -83,7 +83,7 @@ class _FFTW:
         return self._plan(source, target, "FFTW_BACKWARD", destroy=True)
 
     def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
-        array: NDArray[Any] = self._fftw.zeros_aligned(shape, dtype)
+        array: NDArray[Any] = self._fftw.empty_aligned(shape, dtype)
         return array
 
 
@@ -109,7 +109,7 @@ class _SciPy:
         return lambda: np.copyto(target, self._fft.ifft(source, norm="forward"))
 
     def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
-        return np.zeros(shape, dtype)
+        return np.empty(shape, dtype)
 
 
 @cache

@@ -168,6 +168,7 @@ class _Worker:
         self._columns = columns[number::threads]
         # Zero outside the source's columns, and kept so: real transforms do not destroy their input.
         self._padded = fft.empty((min(batch_rows, y.sources), x.length), dtypes[0])
+        self._padded[:] = 0
         self._full = fft.empty((min(batch_rows, y.targets), x.length), dtypes[0])
         self._shape = (columns[0].stop - columns[0].start, y.length)
         self._forward_plans: dict[tuple[int, int], Plan] = {}
@@ -233,11 +234,13 @@ class _Worker:
 
         if self._inverse is None:
             self._sum, self._back = empty(), empty()
+            self._sum[:] = 0  # the last batch may be short, and what lies beyond it is transformed all the same
             self._inverse = self._fft.inverse(self._sum, self._back)
         if count > 1 and self._product.size == 0:
             self._product = empty()
         while len(self._sources) < count:
             padded, spectrum = empty(), empty()
+            padded[:] = 0
             self._sources.append((padded, spectrum, self._fft.forward(padded, spectrum)))
 
     def rows_inverse(self, count: int, half: Sequence[Array], targets: Array) -> None:

@@ -91,74 +91,66 @@ def solve_box(
     p = modes.carry(pressure, problem.forces) if len(modes) else pressure.copy()
     c = loaded.astype(dtype)
     g = problem.apply(p)
+    deflection = float((g * c).max())
     g += problem.separation
-    direction = np.zeros_like(p)
-    r_old: Array | None = None
+    direction = r_old = np.zeros_like(p)
     slope_old = 0.0
+    work = np.empty_like(p)
     state = BoxState(p, np.zeros(len(modes)), np.inf)
     for _ in range(max_iterations):
         state.pressure = p
-        state.rigid = modes.fit(g * c, c) if len(modes) else state.rigid
-        r, outside = _split_gap(g, modes, state.rigid, c)
-        state.residual, overlap = _residual(r, outside, g, problem.separation, c)
+        state.rigid = modes.fit(np.multiply(g, c, out=work), c) if len(modes) else state.rigid
+        outside = np.subtract(modes.combine(state.rigid, dtype), g, out=work)  # overlap positive
+        r = outside * c
+        outside -= r
+        overlap = float(outside.max())
+        state.residual = _relative(max(float(r.max()), -float(r.min()), overlap), deflection)
         on_iteration(state.residual)
         if state.residual <= tolerance:
             break
         if overlap > 0:  # take in the cells that overlap
-            taken = outside < 0
+            taken = outside > 0
             c[taken] = 1
             np.copyto(r, outside, where=taken)
-        np.negative(r, out=r)
-        modes.remove(r, c)
+            modes.remove(r, c)
+        # r carries no force on the loaded cells, so the rigid part of z does not enter the products with it.
         z = problem.precondition(r)
         z *= c
-        modes.remove(z, c)
         slope = dot(r, z)
-        beta = 0.0
-        if r_old is not None and slope_old > 0:
-            beta = max(0.0, (slope - dot(r_old, z)) / slope_old)
+        beta = max(0.0, (slope - dot(r_old, z)) / slope_old) if slope_old > 0 else 0.0
         r_old, slope_old = r, slope
         if beta > 0:
             direction *= dtype.type(beta)
             direction *= c
             direction += z
-            modes.remove(direction, c)
         else:
             direction = z
+        modes.remove(direction, c)
         response = problem.apply(direction)
         curvature = dot(direction, response)
         if not curvature > 0:
             break
         step = dtype.type(dot(r, direction) / curvature)
-        p = p + step * direction
+        p = p + np.multiply(direction, step, out=work)
         if float(p.min()) < 0:  # release the cells that pull; the gap is then computed anew
             np.maximum(p, 0, out=p)
             c = (p > 0).astype(dtype)
             if len(modes):
                 p = modes.carry(p, problem.forces)
             g = problem.apply(p)
+            deflection = float(np.multiply(g, c, out=work).max())
             g += problem.separation
         else:
             response *= step
             g += response
+            np.subtract(g, problem.separation, out=work)
+            work *= c
+            deflection = float(work.max())
     return state
 
 
-def _split_gap(g: Array, modes: RigidModes, rigid: Array, c: Array) -> tuple[Array, Array]:
-    """Gap at the loaded cells (zero elsewhere), and at the others (zero at the loaded)."""
-    outside = g - modes.combine(rigid, g.dtype)
-    r = outside * c
-    outside -= r
-    return r, outside
-
-
-def _residual(r: Array, outside: Array, g: Array, separation: Array, c: Array) -> tuple[float, float]:
-    """Relative residual and largest overlap; gaps are measured against the largest deflection of loaded cells."""
-    inside = max(float(r.max()), -float(r.min()))
-    overlap = -float(outside.min())
-    deflection = g - separation
-    deflection *= c
-    largest = float(deflection.max())
-    if largest > 0:
-        return max(inside, overlap, 0.0) / largest, overlap
-    return (float("inf") if overlap > 0 or inside > 0 else 0.0), overlap
+def _relative(worst: float, deflection: float) -> float:
+    """Residual of a box: gaps are measured against the largest deflection of loaded cells."""
+    if deflection > 0:
+        return max(worst, 0.0) / deflection
+    return float("inf") if worst > 0 else 0.0

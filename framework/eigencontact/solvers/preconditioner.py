@@ -26,7 +26,7 @@ class _Preconditioner:
         self._spectrum = spectrum
 
     def __call__(self, residual: NDArray[Any]) -> NDArray[Any]:
-        return self._convolver.apply(residual, self._spectrum)
+        return self._convolver.apply(residual, self._spectrum).astype(residual.dtype, copy=False)
 
 
 def circulant_inverse(compliance: Compliance, box: Box) -> _Preconditioner:
@@ -51,6 +51,7 @@ def circulant_inverse(compliance: Compliance, box: Box) -> _Preconditioner:
         spectrum[0, 0] = top if top > 0 else 1.0
     inverse = 1.0 / np.maximum(spectrum, 1e-6 * float(spectrum[0, 0]))
     layout = Layout(box.shape, box.shape, periodic=True, lengths=lengths)
-    packed = Spectrum.pack(inverse.T, lengths[0] * lengths[1], 1, imaginary=False, precision=compliance.precision)
-    convolver = Convolver(layout, precision=compliance.precision, threads=compliance.threads)
+    # An approximate inverse needs no more than single precision, whatever the compliance has.
+    packed = Spectrum.pack(inverse.T, lengths[0] * lengths[1], 1, imaginary=False, precision="single")
+    convolver = Convolver(layout, precision="single", threads=compliance.threads)
     return _Preconditioner(convolver, packed)

@@ -75,7 +75,8 @@ class RigidModes:
     def remove(self, field: Array, loaded: Array) -> None:
         """Take the rigid part out of a field that is zero at cells not loaded, in place."""
         if len(self):
-            field -= self.combine(self.fit(field, loaded), field.dtype) * loaded
+            field -= self.combine(self.fit(field, loaded), field.dtype)
+            field *= loaded
 
     def carry(self, pressure: Array, forces: Array) -> Array:
         """Scale a pressure by ``1 + c . modes`` so that it carries the forces; it stays positive where it was."""
