@@ -157,14 +157,20 @@ def _check(grid: Grid, separation: FloatArray, control: Control) -> None:
     if not np.all(np.isfinite(separation)):
         bad = int(np.count_nonzero(~np.isfinite(separation)))
         raise SceneError(f"separation must be finite at every cell (got {bad} NaN or infinite of {separation.size})")
+    if start is not None:
+        require(start.shape == grid.shape, "contact", "start", start.shape, f"of shape {grid.shape}")
     if control.normal_load:
-        for name, half in (("moment_x", 0.5 * grid.size[1]), ("moment_y", 0.5 * grid.size[0])):
+        middles = {"moment_x": (grid.center[1], 0.5 * grid.size[1]), "moment_y": (-grid.center[0], 0.5 * grid.size[0])}
+        for name, (middle, half) in middles.items():
             moment = getattr(control, name)
-            limit = control.normal_load * half
-            if moment is not None and abs(moment) >= limit:
+            if moment is None:
+                continue
+            limit, about = control.normal_load * half, moment - control.normal_load * middle
+            if abs(about) >= limit:
                 raise SceneError(
                     f"step.{name} must be smaller than the load times half the window, {limit:.4g} N m "
-                    f"(got {moment:.4g}); the centre of pressure would lie outside the window"
+                    f"(got {about:.4g}{' about the middle of the window' if middle else ''}); the centre of pressure "
+                    "would lie outside the window"
                 )
 
 
