@@ -141,7 +141,7 @@ def solve_normal(
     """
     began = perf_counter()
     options = options or NormalOptions()
-    _check(grid, separation, control)
+    _check(grid, separation, control, start)
     report = SolveReport()
     solver = _Normal(grid, separation, coefficients, control, options, report, progress)
     try:
@@ -152,7 +152,7 @@ def solve_normal(
     return solution
 
 
-def _check(grid: Grid, separation: FloatArray, control: Control) -> None:
+def _check(grid: Grid, separation: FloatArray, control: Control, start: FloatArray | None) -> None:
     require(separation.shape == grid.shape, "contact", "separation", separation.shape, f"of shape {grid.shape}")
     if not np.all(np.isfinite(separation)):
         bad = int(np.count_nonzero(~np.isfinite(separation)))
