@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from eigencontact.planning.plan import Plan
     from eigencontact.results.records import RunInfo, StepRecord
-    from eigencontact.run.driver import Watcher
+    from eigencontact.execution.driver import Watcher
     from eigencontact.scene.schema import Scene
 
 __all__ = [
@@ -194,7 +194,7 @@ def _run_in(
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import write_summary
-    from eigencontact.run.driver import drive
+    from eigencontact.execution.driver import drive
 
     info = _run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.

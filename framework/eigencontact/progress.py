@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from eigencontact.results.records import StepRecord
-    from eigencontact.run.history import LoadPoint
+    from eigencontact.execution.history import LoadPoint
 
 __all__ = ["ProgressBars"]
 

@@ -36,7 +36,7 @@ class Block:
     name : str
         Unique in the plan; the driver finds the code that runs it by ``runner``.
     runner : str
-        Name under which `eigencontact.run` knows how to build it.
+        Name under which `eigencontact.execution` knows how to build it.
     requires, provides : frozenset of str
         Quantities, by name.
     why : str

@@ -7,8 +7,8 @@ from typing import Protocol
 
 from eigencontact.planning.plan import Plan
 from eigencontact.results.records import StepRecord
-from eigencontact.run.history import LoadPoint, control_at, load_points
-from eigencontact.run.runners import Runner, State, build_runner
+from eigencontact.execution.history import LoadPoint, control_at, load_points
+from eigencontact.execution.runners import Runner, State, build_runner
 
 __all__ = ["Watcher", "drive"]
 
