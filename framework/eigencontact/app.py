@@ -7,7 +7,7 @@ import hashlib
 import json
 import platform
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -26,9 +26,9 @@ from eigencontact.plugin import KINDS
 if TYPE_CHECKING:
     import xarray
 
+    from eigencontact.execution.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.records import RunInfo, StepRecord
-    from eigencontact.execution.driver import Watcher
     from eigencontact.scene.schema import Scene
 
 __all__ = [
@@ -191,10 +191,11 @@ def _run_in(
     watcher: Watcher | None,
     keep: bool,
 ) -> RunResult:
+    from eigencontact.execution.driver import drive
+    from eigencontact.planning.cost import peak_bytes, resident_bytes
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import write_summary
-    from eigencontact.execution.driver import drive
 
     info = _run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
@@ -202,22 +203,22 @@ def _run_in(
     accepted = store.accepted() if resume else []
     done = {index: _reader(store, index) for index in accepted}
     last: StepRecord | None = store.load_step(accepted[-1]) if accepted else None
-    with _fft_memory_watch() as peak:
-        try:
-            for record in drive(planned, watcher=watcher, done=done):
-                store.write_step(record)
-                last = record
-        except BaseException:
-            store.abandon()
-            raise
+    predicted = resident_bytes() + planned.cost.memory
+    solving = perf_counter()
+    for record in drive(planned, watcher=watcher, done=done):
+        store.write_step(record)
+        last = record
+    solving = perf_counter() - solving
+    peak = peak_bytes()
     assert last is not None
     results = store.folder / "results.nc" if store.finished else store.finish()
     files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}
     if keep:
         files |= _draw(planned, results, folder)
     extra = {
-        "peak_memory_bytes": peak(),
-        "predicted_memory_bytes": None,
+        "peak_memory_bytes": peak,
+        "predicted_memory_bytes": int(predicted),
+        "compute_seconds": solving,
         "predicted_seconds": planned.seconds,
         "files": {**files, "summary.json": "the numbers of this run"},
         "versions": info.versions,
@@ -260,21 +261,6 @@ def _draw(planned: Plan, results: Path, folder: Path) -> dict[str, str]:
 
             files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
     return files
-
-
-@contextlib.contextmanager
-def _fft_memory_watch() -> Iterator[Any]:
-    """Give a function that returns the peak resident memory of this process so far [bytes]."""
-    import resource
-    import sys
-
-    def peak() -> int:
-        unit = 1 if sys.platform == "darwin" else 1024
-        return unit * int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-
-    measured: list[int] = []
-    yield lambda: measured[0] if measured else peak()
-    measured.append(peak())
 
 
 def _run_info(planned: Plan) -> RunInfo:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Protocol
 
-from eigencontact.planning.plan import Plan
-from eigencontact.results.records import StepRecord
 from eigencontact.execution.history import LoadPoint, control_at, load_points
 from eigencontact.execution.runners import Runner, State, build_runner
+from eigencontact.planning.plan import Plan
+from eigencontact.results.records import StepRecord
 
 __all__ = ["Watcher", "drive"]
 

@@ -196,7 +196,8 @@ class _Stress:
         from eigencontact.solvers.subsurface import stress_at_points
 
         assert self._lattice.points is not None
-        return stress_at_points(self._grid, [self._kernel], [pressure], self._lattice.points)
+        points, threads = self._lattice.points, self._numerics.threads
+        return stress_at_points(self._grid, [self._kernel], [pressure], points, threads=threads)
 
     def _on_lattice(self, pressure: FloatArray) -> FloatArray:
         from eigencontact.solvers.subsurface import SubsurfaceStress
@@ -208,6 +209,7 @@ class _Stress:
             return self._cut(np.zeros(shape))
         if self._operator is None or not self._operator.covers(box):
             margin = 0 if self._operator is None else max(2, max(box.shape) // 6)
+            self._operator = None  # its memory goes before the next is made
             self._operator = SubsurfaceStress(
                 self._grid,
                 [self._kernel],

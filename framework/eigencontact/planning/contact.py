@@ -13,14 +13,14 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import PlanError, SceneError
 from eigencontact.hooks.registry import Registry
-from eigencontact.planning.blocks import Block, resolve
-from eigencontact.planning.cost import normal_cost, stress_cost
-from eigencontact.planning.kernels import KernelUse, PairCoefficients
-from eigencontact.planning.plan import LeftOut, Plan, sum_separations
+from eigencontact.planning.blocks import resolve
+from eigencontact.planning.declare import Declaration, left_out
+from eigencontact.planning.kernels import PairCoefficients
+from eigencontact.planning.plan import Plan, sum_separations
 from eigencontact.planning.window import ContactEstimate, automatic_grid, estimate_contact
-from eigencontact.plugin import Geometry, HasNativeGrid, HasReferencePressure, SurfaceInfluence
+from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
 from eigencontact.scene.components import build_component
-from eigencontact.scene.schema import Body, Scene, Step, StressRequest
+from eigencontact.scene.schema import Body, Scene, Step
 from eigencontact.solvers.control import Control
 
 __all__ = ["make_plan"]
@@ -58,7 +58,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         min(grid.ny, int(np.ceil(touched.extent[1] / grid.dy * 1.05)) + 4),
         min(grid.nx, int(np.ceil(touched.extent[0] / grid.dx * 1.05)) + 4),
     )
-    blocks, outputs = _declare(scene, grid, geometries, observers, box, pressure)
+    material = next(body for body in bodies if body is not None)
+    blocks, outputs = Declaration(scene, grid, box, geometries, observers, pressure, material).everything()
     plan = Plan(
         scene=scene,
         registry=registry,
@@ -69,7 +70,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         observers=observers,
         influences={"p": pressure},
         groups=resolve(blocks, outputs),
-        left_out=_left_out(scene, bodies),
+        left_out=left_out(scene, bodies),
     )
     _check_memory(plan)
     return plan
@@ -164,131 +165,6 @@ def _largest_contact(
         if estimate is not None:
             found = estimate if found is None else found.join(estimate)
     return found
-
-
-def _declare(
-    scene: Scene,
-    grid: Grid,
-    geometries: tuple[Geometry, ...],
-    observers: Sequence[tuple[str, object]],
-    box: tuple[int, int],
-    pressure: SurfaceInfluence,
-) -> tuple[list[Block], dict[str, str]]:
-    """Blocks that this scene could use, and the outputs it wants."""
-    numerics = scene.numerics
-    periodic = numerics.boundary == "periodic"
-    effort: dict[str, Any] = {"precision": numerics.precision, "threads": numerics.threads}
-    key = pressure.key
-    box_text = f"{box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
-    blocks = [
-        Block(
-            name="separation",
-            runner="separation",
-            provides=frozenset({"separation"}),
-            why="the initial gap of the geometry " + " + ".join(geometry.key for geometry in geometries),
-        ),
-        Block(
-            name="normal-contact",
-            runner="normal-contact",
-            requires=frozenset({"separation"}),
-            provides=frozenset({"pressure", "gap", "displacement_z"}),
-            why="pressure, contact area, approach",
-            kernels=(KernelUse("displacement z", "pressure p", key, f"surface, {box_text}"),),
-            cost=normal_cost(grid.shape, box, periodic=periodic, **effort),
-        ),
-    ]
-    outputs = dict.fromkeys(("pressure", "gap", "displacement_z"), "every run")
-    if scene.output.tangential_displacement:
-        blocks.append(
-            Block(
-                name="tangential-displacement",
-                runner="tangential-displacement",
-                requires=frozenset({"pressure"}),
-                provides=frozenset({"displacement_x", "displacement_y"}),
-                why="output.tangential-displacement = true",
-                kernels=tuple(KernelUse(f"displacement {c}", "pressure p", key, "surface, whole window") for c in "xy"),
-                cost=stress_cost(box, grid.shape, 1, packed=True, **effort),
-            )
-        )
-        outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
-    if len(geometries) == 1 and isinstance(geometries[0], HasReferencePressure) and not periodic:
-        blocks.append(
-            Block(
-                name="reference-pressure",
-                runner="reference-pressure",
-                requires=frozenset({"pressure"}),
-                provides=frozenset({"reference_pressure"}),
-                why=f"geometry {geometries[0].key!r} has a closed form, drawn beside the result",
-            )
-        )
-        outputs["reference_pressure"] = "pictures"
-    for request in scene.stress:
-        blocks.append(_stress_block(request, grid, box, key, effort))
-        outputs[f"stress:{request.label}"] = f"[[stress]] {request.label!r}"
-    for number, (name, _) in enumerate(observers):
-        blocks.append(
-            Block(
-                name=f"observer-{number}-{name}",
-                runner="observer",
-                requires=frozenset({"pressure", "gap", "displacement_z"}),
-                provides=frozenset({f"observed:{number}"}),
-                why=f"[[observers]] {name!r}",
-                settings={"number": number},
-            )
-        )
-        outputs[f"observed:{number}"] = f"[[observers]] {name!r}"
-    return blocks, outputs
-
-
-def _stress_block(request: StressRequest, grid: Grid, box: tuple[int, int], key: str, effort: dict[str, Any]) -> Block:
-    from eigencontact.planning.regions import region_lattice
-
-    lattice = region_lattice(request, grid)
-    scattered = lattice.points is not None
-    if scattered:
-        assert lattice.points is not None
-        points = len(lattice.points)
-        pairs = points * box[0] * box[1] * 0.8
-        from eigencontact.planning.blocks import Cost
-
-        cost = Cost(memory=2.5e8 if pairs > 1e6 else 250.0 * pairs, seconds_per_step=9e-7 * pairs)
-        text = f"{points} points, superposed directly"
-    else:
-        cost = stress_cost(box, lattice.target, lattice.depths.size, packed=lattice.on_cells, **effort)
-        text = f"{lattice.target[1]} x {lattice.target[0]} points at {lattice.depths.size} depths"
-    return Block(
-        name=f"stress-{request.label}",
-        runner="stress",
-        requires=frozenset({"pressure"}),
-        provides=frozenset({f"stress:{request.label}"}),
-        why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
-        kernels=(KernelUse("stress (6 components)", "pressure p", key, text, 1 if scattered else lattice.depths.size),),
-        cost=cost,
-        settings={"request": request, "lattice": lattice},
-    )
-
-
-def _left_out(scene: Scene, bodies: tuple[Material | None, Material | None]) -> list[LeftOut]:
-    out = [
-        LeftOut(
-            "shear tractions q_x, q_y and their kernels", "the scene prescribes no tangential load and has no friction"
-        ),
-    ]
-    elastic = [body for body in bodies if body is not None]
-    if len(elastic) == 2 and elastic[0] == elastic[1]:
-        out.append(
-            LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
-        )
-    if None in bodies:
-        number = bodies.index(None) + 1
-        out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
-    if not scene.stress:
-        out.append(LeftOut("sub-surface stress", "no [[stress]] region asks for it"))
-    if not scene.output.tangential_displacement:
-        out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
-    if scene.numerics.boundary == "non-periodic":
-        out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
-    return out
 
 
 def _check_memory(plan: Plan) -> None:

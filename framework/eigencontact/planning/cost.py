@@ -12,10 +12,24 @@ from time import perf_counter
 
 import numpy as np
 
+from eigencontact.convolution import Layout
+from eigencontact.convolution.backends import available_threads
 from eigencontact.convolution.layout import fast_even
+from eigencontact.core.material import Material
+from eigencontact.core.tensors import COMPONENTS
 from eigencontact.planning.blocks import Cost
+from eigencontact.plugin import SurfaceInfluence
 
-__all__ = ["Speed", "normal_cost", "resident_bytes", "speed", "stress_cost"]
+__all__ = [
+    "Speed",
+    "normal_cost",
+    "peak_bytes",
+    "resident_bytes",
+    "sampling_seconds",
+    "speed",
+    "stress_cost",
+    "superposition_cost",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +48,7 @@ class Speed:
 @cache
 def speed(precision: str, threads: int | None) -> Speed:
     """Measure two convolutions, a small and a middling one; takes about 20 ms."""
-    from eigencontact.convolution import Convolver, Layout
+    from eigencontact.convolution import Convolver
 
     times = []
     for n in (16, 256):
@@ -70,25 +84,57 @@ def normal_cost(
     iteration += 2.5e-8 * by * bx + 2e-4  # the vectors of the conjugate gradients
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx)) + 3e-8 * ny * nx
     solve = 8.5 * iteration * 1.4 + levels * 2e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
+    if periodic:
+        solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
     real = 8 if precision == "double" else 4
     held = 8.0 * ny * nx * 8 + real * by * bx * 12 + real * (fy * fx / 4 + 3 * by * fx) + 8 * (ny + by) * (nx + bx)
     return Cost(memory=held, seconds_per_step=solve)
 
 
+@cache
+def sampling_seconds(influence: SurfaceInfluence, body: Material) -> float:
+    """Measured time of six stress coefficients at one lattice point [s]."""
+    x = np.arange(96.0)
+    laps = []
+    for _ in range(3):
+        began = perf_counter()
+        influence.sample("stress", COMPONENTS, x, x, 1.0, (0.5, 0.5), body)
+        laps.append(perf_counter() - began)
+    return min(laps) / x.size**2
+
+
 def stress_cost(
-    box: tuple[int, int], target: tuple[int, int], depths: int, *, packed: bool, precision: str, threads: int | None
+    layout: Layout, depths: int, sampling: float, *, precision: str, threads: int | None, kernels: int = 6
 ) -> Cost:
-    """Six components at so many depths: coefficients and spectra once, then one inverse transform each."""
-    pace = speed(precision, threads)
-    fy, fx = fast_even(box[0] + target[0]), fast_even(box[1] + target[1])
-    samples = fy * fx * (0.25 if packed else 0.5)
-    real = 8 if precision == "double" else 4
-    spectra = 6.0 * depths * samples * real * (1 if packed else 2)
-    values = 6.0 * depths * target[0] * target[1] * 8
-    once = 6.0 * depths * (samples * 1.1e-7 + 1e-4)
-    share = max(0.3, target[0] / fy)  # rows that are transformed back
-    step = 6.0 * depths * pace.convolution(fy, fx) * share + 1e-8 * values
-    return Cost(memory=spectra + 2.5 * values + 8.0 * 12 * fx * target[0], seconds_once=once, seconds_per_step=step)
+    """So many components at so many depths: coefficients and spectra once, then one inverse transform each.
+
+    Parameters
+    ----------
+    layout : Layout
+        From the loaded box to the target points.
+    sampling : float
+        Time of six coefficients at one lattice point [s].
+    """
+    pace, real = speed(precision, threads), (8 if precision == "double" else 4)
+    y, x = layout.y, layout.x
+    lattice = y.lattice.size * x.lattice.size
+    stored = x.half * (y.half if y.symmetric else y.length) * (1 if y.symmetric and x.symmetric else 2)
+    outputs = kernels * depths
+    values = outputs * y.targets * x.targets * 8.0
+    workers = min(threads or available_threads(), max(1, depths))
+    once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 2e-8 + 5e-5)
+    share = 0.2 + 0.2 * min(1.0, 2.0 * y.targets / y.length)  # the forward transform serves all outputs
+    step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 5e-5 + 1e-8 * values
+    memory = outputs * stored * real + 4.0 * values + workers * lattice * 8.0 * 3 * kernels
+    return Cost(memory=memory, seconds_once=once, seconds_per_step=step)
+
+
+def superposition_cost(points: int, box: tuple[int, int], sampling: float, *, threads: int | None) -> Cost:
+    """Direct superposition of the cells of a box at scattered points, anew at each step."""
+    cells = box[0] * box[1]
+    workers = threads or available_threads()
+    seconds = points * (sampling * cells + 1e-4) / (0.75 * workers)
+    return Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
 
 
 def resident_bytes() -> float:
@@ -97,5 +143,14 @@ def resident_bytes() -> float:
         pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
         return float(pages) * resource.getpagesize()
     except OSError:
-        peak = float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-        return peak if sys.platform == "darwin" else 1024.0 * peak
+        return float(peak_bytes())
+
+
+def peak_bytes() -> int:
+    """Largest memory that this process has had so far."""
+    try:
+        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+        return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
+    except (OSError, StopIteration):
+        unit = 1 if sys.platform == "darwin" else 1024
+        return unit * int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)

@@ -102,17 +102,6 @@ class StressCoefficients:
         """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
         return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)
 
-    def at_points(
-        self,
-        components: list[str],
-        x: FloatArray,
-        y: FloatArray,
-        z: FloatArray,
-        half_widths: tuple[float, float],
-    ) -> FloatArray:
-        """Stress at points relative to the rectangle's centre [-]."""
-        return self.influence.stress(components, x, y, z, half_widths, self.body)
-
 
 def _with_waves(influence: SurfaceInfluence) -> HasWavenumberResponse:
     if not isinstance(influence, HasWavenumberResponse):

@@ -18,9 +18,6 @@ __all__ = ["StressKernel", "SubsurfaceStress", "stress_at_points"]
 
 FloatArray = NDArray[np.float64]
 
-# Field points times loaded cells evaluated together in the direct sum: six components and their temporaries take 50 MB.
-_CHUNK = 200_000
-
 
 class StressKernel(Protocol):
     """Mandel stress of one uniformly loaded rectangle, per unit traction."""
@@ -37,17 +34,6 @@ class StressKernel(Protocol):
 
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes for a traction wave at one depth, ``(n, nky, nkx)``."""
-        ...
-
-    def at_points(
-        self,
-        components: list[str],
-        x: FloatArray,
-        y: FloatArray,
-        z: FloatArray,
-        half_widths: tuple[float, float],
-    ) -> FloatArray:
-        """Values at points relative to the rectangle's centre."""
         ...
 
 
@@ -159,9 +145,16 @@ class SubsurfaceStress:
 
 
 def stress_at_points(
-    grid: Grid, kernels: Sequence[StressKernel], tractions: Sequence[FloatArray], points: FloatArray
+    grid: Grid,
+    kernels: Sequence[StressKernel],
+    tractions: Sequence[FloatArray],
+    points: FloatArray,
+    *,
+    threads: int | None = None,
 ) -> FloatArray:
     """Mandel stress at scattered points by direct superposition of the loaded cells.
+
+    Seen from a point the cells are a lattice, so neighbouring cells share their corners here too.
 
     Parameters
     ----------
@@ -175,14 +168,21 @@ def stress_at_points(
     """
     points = np.asarray(points, dtype=float)
     out = np.zeros((len(COMPONENTS), len(points)))
+    box = Box.around(np.any([traction != 0 for traction in tractions], axis=0))
+    if box is None:
+        return out
+    y, x = grid.y[box.slices[0]], grid.x[box.slices[1]]
     half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
-    for kernel, traction in zip(kernels, tractions, strict=True):
-        rows, columns = np.nonzero(traction)
-        weights = traction[rows, columns]
-        xs, ys = grid.x[columns], grid.y[rows]
-        step = max(1, _CHUNK // max(1, len(weights)))
-        for first in range(0, len(points), step):
-            some = points[first : first + step]
-            values = kernel.at_points(list(COMPONENTS), some[:, :1] - xs, some[:, 1:2] - ys, some[:, 2:3], half_widths)
-            out[:, first : first + step] += values @ weights
+    loads = [np.ascontiguousarray(traction[box.slices][::-1, ::-1]) for traction in tractions]
+
+    def superpose(numbers: range) -> None:
+        for number in numbers:
+            px, py, pz = points[number]
+            for kernel, load in zip(kernels, loads, strict=True):
+                # Offsets (point minus cell) ascend when the cells are taken in descending order.
+                table = kernel.table(list(COMPONENTS), px - x[::-1], py - y[::-1], float(pz), half_widths)
+                out[:, number] += np.einsum("kij,ij->k", table, load)
+
+    workers = threads or available_threads()
+    in_parallel(workers, [partial(superpose, range(k, len(points), workers)) for k in range(workers)])
     return out
