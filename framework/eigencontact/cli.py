@@ -93,7 +93,7 @@ def _report(name: str, result: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from eigencontact.listing import readable
+    from eigencontact.core.units import readable
 
     console, summary = Console(highlight=False), result.summary
     numbers = Table.grid(padding=(0, 2))

@@ -9,23 +9,7 @@ from eigencontact.core.quantities import Unit
 from eigencontact.errors import PluginError, nearest
 from eigencontact.hooks.registry import Entry, Registry
 
-__all__ = ["gallery_data", "plugin_data", "plugin_text", "readable"]
-
-
-def readable(value: float, unit: str) -> str:
-    """Return a number with an engineering prefix.
-
-    Examples
-    --------
-    >>> readable(6.05e-6, "m"), readable(8.47e9, "Pa"), readable(1.15e-10, "m^2")
-    ('6.05 um', '8.47 GPa', '115 um^2')
-    """
-    power = 2 if unit.endswith("^2") else 1
-    for exponent, prefix in ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "u"), (-9, "n")):
-        scaled = value / 10.0 ** (exponent * power)
-        if abs(scaled) >= 1.0 and not (unit.startswith("m") and exponent > 3):
-            return f"{scaled:.5g} {prefix}{unit}"
-    return f"{value:.4g} {unit}"
+__all__ = ["gallery_data", "plugin_data", "plugin_text"]
 
 
 def gallery_data() -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from eigencontact.errors import nearest
 
-__all__ = ["parse_quantity"]
+__all__ = ["parse_quantity", "readable"]
 
 
 @cache
@@ -72,3 +72,19 @@ def _unknown_unit(problem: Any, symbol: str) -> str:
 #: Units that a misspelt one is compared with.
 _SPELLINGS = {"m": ("m",), "Pa": ("Pa",), "N": ("N",), "rad": ("rad", "deg"), "N*m": ("N*m", "N*mm")}
 _EXAMPLES = {"m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N*m": "2 N*mm"}
+
+
+def readable(value: float, unit: str) -> str:
+    """Return a number with an engineering prefix.
+
+    Examples
+    --------
+    >>> readable(6.05e-6, "m"), readable(8.47e9, "Pa"), readable(1.15e-10, "m^2")
+    ('6.05 um', '8.47 GPa', '115 um^2')
+    """
+    power = 2 if unit.endswith("^2") else 1
+    for exponent, prefix in ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "u"), (-9, "n")):
+        scaled = value / 10.0 ** (exponent * power)
+        if abs(scaled) >= 1.0 and not (unit.startswith("m") and exponent > 3):
+            return f"{scaled:.5g} {prefix}{unit}"
+    return f"{value:.4g} {unit}"

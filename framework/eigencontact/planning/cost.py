@@ -122,7 +122,7 @@ def stress_cost(
     outputs = kernels * depths
     values = outputs * y.targets * x.targets * 8.0
     workers = min(threads or available_threads(), max(1, depths))
-    once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 2e-8 + 5e-5)
+    once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 1e-8 + 5e-5)
     share = 0.2 + 0.2 * min(1.0, 2.0 * y.targets / y.length)  # the forward transform serves all outputs
     step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 5e-5 + 1e-8 * values
     memory = outputs * stored * real + 4.0 * values + workers * lattice * 8.0 * 3 * kernels

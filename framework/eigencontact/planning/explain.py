@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eigencontact.core.units import readable
+
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
@@ -19,8 +21,8 @@ def explain(plan: Plan) -> str:
     lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
     lines += [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
-        f"grid        {grid.nx} x {grid.ny} cells of {grid.dx:.4g} m x {grid.dy:.4g} m; {plan.grid_reason}",
-        f"window      {width:.4g} m x {height:.4g} m",
+        f"grid        {grid.nx} x {grid.ny} cells of {readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}; {plan.grid_reason}",
+        f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {numerics.boundary}, {numerics.precision} precision, tolerance {numerics.tolerance:g}",
         f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",
         "",
@@ -104,7 +106,7 @@ def _body(plan: Plan, index: int) -> str:
     body = plan.bodies[index]
     if body is None:
         return f"body {index + 1} rigid"
-    return f"body {index + 1} elastic, E = {body.young_modulus:.4g} Pa, ν = {body.poisson_ratio:g}"
+    return f"body {index + 1} elastic, E = {readable(body.young_modulus, 'Pa')}, ν = {body.poisson_ratio:g}"
 
 
 def _bytes(value: float) -> str:
