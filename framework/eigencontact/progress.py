@@ -7,8 +7,8 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
-    from eigencontact.results.records import StepRecord
     from eigencontact.execution.history import LoadPoint
+    from eigencontact.results.records import StepRecord
 
 __all__ = ["ProgressBars"]
 

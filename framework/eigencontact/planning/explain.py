@@ -18,10 +18,11 @@ def explain(plan: Plan) -> str:
 
     scene, grid, numerics = plan.scene, plan.grid, plan.scene.numerics
     width, height = grid.size
+    pitch = f"{readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"
     lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
     lines += [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
-        f"grid        {grid.nx} x {grid.ny} cells of {readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}; {plan.grid_reason}",
+        f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {numerics.boundary}, {numerics.precision} precision, tolerance {numerics.tolerance:g}",
         f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",

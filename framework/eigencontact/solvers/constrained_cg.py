@@ -90,12 +90,15 @@ def solve_box(
     modes, dtype = problem.modes, pressure.dtype
     p = modes.carry(pressure, problem.forces) if len(modes) else pressure.copy()
     c = loaded.astype(dtype)
+    if not modes.carries(p, problem.forces):  # these cells cannot: start with all of the box
+        p, c = modes.carry(np.ones_like(p), problem.forces), np.ones_like(p)
     g = problem.apply(p)
     deflection = float((g * c).max())
     g += problem.separation
     direction = r_old = np.zeros_like(p)
     slope_old = 0.0
     work = np.empty_like(p)
+    careful = False
     state = BoxState(p, np.zeros(len(modes)), np.inf)
     for _ in range(max_iterations):
         state.pressure = p
@@ -104,12 +107,13 @@ def solve_box(
         r = outside * c
         outside -= r
         overlap = float(outside.max())
-        state.residual = _relative(max(float(r.max()), -float(r.min()), overlap), deflection)
+        inside = max(float(r.max()), -float(r.min()))
+        state.residual = _relative(max(inside, overlap), deflection)
         on_iteration(state.residual)
         if state.residual <= tolerance:
             break
-        if overlap > 0:  # take in the cells that overlap
-            taken = outside > 0
+        if overlap > (10 * inside if careful else 0):  # take in the cells that overlap
+            taken = outside >= overlap if careful else outside > 0
             c[taken] = 1
             np.copyto(r, outside, where=taken)
             modes.remove(r, c)
@@ -133,10 +137,20 @@ def solve_box(
         step = dtype.type(dot(r, direction) / curvature)
         p = p + np.multiply(direction, step, out=work)
         if float(p.min()) < 0:  # release the cells that pull; the gap is then computed anew
+            pulls = p < 0
             np.maximum(p, 0, out=p)
-            c = (p > 0).astype(dtype)
             if len(modes):
                 p = modes.carry(p, problem.forces)
+            if not modes.carries(p, problem.forces):
+                # Too few cells are left for the moments: go only to the first that would pull, and release that one.
+                careful = True
+                room = np.where(pulls, state.pressure / np.where(pulls, -direction, 1), np.inf)
+                p = np.maximum(state.pressure + room.min() * direction, 0)
+                first = room <= room.min()
+                p[first] = c[first] = 0
+                slope_old = 0.0
+            else:
+                c = (p > 0).astype(dtype)
             g = problem.apply(p)
             deflection = float(np.multiply(g, c, out=work).max())
             g += problem.separation

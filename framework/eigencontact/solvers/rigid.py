@@ -90,3 +90,11 @@ class RigidModes:
             change = np.linalg.lstsq(self.gram(pressure), error, rcond=1e-13)[0]
             pressure = pressure * np.maximum(1.0 + self.combine(change, float), 0.1).astype(pressure.dtype)
         return pressure
+
+    def carries(self, pressure: Array, forces: Array) -> bool:
+        """Whether a pressure carries the forces to round-off of its precision; a load alone always can be."""
+        if self._only_uniform or not self.fields:
+            return True
+        error = np.abs(self.project(pressure) - forces)
+        size = np.array([float(np.sum(np.abs(mode) * pressure)) for mode in self.fields])
+        return bool(np.all(error <= 100.0 * np.finfo(pressure.dtype).eps * np.maximum(size, np.abs(forces))))
