@@ -97,7 +97,8 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         axes.set_xlim(length(h[[0, -1]]))
         axes.set_ylim(length(v[[-1, 0]] if vertical == "z" else v[[0, -1]]))
         label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")
-        title = heading(dataset, step, _WORDS[field])
+        bodies = {region_["body"] for region_ in json.loads(dataset.attrs["regions"]).values()}
+        title = heading(dataset, step, _WORDS[field] + (f" in body {described['body']}" if len(bodies) > 1 else ""))
         axes.set_title("\n".join([title, *(f"at {place(axis, value)}" for axis, value in cut.items())]))
         if filled is None:
             axes.text(0.5, 0.5, "no stress", transform=axes.transAxes, ha="center", va="center", color="0.4")
