@@ -154,6 +154,8 @@ def run(
         Replace results of another scene in `folder`.
     watcher : Watcher, optional
         Told of the course, for progress bars.
+    registry : Registry, optional
+        Plugins to use; by default all that are installed.
 
     Raises
     ------
@@ -164,8 +166,8 @@ def run(
     Examples
     --------
     >>> result = run(load_scene("hertz", ["stress=[]", "grid.cells-per-contact-radius=20"]))
-    >>> f"{1e6 * result.summary['contact_radius']:.2f} um"
-    '6.05 um'
+    >>> f"{1e-9 * result.summary['max_pressure']:.2f} GPa"
+    '8.46 GPa'
     """
     from eigencontact.planning.plan import Plan
 
@@ -424,7 +426,7 @@ def rectangle_field(
     --------
     >>> u = rectangle_field((0, 0, 1e6), (1e-6, 1e-6), [[0, 0, 0]], young_modulus=210e9, poisson_ratio=0.3)
     >>> f"{u[0, 2]:.6e}"
-    '9.727160e-12'
+    '9.725731e-12'
     """
     from eigencontact.core.material import Material
     from eigencontact.core.tensors import to_matrix

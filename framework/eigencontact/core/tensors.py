@@ -73,7 +73,7 @@ def von_mises(stress: ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> float(von_mises([2.0, 0, 0, 0, 0, 0]))
+    >>> round(float(von_mises([2.0, 0, 0, 0, 0, 0])), 12)
     2.0
     """
     return np.asarray(np.sqrt(1.5) * deviatoric_norm(stress))

@@ -138,9 +138,12 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
 
 
 def _first_window(separation: Any, normal: PairCoefficients, control: Control) -> float:
-    """Side of a square window in which load and separation balance, by order of magnitude [m]."""
-    for exponent in range(-40, 16):
-        side = 2.0**exponent
+    """Side of a square window in which load and separation balance [m].
+
+    Found to round-off, so that a scene scaled in length gets the same grid scaled.
+    """
+
+    def rises(side: float) -> bool:
         ring = np.array([0.5, -0.5, 0.0, 0.0]) * side
         h = separation(ring, ring[::-1].copy())
         if control.normal_load is not None:
@@ -149,9 +152,17 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
             )
         else:
             lift = abs(control.approach or 0.0)
-        if float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0]) > lift > 0:
-            return 2.0 * side
-    return 1.0
+        rise = float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0])
+        return rise > float(lift) > 0.0
+
+    low = next((2.0**exponent for exponent in range(-41, 15) if rises(2.0 ** (exponent + 1))), None)
+    if low is None:
+        return 1.0
+    high = 2.0 * low
+    while high - low > 1e-14 * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if rises(middle) else (middle, high)
+    return 2.0 * high
 
 
 def _largest_contact(

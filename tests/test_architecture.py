@@ -1,0 +1,110 @@
+"""The layers of the house, kept by import-linter; and what a wheel holds."""
+
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+PACKAGES = {
+    "framework/eigencontact": "eigencontact",
+    "plugins/eigencontact_plugins": "eigencontact_plugins",
+    "verification/eigencontact_verification": "eigencontact_verification",
+}
+
+# (file, a line planted in it, the contract that must notice)
+FORBIDDEN = [
+    ("eigencontact/core/grid.py", "import eigencontact.solvers.normal", "layers of the framework"),
+    ("eigencontact/scene/loader.py", "import eigencontact.planning.plan", "layers of the framework"),
+    ("eigencontact/convolution/layout.py", "import eigencontact_plugins", "verification > plugins > framework"),
+    ("eigencontact_plugins/probe.py", "import eigencontact.core.grid", "plugins see only eigencontact.plugin"),
+    ("eigencontact_verification/oracles/hertz.py", "import eigencontact_plugins.probe", "oracles share no code"),
+    ("eigencontact/planning/plan.py", "import pluggy", "pluggy only in hooks"),
+    ("eigencontact/execution/driver.py", "import matplotlib", "plotting libraries only in viz"),
+]
+
+
+def lint(folder):
+    """Run import-linter in `folder`, on the packages that lie in it."""
+    code = "import sys; from importlinter.cli import lint_imports_command; sys.exit(lint_imports_command())"
+    return subprocess.run(
+        [sys.executable, "-c", code, "--no-cache", "--config", str(folder / "pyproject.toml")],
+        cwd=folder,
+        env={"PYTHONPATH": str(folder), "PATH": "", "COLUMNS": "200"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+
+
+@pytest.fixture
+def house(root, tmp_path):
+    """Copy of the three packages and the contracts."""
+    for folder, name in PACKAGES.items():
+        shutil.copytree(root / folder, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(root / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def test_the_contracts_are_kept(house):
+    done = lint(house)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"Contracts: \d+ kept, 0 broken", done.stdout)
+
+
+def test_forbidden_imports_are_caught(house):
+    """All planted at once: each contract names the file it was planted in."""
+    for file, line, _ in FORBIDDEN:
+        path = house / file
+        path.write_text(path.read_text(encoding="utf-8") + f"\n{line}\n", encoding="utf-8")
+    done = lint(house)
+    assert done.returncode != 0
+    assert "0 kept" in done.stdout
+    broken = done.stdout[done.stdout.index("Broken contracts") :]
+    for file, line, contract in FORBIDDEN:
+        importer, imported = file.removesuffix(".py").replace("/", "."), line.split()[-1]
+        assert any(contract in part for part in broken.splitlines())
+        assert f"{importer} -> {imported}" in broken, f"{contract}: {importer}"
+
+
+def test_every_package_declares_its_types(root):
+    for folder in PACKAGES:
+        assert (root / folder / "py.typed").is_file()
+
+
+def test_the_framework_names_no_installed_plugin(root):
+    """No concrete physics in the framework: it mentions no module of eigencontact_plugins."""
+    for path in (root / "framework").rglob("*.py"):
+        assert "eigencontact_plugins" not in path.read_text(encoding="utf-8"), path
+
+
+@pytest.mark.slow
+def test_a_wheel_holds_three_packages_and_their_data(root, tmp_path):
+    source = tmp_path / "source"
+    source.mkdir()
+    for name in ("framework", "plugins", "verification"):
+        shutil.copytree(root / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(root / name, source)
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", str(tmp_path / "wheels"), str(source)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    (wheel,) = (tmp_path / "wheels").glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+    tops = {name.split("/")[0] for name in names}
+    (info,) = {top for top in tops if top.endswith(".dist-info")}
+    assert tops - {info} == {"eigencontact", "eigencontact_plugins", "eigencontact_verification"}
+    assert {f"{package}/py.typed" for package in PACKAGES.values()} <= names
+    for path in (root / "framework/eigencontact/gallery").iterdir():
+        assert f"eigencontact/gallery/{path.name}" in names
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert f"{info}/entry_points.txt" in names

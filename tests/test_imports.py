@@ -1,0 +1,69 @@
+"""What importing costs: the package itself stays light, and a run loads only what its scene needs."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+#: Never loaded by ``import eigencontact``.
+HEAVY = {"vtk", "pyvista", "matplotlib", "skfem", "meshio", "scipy", "numpy", "xarray", "h5netcdf", "h5py", "pydantic"}
+
+
+def fresh(code):
+    """Standard output of a fresh interpreter."""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def loaded(code):
+    """Modules in memory after `code`."""
+    return set(json.loads(fresh(f"{code}\nimport json, sys; print(json.dumps(sorted(sys.modules)))").splitlines()[-1]))
+
+
+def test_the_package_loads_nothing_heavy():
+    modules = loaded("import eigencontact")
+    assert not modules & HEAVY
+    assert {name for name in modules if name.startswith("eigencontact")} == {"eigencontact"}
+
+
+@pytest.mark.parametrize("name", ["rectangle_field", "make", "load_scene", "plan", "run", "open_results"])
+def test_public_names_load_no_drawing_and_no_finite_elements(name):
+    modules = loaded(f"import eigencontact; eigencontact.{name}")
+    assert not modules & {"vtk", "pyvista", "matplotlib", "skfem", "scipy.sparse", "meshio", "xarray"}
+
+
+def test_the_import_takes_less_than_300_ms():
+    code = "from time import perf_counter as now; began = now(); import eigencontact; print(now() - began)"
+    times = [float(fresh(code)) for _ in range(5)]
+    assert min(times) < 0.3
+
+
+def test_the_command_line_starts_without_numpy():
+    assert not loaded("import eigencontact.cli") & HEAVY
+
+
+QUICK = """
+import eigencontact as ec
+scene = ec.load_scene("hertz", ["stress={stress}", "grid.cells-per-contact-radius=8", "output.vtk=false"])
+ec.run(scene)
+"""
+
+
+def test_a_run_without_stress_loads_nothing_about_stress():
+    modules = loaded(QUICK.format(stress="[]"))
+    assert "eigencontact.solvers.normal" in modules
+    assert "eigencontact.solvers.subsurface" not in modules
+    assert not modules & {"vtk", "pyvista", "matplotlib", "skfem", "meshio"}
+
+
+def test_a_run_with_stress_loads_it():
+    """The test above can fail: the module has this name, and is loaded where it is needed."""
+    request = "[{shape='plane', normal='z', position=1e-6}]"
+    assert "eigencontact.solvers.subsurface" in loaded(QUICK.format(stress=request))
+
+
+def test_plugins_are_listed_without_scipy():
+    modules = loaded("from eigencontact.app import installed_plugins; installed_plugins()")
+    assert not modules & {"scipy", "matplotlib", "vtk", "pyvista", "skfem", "xarray"}
