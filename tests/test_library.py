@@ -80,7 +80,7 @@ def test_public_names_survive_the_import_of_every_module():
 
 
 def test_an_unknown_public_name():
-    with pytest.raises(AttributeError, match=r"module 'eigencontact' has no attribute 'runn'; public names: Eigen"):
+    with pytest.raises(AttributeError, match=r"module 'eigencontact' has no attribute 'runn'"):
         _ = ec.runn
     assert set(dir(ec)) == set(ec.__all__)
 
@@ -148,7 +148,7 @@ def eigencontact_register_observers():
 
 def test_make_tells_kinds_apart(install):
     install(TWO_KINDS)
-    with pytest.raises(ec.EigencontactError, match=r"'wave' must be told apart by kind .*'geometry', 'observer'.*kind="):
+    with pytest.raises(ec.EigencontactError, match=r"'wave' must be told apart by kind .*'geometry'.*give kind="):
         ec.make("wave", length="1 um")
     assert ec.make("wave", kind="geometry", length="1 um").kind == "geometry"
     assert ec.make("wave", length="1 um", count=3).kind == "observer"  # only one of them knows count

@@ -207,9 +207,13 @@ def _run_in(
     last: StepRecord | None = store.load_step(accepted[-1]) if accepted else None
     predicted = resident_bytes() + planned.cost.memory
     solving = perf_counter()
-    for record in drive(planned, watcher=watcher, done=done):
-        store.write_step(record)
-        last = record
+    try:
+        for record in drive(planned, watcher=watcher, done=done):
+            store.write_step(record)
+            last = record
+    except BaseException:
+        store.abandon()
+        raise
     solving = perf_counter() - solving
     peak = peak_bytes()
     assert last is not None

@@ -38,7 +38,8 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of 
 
 
 def _fail(problem: EigencontactError) -> NoReturn:
-    typer.echo(f"eigencontact: {problem}", err=True)
+    words = "; ".join(line.strip() for line in str(problem).splitlines() if line.strip())
+    typer.echo(f"eigencontact: {words}", err=True)
     raise typer.Exit(problem.exit_code)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
-from eigencontact.errors import PluginError
+from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.planning.blocks import Block
 from eigencontact.planning.kernels import PairCoefficients, StressCoefficients
 from eigencontact.planning.plan import Plan
@@ -20,7 +20,7 @@ from eigencontact.plugin import HasReferencePressure, StepView
 from eigencontact.results.records import RegionRecord
 from eigencontact.scene.schema import StressRequest
 from eigencontact.solvers.control import Control
-from eigencontact.solvers.normal import NormalOptions, solve_normal
+from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.report import Progress
 
 __all__ = ["Runner", "State", "build_runner"]
@@ -65,9 +65,8 @@ class _Separation:
 class _NormalContact:
     def __init__(self, plan: Plan, _block: Block) -> None:
         self._grid = plan.grid
-        self._coefficients = PairCoefficients(plan.influences["p"], plan.bodies, "z")
         numerics = plan.scene.numerics
-        self._options = NormalOptions(
+        options = NormalOptions(
             tolerance=numerics.tolerance,
             max_iterations=numerics.max_iterations,
             precision=numerics.precision,
@@ -75,16 +74,11 @@ class _NormalContact:
             periodic=numerics.boundary == "periodic",
             allow_contact_at_edge=numerics.allow_contact_at_edge,
         )
+        coefficients = PairCoefficients(plan.influences["p"], plan.bodies, "z")
+        self._solver = NormalSolver(plan.grid, coefficients, options)
 
     def __call__(self, state: State) -> None:
-        solution = solve_normal(
-            self._grid,
-            state.fields["separation"],
-            self._coefficients,
-            state.control,
-            self._options,
-            progress=state.progress,
-        )
+        solution = self._solver.solve(state.fields["separation"], state.control, progress=state.progress)
         state.fields["pressure"] = solution.pressure
         state.fields["gap"] = solution.gap
         state.fields["displacement_z"] = solution.displacement
@@ -272,10 +266,12 @@ class _Observer:
         try:
             numbers = self._observer.observe(step)
             state.observed |= {f"{self._prefix}_{name}": float(value) for name, value in numbers.items()}
-        except PluginError:
+        except EigencontactError:
             raise
-        except (TypeError, AttributeError) as problem:
-            raise PluginError(f"observer {self._name!r} must return named numbers ({problem})") from problem
+        except Exception as problem:
+            raise PluginError(
+                f"observer {self._name!r} must return named numbers (got {type(problem).__name__}: {problem})"
+            ) from problem
 
 
 _BUILDERS: dict[str, Callable[[Plan, Block], Runner]] = {

@@ -43,7 +43,7 @@ def load_plugins(
         version = point.dist.version if point.dist else ""
         try:
             _register(registry, manager, point.load(), point.name, package, version)
-        except Exception as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
+        except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
             registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), _reason(problem)))
     for module in extra:
         _register(registry, manager, module, module.__name__, module.__name__, getattr(module, "__version__", ""))
@@ -65,7 +65,7 @@ def _register(
                 if implementation.plugin is module:
                     found += [(kind, component) for component in implementation.function()]
         _require_some(found)
-        trial = Registry(registry.kinds)
+        trial = registry.copy()
         for kind, component in found:
             trial.add(kind, component, package=package, version=version)
         for kind, component in found:
@@ -81,5 +81,5 @@ def _require_some(found: list[tuple[str, type]]) -> None:
 
 
 def _reason(problem: BaseException) -> str:
-    text = str(problem).splitlines()
-    return f"{type(problem).__name__}: {text[0] if text else '(no message)'}"
+    text = "; ".join(line.strip() for line in str(problem).splitlines() if line.strip())
+    return f"{type(problem).__name__}: {text or '(no message)'}"

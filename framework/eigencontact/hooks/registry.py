@@ -62,7 +62,7 @@ class Registry:
         if inspect.isabstract(component):
             missing = ", ".join(sorted(getattr(component, "__abstractmethods__", ())))
             raise PluginError(f"{name} must implement {missing}")
-        if not is_dataclass(component):
+        if not is_dataclass(component) or not component.__dataclass_params__.frozen:  # type: ignore[attr-defined]
             raise PluginError(f"{name} must be a frozen dataclass: its fields are its scene table")
         key = getattr(component, "key", None)
         if not (isinstance(key, str) and key):
@@ -71,6 +71,10 @@ class Registry:
         if known is not None and known.component is not component:
             raise PluginError(f"{kind} {key!r} is already registered by {known.origin}; choose another key")
         self._entries[kind, key] = Entry(kind, key, component, package, version)
+
+    def copy(self) -> Registry:
+        """Return a registry with the same entries, to try an addition on."""
+        return Registry(self.kinds, list(self.broken), dict(self._entries))
 
     def __iter__(self) -> Iterator[Entry]:
         return iter(sorted(self._entries.values(), key=lambda entry: (entry.kind, entry.key)))

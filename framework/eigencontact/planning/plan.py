@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
+from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import Block, Cost
 from eigencontact.planning.kernels import KernelUse
@@ -117,5 +118,13 @@ def sum_separations(geometries: Sequence[Geometry], x: FloatArray, y: FloatArray
     shape = np.broadcast_shapes(x.shape, y.shape)
     total = np.zeros(shape)
     for geometry in geometries:
-        total += geometry.separation(x, y)
+        try:
+            total += geometry.separation(x, y)
+        except EigencontactError:
+            raise
+        except Exception as problem:
+            raise PluginError(
+                f"geometry {geometry.key!r} must return numbers that broadcast to shape {shape} "
+                f"(got {type(problem).__name__}: {problem})"
+            ) from problem
     return total
