@@ -14,6 +14,9 @@ __all__ = ["BoxOperator", "Coefficients", "Compliance"]
 
 FloatArray = NDArray[np.float64]
 
+# Operators kept for each grid: the box of the iteration and the check on the whole window, now and one box ago.
+_KEPT = 4
+
 
 class Coefficients(Protocol):
     """Influence coefficients of one response to one traction; both even in x and y for the normal problem."""
@@ -74,14 +77,15 @@ class Compliance:
         self._table = np.empty((0, 0))
         self._whole: Spectrum | None = None
         self.unit = 1.0
-        self.convolvers: list[Convolver] = []
+        self._operators: dict[tuple[Box, Box], BoxOperator] = {}
+        self._retired = 0
         if periodic:
             self._sample_periodic()
 
     @property
     def convolutions(self) -> int:
         """Convolutions done on this grid so far."""
-        return sum(convolver.count for convolver in self.convolvers)
+        return self._retired + sum(operator.convolutions for operator in self._operators.values())
 
     def table(self, ny: int, nx: int) -> FloatArray:
         """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, in units of ``unit``."""
@@ -100,7 +104,14 @@ class Compliance:
         return self._table[:ny, :nx]
 
     def between(self, source: Box, target: Box) -> BoxOperator:
-        """Operator from the pressure on one box to the displacement on another."""
+        """Operator from the pressure on one box to the displacement on another; the last few are kept."""
+        if (source, target) not in self._operators:
+            if len(self._operators) >= _KEPT:
+                self._retired += self._operators.pop(next(iter(self._operators))).convolutions
+            self._operators[source, target] = self._make(source, target)
+        return self._operators[source, target]
+
+    def _make(self, source: Box, target: Box) -> BoxOperator:
         whole = Box(0, self.grid.ny, 0, self.grid.nx)
         if self._whole is not None and source == target == whole:
             layout = Layout(whole.shape, whole.shape, periodic=True)
@@ -120,9 +131,7 @@ class Compliance:
             self.table(int(y.max()) + 1, int(x.max()) + 1)
 
     def _operator(self, layout: Layout, spectrum: Spectrum) -> BoxOperator:
-        convolver = Convolver(layout, precision=self.precision, threads=self.threads)
-        self.convolvers.append(convolver)
-        return BoxOperator(convolver, spectrum)
+        return BoxOperator(Convolver(layout, precision=self.precision, threads=self.threads), spectrum)
 
     def _sample_periodic(self) -> None:
         """Spectrum of the whole window, and the coefficients of one period from it."""

@@ -17,19 +17,22 @@ from eigencontact.convolution.layout import fast_even
 from eigencontact.core.grid import Box
 from eigencontact.solvers.operator import Compliance
 
-__all__ = ["circulant_inverse"]
+__all__ = ["Preconditioner", "circulant_inverse"]
 
 
-class _Preconditioner:
+class Preconditioner:
+    """Maps a gap residual on a box to a pressure correction, in units of the compliance."""
+
     def __init__(self, convolver: Convolver, spectrum: Spectrum) -> None:
         self._convolver = convolver
         self._spectrum = spectrum
 
     def __call__(self, residual: NDArray[Any]) -> NDArray[Any]:
+        """Apply to a residual that is zero at cells not loaded."""
         return self._convolver.apply(residual, self._spectrum).astype(residual.dtype, copy=False)
 
 
-def circulant_inverse(compliance: Compliance, box: Box) -> _Preconditioner:
+def circulant_inverse(compliance: Compliance, box: Box) -> Preconditioner:
     """Return a function that maps a gap residual on `box` to a pressure correction (in units of the compliance)."""
     from scipy import fft
 
@@ -54,4 +57,4 @@ def circulant_inverse(compliance: Compliance, box: Box) -> _Preconditioner:
     # An approximate inverse needs no more than single precision, whatever the compliance has.
     packed = Spectrum.pack(inverse.T, lengths[0] * lengths[1], 1, imaginary=False, precision="single")
     convolver = Convolver(layout, precision="single", threads=compliance.threads)
-    return _Preconditioner(convolver, packed)
+    return Preconditioner(convolver, packed)

@@ -130,8 +130,7 @@ class SubsurfaceStress:
 
     def covers(self, box: Box) -> bool:
         """Whether tractions on `box` can be handed to `apply`."""
-        s = self._box
-        return s.y0 <= box.y0 and box.y1 <= s.y1 and s.x0 <= box.x0 and box.x1 <= s.x1
+        return self._box.covers(box)
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]."""

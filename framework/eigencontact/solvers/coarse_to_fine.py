@@ -1,0 +1,294 @@
+"""One normal solve: coarse to fine, on the box that can touch, certified on the whole window."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Box, Grid
+from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
+from eigencontact.solvers.constrained_cg import BoxProblem, solve_box
+from eigencontact.solvers.control import Control, mode_field
+from eigencontact.solvers.levels import coarse_factors, prolong, restrict
+from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.report import Certificate, Progress, SolveReport
+from eigencontact.solvers.rigid import RigidModes
+from eigencontact.solvers.solution import NormalSolution
+
+if TYPE_CHECKING:
+    from eigencontact.solvers.normal import NormalSolver
+
+__all__ = ["CoarseToFine", "margin"]
+
+FloatArray = NDArray[np.float64]
+
+# On coarser grids the start need not be better than the error of those grids.
+_COARSE_TOLERANCE = 1e-3
+
+
+class CoarseToFine:
+    """State of one solve."""
+
+    def __init__(
+        self,
+        solver: NormalSolver,
+        separation: FloatArray,
+        control: Control,
+        report: SolveReport,
+        progress: Progress | None,
+    ) -> None:
+        self.solver, self.grid, self.options = solver, solver.grid, solver.options
+        self.separation, self.control, self.report, self.progress = separation, control, report, progress
+        self.free = control.forces()
+
+    def run(self, start: FloatArray | None) -> NormalSolution:
+        """Go down the ladder of grids; with a start, begin on the finest."""
+        fixed = self._without_prescribed(self.grid, self.separation)
+        if self._never_touches(fixed):
+            return self._empty(fixed)
+        if start is not None and np.any(start > 0):
+            return self._finest(fixed, np.array(start, dtype=float))
+        ladder = [(self.grid, fixed, (1, 1))]
+        while (factors := coarse_factors(ladder[-1][0])) is not None:
+            grid, field_, _ = ladder[-1]
+            ladder.append((grid.coarsened(*factors), restrict(field_, factors), factors))
+        pressure: FloatArray | None = None
+        for number in range(len(ladder) - 1, 0, -1):
+            grid, field_, factors = ladder[number]
+            pressure = self._coarse(grid, field_, pressure)
+            pressure = prolong(pressure, factors, ladder[number - 1][0].shape)
+        return self._finest(fixed, pressure)
+
+    def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> FloatArray:
+        """Loose solution on a coarser grid, for a start only."""
+        if 0 not in self.free and fixed.min() >= 0:  # the merged cells do not touch yet
+            return np.zeros(grid.shape)
+        compliance = self.solver.compliance(grid, "single")  # a start needs no more
+        box = self.solver.box(compliance, pressure)
+        p, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
+        return p
+
+    def _finest(self, fixed: FloatArray, pressure: FloatArray | None) -> NormalSolution:
+        """Solve on the whole grid; grow the box while the certificate finds overlap outside it."""
+        options, grid = self.options, self.grid
+        compliance = self.solver.compliance(grid, options.precision)
+        whole = Box(0, grid.ny, 0, grid.nx)
+        box = self.solver.box(compliance, pressure)
+        compliance.reserve(box, whole)
+        tolerance = 0.7 * options.tolerance  # of the iteration, so that the certificate holds with room to spare
+        left = options.max_iterations
+        for _ in range(50):
+            done = self.report.iterations
+            pressure, residual = self._on_box(compliance, fixed, pressure, box, tolerance, left)
+            left -= self.report.iterations - done
+            solution, overlapping = self._certify(compliance, fixed, pressure, box)
+            certificate = solution.report.certificate
+            if certificate is not None and certificate.holds:
+                return self._checked(solution)
+            grown = box if overlapping is None else box.union(overlapping).grown(*margin(box), grid.shape)
+            if grown == box:
+                if residual > tolerance or left <= 0 or tolerance < 0.05 * options.tolerance:
+                    break
+                tolerance *= 0.3  # the updated gap has drifted from the true one: ask for more
+            box = grown
+        raise NotConverged(
+            f"normal contact did not converge in {self.report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
+            f"{self.report.certificate}; raise max-iterations, loosen the tolerance"
+            + (" or use double precision" if options.precision == "single" else ""),
+            self.report,
+        )
+
+    def _without_prescribed(self, grid: Grid, separation: FloatArray) -> FloatArray:
+        """Separation less the prescribed rigid displacements [m]."""
+        out = np.array(separation, dtype=float)
+        for mode, value in self.control.displacements().items():
+            if value:
+                out -= value * mode_field(mode, grid)
+        return out
+
+    def _never_touches(self, fixed: FloatArray) -> bool:
+        if 0 in self.free:
+            return self.free[0] == 0.0
+        if fixed.min() < 0:
+            return False
+        if any(self.free.values()):
+            raise SceneError("a moment must be carried by contact, but at this approach the surfaces do not touch")
+        return True
+
+    def _empty(self, fixed: FloatArray) -> NormalSolution:
+        """Solution without contact: under no load the bodies just touch."""
+        require(not any(self.free.values()), "step", "moment", self.free, "zero where the normal load is zero")
+        approach = float(fixed.min()) if 0 in self.free else float(self.control.approach or 0.0)
+        gap = fixed - approach if 0 in self.free else fixed
+        zero = np.zeros(self.grid.shape)
+        self.report.certificate = Certificate(gap=0.0, penetration=0.0, load=0.0, tolerance=self.options.tolerance)
+        return NormalSolution(
+            pressure=zero,
+            gap=gap,
+            displacement=zero.copy(),
+            approach=approach,
+            tilt_x=float(self.control.tilt_x or 0.0),
+            tilt_y=float(self.control.tilt_y or 0.0),
+            normal_load=0.0,
+            moment_x=0.0,
+            moment_y=0.0,
+            report=self.report,
+        )
+
+    def _on_box(
+        self,
+        compliance: Compliance,
+        fixed: FloatArray,
+        pressure: FloatArray | None,
+        box: Box,
+        tolerance: float,
+        iterations: int,
+    ) -> tuple[FloatArray, float]:
+        """Solve on one box; pressures in Pa on the whole grid in and out."""
+        grid = compliance.grid
+        operator = compliance.between(box, box)
+        unit = compliance.unit
+        here = fixed[box.slices]
+        modes, forces, _ = self._modes(grid, box)
+        dtype = np.float64 if compliance.precision == "double" else np.float32
+        # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
+        length = unit * self.free[0] / grid.cell_area if 0 in self.free else -float(fixed.min())
+        scale = length / unit
+        if pressure is not None and np.any(pressure[box.slices] > 0):
+            p = pressure[box.slices] / scale
+            loaded = p > 0
+        else:
+            p, loaded = self._first(here, grid)
+            p = p / scale
+        problem = BoxProblem(
+            apply=operator,
+            precondition=self.solver.preconditioner(compliance, box),
+            separation=(here / length).astype(dtype),
+            modes=modes,
+            forces=forces / (scale * grid.cell_area),
+        )
+
+        def note(residual: float) -> None:
+            self.report.history.append((grid.nx * grid.ny, residual))
+            if self.progress is not None:
+                self.progress(f"{grid.nx} x {grid.ny} cells", residual, self.options.tolerance)
+
+        state = solve_box(
+            problem,
+            p.astype(dtype),
+            loaded,
+            tolerance=tolerance,
+            max_iterations=max(1, iterations),
+            on_iteration=note,
+        )
+        out = np.zeros(grid.shape)
+        out[box.slices] = state.pressure
+        out *= scale
+        return out, state.residual
+
+    def _modes(self, grid: Grid, box: Box) -> tuple[RigidModes, FloatArray, FloatArray]:
+        """Force-controlled modes on a box scaled to order one, their forces, and the scales."""
+        fields, sizes = [], []
+        for mode in self.free:
+            size = float(np.abs(mode_field(mode, self.grid)).max()) or 1.0
+            fields.append(_cut(mode_field(mode, grid), box) / size)
+            sizes.append(size)
+        return RigidModes(fields), np.array(list(self.free.values())) / np.array(sizes), np.array(sizes)
+
+    def _first(self, here: FloatArray, grid: Grid) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Start from nothing: the lowest cells share the load, or the overlapping cells are loaded with zero."""
+        if 0 not in self.free:
+            return np.zeros(here.shape), here < 0
+        few = len(self.free) == 1
+        loaded = here <= np.quantile(here, 0.25) if few else np.ones(here.shape, dtype=bool)
+        return np.where(loaded, self.free[0] / (grid.cell_area * loaded.sum()), 0.0), loaded
+
+    def _certify(
+        self, compliance: Compliance, fixed: FloatArray, pressure: FloatArray, box: Box
+    ) -> tuple[NormalSolution, Box | None]:
+        """Check the contact conditions on the whole window, with a convolution of its own."""
+        grid, options = self.grid, self.options
+        whole = Box(0, grid.ny, 0, grid.nx)
+        source = whole if options.periodic else box
+        inner = pressure[source.slices]
+        top = float(inner.max()) or 1.0
+        displacement = np.asarray(compliance.between(source, whole)(inner / top), dtype=float)
+        displacement *= top * compliance.unit
+        gap = fixed + displacement
+        loaded = inner > 0
+        weight = loaded.astype(float)
+        modes, _, sizes = self._modes(grid, source)
+        fit = modes.fit(gap[source.slices] * weight, weight) / sizes
+        rigid = {mode: float(value) for mode, value in zip(self.free, fit, strict=True)}
+        for mode, value in rigid.items():
+            gap -= value * mode_field(mode, grid)
+        # Without any pressure the overlap is measured against itself: such a state must never be certified.
+        deflection = float((displacement[source.slices] * weight).max()) or max(0.0, -float(gap.min())) or inf
+        near = gap[source.slices]
+        inside = float(np.abs(near * weight).max()) / deflection
+        overlap = max(0.0, -_least_outside(gap, source), -float((near * (1.0 - weight)).min())) / deflection
+        every = RigidModes([_cut(mode_field(mode, grid), source) for mode in range(3)])
+        forces = [float(force) * grid.cell_area for force in every.project(inner)]
+        self.report.certificate = Certificate(
+            gap=inside, penetration=overlap, load=self._load_error(forces), tolerance=options.tolerance
+        )
+        rigid |= self.control.displacements()
+        solution = NormalSolution(
+            pressure=pressure,
+            gap=gap,
+            displacement=displacement,
+            approach=rigid[0],
+            tilt_x=rigid[1],
+            tilt_y=rigid[2],
+            normal_load=forces[0],
+            moment_x=forces[1],
+            moment_y=forces[2],
+            report=self.report,
+        )
+        over = None
+        if overlap > options.tolerance:
+            over = Box.around((pressure == 0) & (gap < -options.tolerance * deflection))
+        return solution, over
+
+    def _load_error(self, forces: list[float]) -> float:
+        """Largest relative error of the prescribed forces; moments relative to the load at half the window."""
+        load = abs(self.free.get(0, forces[0]))
+        arm = 0.5 * max(self.grid.size)
+        errors = [abs(forces[m] - value) / (load * (arm if m else 1.0)) for m, value in self.free.items() if load > 0]
+        return max(errors, default=0.0)
+
+    def _checked(self, solution: NormalSolution) -> NormalSolution:
+        """Refuse contact at the edge of the window, which the window may have cut."""
+        if self.options.periodic or self.options.allow_contact_at_edge:
+            return solution
+        p = solution.pressure
+        sides = {"x": p[:, [0, -1]], "y": p[[0, -1]]}
+        touched = [name for name, edge in sides.items() if np.any(edge > 0)]
+        if touched:
+            width, height = self.grid.size
+            raise DomainTooSmall(
+                f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
+                f"is {width:.4g} m x {height:.4g} m); enlarge grid size, lower the load, or set "
+                "numerics.allow-contact-at-edge = true if the bodies end there"
+            )
+        return solution
+
+
+def margin(box: Box) -> tuple[int, int]:
+    """Rows and columns around a loaded box into which the contact may still spread."""
+    return tuple(max(2, -(-n // 64)) for n in box.shape)  # type: ignore[return-value]
+
+
+def _cut(field: FloatArray, box: Box) -> FloatArray:
+    """Part of a broadcastable field that belongs to a box."""
+    rows, columns = box.slices
+    return field[rows if field.shape[0] > 1 else slice(None), columns if field.shape[1] > 1 else slice(None)]
+
+
+def _least_outside(field: FloatArray, box: Box) -> float:
+    """Smallest value of a field outside a box; infinity where there is nothing outside."""
+    strips = (field[: box.y0], field[box.y1 :], field[box.y0 : box.y1, : box.x0], field[box.y0 : box.y1, box.x1 :])
+    return min((float(strip.min()) for strip in strips if strip.size), default=inf)

@@ -1,0 +1,70 @@
+"""What a normal contact is asked with, and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.solvers.report import SolveReport
+
+__all__ = ["NormalOptions", "NormalSolution"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalOptions:
+    """How to solve; what to solve is the other arguments of `solve_normal`.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound on each residual of the `Certificate` [-].
+    max_iterations : int
+        Iterations allowed on the finest grid.
+    precision : {"double", "single"}
+        Arithmetic of the iteration. Single reaches tolerances down to about 1e-5.
+    threads : int, optional
+        Cores; all by default.
+    periodic : bool
+        The window repeats in x and y.
+    allow_contact_at_edge : bool
+        Accept contact that reaches the edge of the window.
+    """
+
+    tolerance: float = 1e-6
+    max_iterations: int = 500
+    precision: str = "double"
+    threads: int | None = None
+    periodic: bool = False
+    allow_contact_at_edge: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalSolution:
+    """A converged normal contact.
+
+    Attributes
+    ----------
+    pressure, gap, displacement : (ny, nx) float64
+        p [Pa], g [m] (zero to tolerance at loaded cells) and u_z [m], both bodies summed.
+    approach, tilt_x, tilt_y : float
+        δ [m], φx, φy [rad].
+    normal_load, moment_x, moment_y : float
+        P [N], Mx, My [N m], of the pressure.
+    report : SolveReport
+        Certificate, history, counts, time.
+    """
+
+    pressure: FloatArray
+    gap: FloatArray
+    displacement: FloatArray
+    approach: float
+    tilt_x: float
+    tilt_y: float
+    normal_load: float
+    moment_x: float
+    moment_y: float
+    report: SolveReport
