@@ -1,0 +1,138 @@
+"""A run that dies between or within load steps, by kill -9 or Ctrl-C, continues and gives the same numbers."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+
+#: An observer that sends its own process a signal in one step, where the environment says so.
+FATAL = '''
+import os
+from dataclasses import dataclass
+from typing import ClassVar
+from eigencontact.plugin import Observer, hookimpl
+
+@dataclass(frozen=True, kw_only=True)
+class Fatal(Observer):
+    """Ends the process in the step named by the environment."""
+    key: ClassVar[str] = "fatal"
+    def observe(self, step):
+        if str(step.index) == os.environ.get("FATAL_STEP"):
+            os.kill(os.getpid(), int(os.environ["FATAL_SIGNAL"]))
+        return {"peak": step.fields["pressure"].max()}
+
+@hookimpl
+def eigencontact_register_observers():
+    return [Fatal]
+'''
+#: Two ramps with different controls: the second starts from what the first ended with, stored or not.
+SCENE = """
+[[observers]]
+type = "fatal"
+
+[[stress]]
+shape = "plane"
+normal = "z"
+position = "2 um"
+name = "plane"
+"""
+LOAD = """
+approach = "0.2 um"
+increments = 2
+
+[[steps]]
+normal-load = "0.6 N"
+increments = 3
+"""
+
+
+@pytest.fixture
+def scene(scene_file, install):
+    site = install(FATAL)
+    path = scene_file(SCENE, load=LOAD)
+    path.write_text(path.read_text(encoding="utf-8").replace("[steps]\n", "[[steps]]\n"), encoding="utf-8")
+    return site, path
+
+
+def run(scene, folder, *arguments, step=0, number=0):
+    """Run in a process of its own, which gets a signal in a step."""
+    site, path = scene
+    environment = os.environ | {"PYTHONPATH": str(site), "FATAL_STEP": str(step), "FATAL_SIGNAL": str(int(number))}
+    return subprocess.run(
+        [sys.executable, "-m", "eigencontact.cli", "run", str(path), "-o", str(folder), "-q", *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+def same(one, other):
+    """All numbers of two results but the times: contact to the last bit, stress to round-off.
+
+    The stress operator is made for the first contact it meets, with transforms of that size.
+    """
+    with ec.open_results(one) as a, ec.open_results(other) as b:
+        assert set(a.variables) == set(b.variables)
+        for name in set(a.variables) - {"solve_seconds"}:
+            first, second = a[name].values, b[name].values
+            if "plane" in name or "von_mises" in name:
+                np.testing.assert_allclose(first, second, rtol=0, atol=1e-12 * np.abs(second).max(), err_msg=name)
+            else:
+                np.testing.assert_array_equal(first, second, err_msg=name)
+        assert a.attrs["scene_hash"] == b.attrs["scene_hash"]
+        assert a.sizes["step"] == 5
+
+
+@pytest.mark.parametrize("step", [1, 2, 4])
+def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path):
+    killed = run(scene, tmp_path / "killed", step=step, number=signal.SIGKILL)
+    assert killed.returncode == -signal.SIGKILL
+    stored = sorted(path.name for path in (tmp_path / "killed" / "steps").glob("*.h5"))
+    assert stored == [f"{index:04d}.h5" for index in range(1, step)]
+    with pytest.raises(ec.EigencontactError, match=rf"an interrupted run with {step - 1} stored steps.*--resume"):
+        ec.open_results(tmp_path / "killed")
+    if stored:
+        before = (tmp_path / "killed" / "steps" / "0001.h5").stat().st_mtime_ns
+        again = run(scene, tmp_path / "killed")
+        assert again.returncode == 5
+        assert "--resume continues it" in again.stderr
+        assert (tmp_path / "killed" / "steps" / "0001.h5").stat().st_mtime_ns == before
+    resumed = run(scene, tmp_path / "killed", "--resume")
+    assert (resumed.returncode, resumed.stderr) == (0, "")
+    assert not (tmp_path / "killed" / "steps").exists()
+    whole = run(scene, tmp_path / "whole")
+    assert (whole.returncode, whole.stderr) == (0, "")
+    same(tmp_path / "killed", tmp_path / "whole")
+
+
+def test_ctrl_c_returns_130_and_keeps_the_accepted_steps(scene, tmp_path):
+    stopped = run(scene, tmp_path / "out", step=3, number=signal.SIGINT)
+    assert stopped.returncode == 130
+    assert stopped.stdout == ""
+    assert stopped.stderr == "eigencontact: interrupted; accepted steps are kept, continue with --resume\n"
+    assert len(list((tmp_path / "out" / "steps").glob("*.h5"))) == 2
+    assert run(scene, tmp_path / "out", "--resume").returncode == 0
+    assert run(scene, tmp_path / "whole").returncode == 0
+    same(tmp_path / "out", tmp_path / "whole")
+
+
+def test_plot_of_an_interrupted_run_says_so(scene, tmp_path, command):
+    run(scene, tmp_path / "out", step=3, number=signal.SIGKILL)
+    outcome = command("plot", tmp_path / "out")
+    assert outcome.code == 5
+    assert "(got an interrupted run with 2 stored steps); continue it with --resume" in outcome.err
+
+
+def test_a_changed_scene_does_not_continue(scene, tmp_path):
+    run(scene, tmp_path / "out", step=3, number=signal.SIGKILL)
+    outcome = run(scene, tmp_path / "out", "--resume", "--set", "body1.poisson-ratio=0.29")
+    assert outcome.returncode == 5
+    assert "--resume continues the same scene only" in outcome.stderr
+    assert run(scene, tmp_path / "out", "--overwrite", "--set", "body1.poisson-ratio=0.29").returncode == 0
