@@ -46,19 +46,22 @@ class RigidModes:
         """Sums of each mode times a field, (m,)."""
         if self._only_uniform:
             return np.array([float(np.sum(field, dtype=float)) * float(self.fields[0][0, 0])])
-        rows, columns = np.sum(field, axis=1, dtype=float), np.sum(field, axis=0, dtype=float)
-        whole = float(rows.sum())
-        out = []
-        for mode in self.fields:
-            if mode.size == 1:
-                out.append(whole * float(mode[0, 0]))
-            else:
-                out.append(float(np.sum(rows * mode[:, 0]) if mode.shape[1] == 1 else np.sum(columns * mode[0])))
-        return np.array(out)
+        rows, columns = _margins(field)
+        return np.array([_sum(mode, rows, columns) for mode in self.fields])
 
     def gram(self, weight: Array) -> Array:
-        """Matrix of the sums ``mode_i mode_j weight``, (m, m)."""
-        return np.array([self.project(weight * mode.astype(weight.dtype)) for mode in self.fields])
+        """Matrix of the sums ``mode_i mode_j weight``, (m, m); one pass over the weight for the product of y and x."""
+        rows, columns = _margins(weight)
+        out = np.empty((len(self), len(self)))
+        for i, one in enumerate(self.fields):
+            for j, other in enumerate(self.fields[: i + 1]):
+                if 1 in (one.size, other.size) or one.shape == other.shape:
+                    value = _sum(one * other, rows, columns)
+                else:
+                    y, x = (one, other) if one.shape[1] == 1 else (other, one)
+                    value = float(np.sum(y[:, 0] * np.einsum("ij,j->i", weight, x[0])))
+                out[i, j] = out[j, i] = value
+        return out
 
     def fit(self, field: Array, loaded: Array) -> Array:
         """Least-squares amounts of the modes in a field over the loaded cells (weights 0 or 1), (m,).
@@ -98,3 +101,15 @@ class RigidModes:
         error = np.abs(self.project(pressure) - forces)
         size = np.array([float(np.sum(np.abs(mode) * pressure)) for mode in self.fields])
         return bool(np.all(error <= 100.0 * np.finfo(pressure.dtype).eps * np.maximum(size, np.abs(forces))))
+
+
+def _margins(field: Array) -> tuple[Array, Array]:
+    """Sums of a field over each row and over each column."""
+    return np.sum(field, axis=1, dtype=float), np.sum(field, axis=0, dtype=float)
+
+
+def _sum(mode: Array, rows: Array, columns: Array) -> float:
+    """Sum of a mode, constant or varying one way only, times a field given by its row and column sums."""
+    if mode.size == 1:
+        return float(rows.sum()) * float(mode[0, 0])
+    return float(np.sum(rows * mode[:, 0]) if mode.shape[1] == 1 else np.sum(columns * mode[0]))
