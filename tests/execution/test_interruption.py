@@ -107,8 +107,7 @@ def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path):
     resumed = run(scene, tmp_path / "killed", "--resume")
     assert (resumed.returncode, resumed.stderr) == (0, "")
     assert not (tmp_path / "killed" / "steps").exists()
-    whole = run(scene, tmp_path / "whole")
-    assert (whole.returncode, whole.stderr) == (0, "")
+    ec.run(scene[1], tmp_path / "whole").dataset.close()
     same(tmp_path / "killed", tmp_path / "whole")
 
 
@@ -119,7 +118,7 @@ def test_ctrl_c_returns_130_and_keeps_the_accepted_steps(scene, tmp_path):
     assert stopped.stderr == "eigencontact: interrupted; accepted steps are kept, continue with --resume\n"
     assert len(list((tmp_path / "out" / "steps").glob("*.h5"))) == 2
     assert run(scene, tmp_path / "out", "--resume").returncode == 0
-    assert run(scene, tmp_path / "whole").returncode == 0
+    ec.run(scene[1], tmp_path / "whole").dataset.close()
     same(tmp_path / "out", tmp_path / "whole")
 
 
