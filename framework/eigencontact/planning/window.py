@@ -96,7 +96,7 @@ def automatic_grid(
     edge = 0.5 * min(wide, high) / spec.cells_per_contact_radius
     center = (0.5 * (found.x0 + found.x1), 0.5 * (found.y0 + found.y1))
     # An even number of cells, symmetric about the contact.
-    nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge))) for extent in (wide, high))
+    nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) for extent in (wide, high))
     # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
     center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
     return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)

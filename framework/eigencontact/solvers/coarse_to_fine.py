@@ -66,7 +66,7 @@ class CoarseToFine:
         """Loose solution on a coarser grid, for a start only."""
         if 0 not in self.free and fixed.min() >= 0:  # the merged cells do not touch yet
             return np.zeros(grid.shape)
-        compliance = self.solver.compliance(grid, "single")  # a start needs no more
+        compliance = self.solver.compliance(grid)
         box = self.solver.box(compliance, pressure)
         p, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
         return p
@@ -74,7 +74,7 @@ class CoarseToFine:
     def _finest(self, fixed: FloatArray, pressure: FloatArray | None) -> NormalSolution:
         """Solve on the whole grid; grow the box while the certificate finds overlap outside it."""
         options, grid = self.options, self.grid
-        compliance = self.solver.compliance(grid, options.precision)
+        compliance = self.solver.compliance(grid)
         whole = Box(0, grid.ny, 0, grid.nx)
         box = self.solver.box(compliance, pressure)
         compliance.reserve(box, whole)
@@ -202,8 +202,11 @@ class CoarseToFine:
         """Start from nothing: the lowest cells share the load, or the overlapping cells are loaded with zero."""
         if 0 not in self.free:
             return np.zeros(here.shape), here < 0
-        few = len(self.free) == 1
-        loaded = here <= np.quantile(here, 0.25) if few else np.ones(here.shape, dtype=bool)
+        loaded = np.ones(here.shape, dtype=bool)
+        if len(self.free) == 1:
+            # Cells equal by symmetry must not be told apart by round-off: scaled scenes then take the same course.
+            low, quarter = float(here.min()), float(np.quantile(here, 0.25))
+            loaded = here <= quarter + 1e-6 * (quarter - low)
         return np.where(loaded, self.free[0] / (grid.cell_area * loaded.sum()), 0.0), loaded
 
     def _certify(

@@ -29,7 +29,7 @@ class Preconditioner:
 
     def __call__(self, residual: NDArray[Any]) -> NDArray[Any]:
         """Apply to a residual that is zero at cells not loaded."""
-        return self._convolver.apply(residual, self._spectrum).astype(residual.dtype, copy=False)
+        return self._convolver.apply(residual, self._spectrum)
 
 
 def circulant_inverse(compliance: Compliance, box: Box) -> Preconditioner:
@@ -54,7 +54,6 @@ def circulant_inverse(compliance: Compliance, box: Box) -> Preconditioner:
         spectrum[0, 0] = top if top > 0 else 1.0
     inverse = 1.0 / np.maximum(spectrum, 1e-6 * float(spectrum[0, 0]))
     layout = Layout(box.shape, box.shape, periodic=True, lengths=lengths)
-    # An approximate inverse needs no more than single precision, whatever the compliance has.
-    packed = Spectrum.pack(inverse.T, lengths[0] * lengths[1], 1, imaginary=False, precision="single")
-    convolver = Convolver(layout, precision="single", threads=compliance.threads)
+    packed = Spectrum.pack(inverse.T, lengths[0] * lengths[1], 1, imaginary=False, precision=compliance.precision)
+    convolver = Convolver(layout, precision=compliance.precision, threads=compliance.threads)
     return Preconditioner(convolver, packed)
