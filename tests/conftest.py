@@ -65,6 +65,9 @@ size = ["16 um", "16 um"]
 [steps]
 {load}
 
+[numerics]
+threads = 1
+
 [output]
 pictures = false
 

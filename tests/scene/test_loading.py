@@ -26,6 +26,7 @@ def test_a_python_scene_equals_the_file(scene_file):
         geometry=make("sphere", radius=105e-6),
         grid={"cells": [24, 24], "size": (16e-6, 16e-6)},
         steps=[{"normal_load": 0.65}],
+        numerics={"threads": 1},
         output={"pictures": False},
         observers=[{"type": "probe", "points": [[0.0, "1 um"]]}],
     )
