@@ -2,13 +2,15 @@
 
 Solves ``p >= 0, g >= 0, p g = 0`` for ``g = h + K p - Σ d_m w_m``, where the amplitudes d of some rigid modes w are
 unknown and their forces ``Σ_cells w_m p`` are prescribed. This is the convex quadratic programme "least ½ p K p + h p
-with p >= 0 and W p = F", by the primal active-set method: from a pressure that carries the forces, release the first
-cell that would pull, take in the cell that overlaps most. Every pass lowers the energy, so there are finitely many,
-each of cost O(n³).
+with p >= 0 and W p = F". Block pivoting first: every cell on the wrong side of an inequality changes sides, which
+mostly ends in ten passes but may cycle. Then the primal active set: from a pressure that carries the forces, release
+the first cell that would pull, take in the cell that overlaps most; every pass lowers the energy, so there are
+finitely many. Cost O(n³) a pass.
 
 References
 ----------
-J. Nocedal, S. J. Wright 2006, Numerical Optimization, algorithm 16.3; C. L. Lawson, R. J. Hanson 1974 (NNLS).
+J. J. Júdice, F. M. Pires 1994, Comput. Oper. Res. 21, 587 (block pivoting);
+J. Nocedal, S. J. Wright 2006, Numerical Optimization, algorithm 16.3 (primal active set).
 """
 
 from __future__ import annotations
@@ -70,9 +72,9 @@ def solve_contact(
     separation : (n,)
         h less the prescribed rigid displacements [m].
     modes : (m, n), optional
-        Rigid modes w of unknown amplitude.
+        Rigid modes w of unknown amplitude; the first is that of the load, all ones.
     forces : (m,), optional
-        ``w @ p`` of each [Pa or Pa m]; must be within what contact can carry.
+        ``w @ p`` of each [Pa or Pa m]; must be within what contact can carry, the load positive.
 
     Returns
     -------
@@ -91,21 +93,36 @@ def solve_contact(
     forces = np.zeros(0) if forces is None else forces
     unit = 1.0 / float(compliance[0, 0])
     scale = np.abs(modes).max(axis=1, initial=0.0)
+    small = 1e-13 * float(np.ptp(separation))
+
+    def closed(inside: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
+        pressure, rigid = _closed(compliance, separation, modes, forces, inside, unit, scale)
+        pulls = inside & (pressure < -1e-13 * pressure.max())  # a cell may just touch, with no pressure
+        gap = separation + compliance @ pressure - rigid @ modes
+        gap[inside] = 0.0
+        return pressure, gap, rigid, pulls
+
+    inside = np.ones(n, dtype=bool) if len(modes) else separation < 0
+    for _ in range(30):
+        wanted, gap, rigid, pulls = closed(inside)
+        wrong = pulls | (gap < -small)
+        if not wrong.any():
+            return np.maximum(0.0, wanted), np.maximum(0.0, gap), rigid
+        inside ^= wrong
+        if inside.sum() <= len(modes):
+            break
+
     pressure = _carrying(modes / scale[:, None], forces / scale)
     inside = pressure > 0
-    small = 1e-13 * float(np.ptp(separation))
     for _ in range(100 * n):
-        wanted, rigid = _closed(compliance, separation, modes, forces, inside, unit, scale)
-        pulls = inside & (wanted < 0)
+        wanted, gap, rigid, pulls = closed(inside)
         if pulls.any():
             step = pressure[pulls] / (pressure[pulls] - wanted[pulls])
             pressure = np.maximum(0.0, pressure + step.min() * (wanted - pressure))
             blocking = np.flatnonzero(pulls)[np.argmin(step)]
             inside[blocking], pressure[blocking] = False, 0.0
             continue
-        pressure = wanted
-        gap = separation + compliance @ pressure - rigid @ modes
-        gap[inside] = 0.0
+        pressure = np.maximum(0.0, wanted)
         if gap.min() >= -small:
             return pressure, np.maximum(0.0, gap), rigid
         inside[np.argmin(gap)] = True
@@ -113,15 +130,18 @@ def solve_contact(
 
 
 def _carrying(modes: FloatArray, forces: FloatArray) -> FloatArray:
-    """Some pressure >= 0 that carries the forces, on as many cells as there are forces."""
-    from scipy.optimize import nnls
-
+    """Positive pressure on every cell that carries the forces: ``exp(c . w)``, of greatest entropy, by Newton."""
+    n = modes.shape[1]
     if not len(forces):
-        return np.zeros(modes.shape[1])
-    pressure, missing = nnls(modes, forces)
-    if missing > 1e-10 * np.abs(forces).max():
-        raise RuntimeError(f"the forces {forces.tolist()} cannot be carried by any pressure on these cells")
-    return np.asarray(pressure)
+        return np.zeros(n)
+    pressure = np.full(n, forces[0] / n)
+    for _ in range(100):
+        error = forces - modes @ pressure
+        if np.abs(error).max() < 1e-14 * forces[0]:
+            return pressure
+        change = np.linalg.lstsq((modes * pressure) @ modes.T, error, rcond=1e-14)[0] @ modes
+        pressure = pressure * np.exp(change / max(1.0, float(np.abs(change).max())))
+    raise RuntimeError(f"the forces {forces.tolist()} cannot be carried by any pressure on these cells")
 
 
 def _closed(
@@ -138,9 +158,12 @@ def _closed(
     k, m = cells.size, len(modes)
     W = modes[:, cells] / scale[:, None]
     matrix = np.block([[K[np.ix_(cells, cells)] * unit, -W.T], [W, np.zeros((m, m))]])
-    right = np.concatenate([-separation[cells], forces / (scale * unit)])
-    # With fewer cells than modes some motion is free: least squares then chooses the smallest.
-    solved = np.linalg.solve(matrix, right) if k > m else np.linalg.lstsq(matrix, right, rcond=None)[0]
+    # Separations may be far larger than deflections: take their rigid part out first, lest its round-off remain.
+    part = np.linalg.lstsq(W.T, separation[cells], rcond=None)[0]
+    right = np.concatenate([W.T @ part - separation[cells], forces / (scale * unit)])
+    # Cells on one line, or fewer than modes, leave some motion free: least squares then chooses the smallest.
+    regular = m == 0 or (k >= m and np.linalg.matrix_rank(W) == m)
+    solved = np.linalg.solve(matrix, right) if regular else np.linalg.lstsq(matrix, right, rcond=None)[0]
     pressure = np.zeros(separation.size)
     pressure[cells] = solved[:k] * unit
-    return pressure, solved[k:] / scale
+    return pressure, (solved[k:] + part) / scale
