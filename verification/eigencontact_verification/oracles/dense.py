@@ -109,8 +109,8 @@ def solve_contact(
         if not wrong.any():
             return np.maximum(0.0, wanted), np.maximum(0.0, gap), rigid
         inside ^= wrong
-        if inside.sum() <= len(modes):
-            break
+        if np.linalg.matrix_rank(modes[:, inside]) < len(modes):
+            break  # cells on one line, or too few: they may not be able to carry the forces
 
     pressure = _carrying(modes / scale[:, None], forces / scale)
     inside = pressure > 0
