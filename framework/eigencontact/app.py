@@ -120,6 +120,8 @@ class RunResult:
         Where it is stored; None for a run in memory.
     files : dict of str to str
         Name of each file written and what it shows.
+    problems : tuple of str
+        Stored steps that a resumed run found damaged and computed again.
     seconds : float
         Wall time of it all [s].
     """
@@ -128,6 +130,7 @@ class RunResult:
     dataset: xarray.Dataset
     folder: Path | None
     files: dict[str, str] = field(default_factory=dict)
+    problems: tuple[str, ...] = ()
     seconds: float = 0.0
 
 
@@ -206,15 +209,15 @@ def _run_in(
     done = {index: _reader(store, index) for index in accepted}
     last: StepRecord | None = store.load_step(accepted[-1]) if accepted else None
     predicted = resident_bytes() + planned.cost.memory
-    solving = perf_counter()
+    solving, resumed = 0.0, perf_counter()
     try:
         for record in drive(planned, watcher=watcher, done=done):
+            solving += perf_counter() - resumed
             store.write_step(record)
-            last = record
+            last, resumed = record, perf_counter()
     except BaseException:
         store.abandon()
         raise
-    solving = perf_counter() - solving
     peak = peak_bytes()
     assert last is not None
     results = store.folder / "results.nc" if store.finished else store.finish()
@@ -244,6 +247,7 @@ def _run_in(
         dataset=dataset,
         folder=folder if keep else None,
         files=files if keep else {},
+        problems=tuple(store.problems),
         seconds=perf_counter() - began,
     )
 

@@ -83,6 +83,8 @@ def run(
     except KeyboardInterrupt:
         typer.echo("eigencontact: interrupted; accepted steps are kept, continue with --resume", err=True)
         raise typer.Exit(130) from None
+    for problem_found in result.problems:
+        typer.echo(f"eigencontact: {problem_found}", err=True)
     if as_json:
         typer.echo(json.dumps(result.summary, indent=2))
     elif not quiet:

@@ -19,6 +19,7 @@ from eigencontact.planning.regions import RegionLattice
 from eigencontact.plugin import HasReferencePressure, StepView
 from eigencontact.results.records import RegionRecord
 from eigencontact.scene.schema import StressRequest
+from eigencontact.solvers.contact_area import contact_area
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.report import Progress
@@ -64,7 +65,6 @@ class _Separation:
 
 class _NormalContact:
     def __init__(self, plan: Plan, _block: Block) -> None:
-        self._grid = plan.grid
         numerics = plan.scene.numerics
         options = NormalOptions(
             tolerance=numerics.tolerance,
@@ -84,7 +84,8 @@ class _NormalContact:
         state.fields["displacement_z"] = solution.displacement
         certificate = solution.report.certificate
         assert certificate is not None
-        area = float(np.count_nonzero(solution.pressure)) * self._grid.cell_area
+        loaded = solution.pressure > 0
+        area = contact_area(loaded, self._solver.grid, periodic=self._solver.options.periodic)
         state.scalars |= {
             "normal_load": solution.normal_load,
             "approach": solution.approach,
@@ -93,6 +94,7 @@ class _NormalContact:
             "moment_x": solution.moment_x,
             "moment_y": solution.moment_y,
             "contact_area": area,
+            "contact_area_counted": float(np.count_nonzero(loaded)) * self._solver.grid.cell_area,
             "contact_radius": float(np.sqrt(area / np.pi)),
             "max_pressure": float(solution.pressure.max()),
             "iterations": float(solution.report.iterations),

@@ -81,9 +81,9 @@ def normal_cost(
     fy, fx = (by, bx) if periodic else (fast_even(2 * by), fast_even(2 * bx))
     levels = max(1.0, log2(max(2, min(ny, nx) / 16)))
     iteration = 2.0 * pace.convolution(fy, fx) + pace.convolution(fast_even(by), fast_even(bx))
-    iteration += 2.5e-8 * by * bx + 2e-4  # the vectors of the conjugate gradients
+    iteration += 1.5e-8 * by * bx + 5e-4  # the vectors of the conjugate gradients
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx)) + 3e-8 * ny * nx
-    solve = 8.5 * iteration * 1.4 + levels * 2e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
+    solve = 8.5 * iteration * 1.25 + levels * 3e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
     if periodic:
         solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
     real = 8 if precision == "double" else 4

@@ -56,9 +56,9 @@ class StepRecord:
         Position in the load history: 1.0 is the end of the first ``[[steps]]`` table, 1.5 half-way through the second.
     scalars : mapping of str to float
         ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``moment_x``, ``moment_y`` [N m],
-        ``contact_area`` [m^2], ``contact_radius`` [m], ``max_pressure`` [Pa], ``iterations``, ``convolutions``,
-        ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-], ``load_residual`` [-], and with
-        stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m].
+        ``contact_area``, ``contact_area_counted`` [m^2], ``contact_radius`` [m], ``max_pressure`` [Pa],
+        ``iterations``, ``convolutions``, ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-],
+        ``load_residual`` [-], and with stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m].
     fields : mapping of str to (ny, nx) array
         Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
         ``reference_pressure`` where the geometry has a closed form for this step.

@@ -22,6 +22,7 @@ _LAST = (
     "normal_load",
     "approach",
     "contact_area",
+    "contact_area_counted",
     "contact_radius",
     "max_pressure",
     "max_von_mises",

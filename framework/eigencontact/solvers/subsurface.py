@@ -79,11 +79,12 @@ class SubsurfaceStress:
         whole = Box(0, grid.ny, 0, grid.nx)
         self._box = whole if periodic else source
         shift = (origin[0] - self._box.y0, origin[1] - self._box.x0)
-        self._layout = Layout(self._box.shape, grid.shape if periodic else target, shift, periodic=periodic)
+        self._layout = Layout(self._box.shape, target, shift)
         self._crop = tuple(
-            (np.arange(n) + int(np.floor(o + 0.5))) % size if periodic else np.arange(n)
+            (np.arange(n) + int(np.floor(o))) % size if periodic else np.arange(n)
             for n, o, size in zip(target, origin, grid.shape, strict=True)
         )
+        self._fraction = tuple(o - float(np.floor(o)) if periodic else 0.0 for o in origin)
         if periodic:
             self._layout = Layout(grid.shape, grid.shape, periodic=True)
         self._periodic, self._precision = periodic, precision
@@ -134,13 +135,25 @@ class SubsurfaceStress:
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]."""
-        sources = np.array([traction[self._box.slices] for traction in tractions])
+        sources = np.array([self._shifted(traction[self._box.slices]) for traction in tractions])
         flat = [row for depth in self._spectra for row in depth]
         values = self._convolver.apply(sources, flat)
         if self._periodic:
             values = values[:, self._crop[0]][:, :, self._crop[1]]
         stacked = values.reshape(self.depths.size, len(COMPONENTS), *values.shape[1:])
         return np.moveaxis(stacked, 1, 0)
+
+    def _shifted(self, traction: FloatArray) -> FloatArray:
+        """Periodic traction moved by the fraction of a cell by which targets lie off the cell centres."""
+        if not any(self._fraction):
+            return traction
+        from scipy import fft
+
+        ny, nx = traction.shape
+        phase_y = fft.fftfreq(ny)[:, None] * self._fraction[0]
+        phase_x = fft.rfftfreq(nx)[None, :] * self._fraction[1]
+        waves = fft.rfft2(traction) * np.exp(2j * np.pi * (phase_y + phase_x))
+        return np.asarray(fft.irfft2(waves, s=(ny, nx)))
 
 
 def stress_at_points(
