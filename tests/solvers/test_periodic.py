@@ -129,3 +129,12 @@ def test_oracle_by_quadrature(share):
             for low, high in ((-a, x), (x, a))
         )
         assert AMPLITUDE * (1 - np.cos(2 * np.pi * x)) + u == pytest.approx(approach, rel=1e-6)
+
+
+def test_a_flat_surface_carries_its_load_uniformly():
+    """Full contact without any deflection: the mean of a periodic displacement is zero by definition."""
+    grid = Grid(nx=16, ny=12, dx=1e-6, dy=1e-6)
+    load = 1e-3
+    solution = solve(grid, np.zeros(grid.shape), normal_load=load, options=PERIODIC)
+    uniform = load / (grid.cell_area * grid.nx * grid.ny)
+    np.testing.assert_allclose(solution.pressure, uniform, rtol=1e-12)

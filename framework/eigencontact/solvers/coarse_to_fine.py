@@ -169,6 +169,7 @@ class CoarseToFine:
             separation=(here / length).astype(dtype),
             modes=modes,
             forces=forces / (scale * grid.cell_area),
+            least_deflection=self._least_deflection(compliance) / length,
         )
 
         def note(residual: float) -> None:
@@ -229,7 +230,8 @@ class CoarseToFine:
         for mode, value in rigid.items():
             gap -= value * mode_field(mode, grid)
         # Without any pressure the overlap is measured against itself: such a state must never be certified.
-        deflection = float((displacement[source.slices] * weight).max()) or max(0.0, -float(gap.min())) or inf
+        deflection = max(float((displacement[source.slices] * weight).max()), self._least_deflection(compliance))
+        deflection = deflection or max(0.0, -float(gap.min())) or inf
         near = gap[source.slices]
         inside = float(np.abs(near * weight).max()) / deflection
         overlap = max(0.0, -_least_outside(gap, source), -float((near * (1.0 - weight)).min())) / deflection
@@ -255,6 +257,15 @@ class CoarseToFine:
         if overlap > options.tolerance:
             over = Box.around((pressure == 0) & (gap < -options.tolerance * deflection))
         return solution, over
+
+    def _least_deflection(self, compliance: Compliance) -> float:
+        """What the prescribed load, spread over the window, does to one cell [m]; 0 where no load is prescribed.
+
+        On a half-space the deflection in contact is always larger. A periodic body under a uniform pressure does not
+        deflect, its mean displacement being zero by definition; its gaps are measured against this.
+        """
+        grid = compliance.grid
+        return compliance.unit * self.free.get(0, 0.0) / (grid.nx * grid.ny * grid.cell_area)
 
     def _load_error(self, forces: list[float]) -> float:
         """Largest relative error of the prescribed forces; moments relative to the load at half the window."""

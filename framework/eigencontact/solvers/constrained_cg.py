@@ -42,6 +42,8 @@ class BoxProblem:
         The rigid modes whose force is prescribed.
     forces : (m,) array
         Their forces: ``sum(mode * p)``.
+    least_deflection : float
+        Gaps are measured against the largest deflection of loaded cells, but never against less than this.
     """
 
     apply: Callable[[Array], Array]
@@ -49,6 +51,7 @@ class BoxProblem:
     separation: Array
     modes: RigidModes
     forces: Array
+    least_deflection: float = 0.0
 
 
 @dataclass(slots=True)
@@ -108,7 +111,7 @@ def solve_box(
         outside -= r
         overlap = float(outside.max())
         inside = max(float(r.max()), -float(r.min()))
-        state.residual = _relative(max(inside, overlap), deflection)
+        state.residual = _relative(max(inside, overlap), max(deflection, problem.least_deflection))
         on_iteration(state.residual)
         if state.residual <= tolerance:
             break
@@ -164,7 +167,10 @@ def solve_box(
 
 
 def _relative(worst: float, deflection: float) -> float:
-    """Residual of a box: gaps are measured against the largest deflection of loaded cells."""
+    """Residual of a box: gaps are measured against the largest deflection of loaded cells.
+
+    `BoxProblem.least_deflection` is in it: a periodic body does not deflect at all under a uniform pressure.
+    """
     if deflection > 0:
         return max(worst, 0.0) / deflection
     return float("inf") if worst > 0 else 0.0
