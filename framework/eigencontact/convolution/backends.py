@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.util import find_spec
 from os import cpu_count, sched_getaffinity
+from threading import current_thread
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,6 +22,7 @@ from eigencontact.errors import require
 __all__ = ["Backend", "available_threads", "backend", "in_parallel"]
 
 Plan = Callable[[], Any]
+_THREADS = "eigencontact-fft"
 
 
 class Backend(Protocol):
@@ -132,13 +134,16 @@ def available_threads() -> int:
 
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads, thread_name_prefix="eigencontact")
+    return ThreadPoolExecutor(threads, thread_name_prefix=_THREADS)
 
 
 def in_parallel(threads: int, tasks: Iterable[Plan]) -> None:
-    """Run functions of no arguments, in threads where more than one is allowed; the first error is raised."""
+    """Run functions of no arguments, in threads where more than one is allowed; the first error is raised.
+
+    Called from one of these threads it runs them one after the other, so that nested calls cannot wait for each other.
+    """
     tasks = list(tasks)
-    if threads <= 1 or len(tasks) <= 1:
+    if threads <= 1 or len(tasks) <= 1 or current_thread().name.startswith(_THREADS):
         for task in tasks:
             task()
         return

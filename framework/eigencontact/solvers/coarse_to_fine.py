@@ -293,7 +293,7 @@ class CoarseToFine:
 
 def margin(box: Box) -> tuple[int, int]:
     """Rows and columns around a loaded box into which the contact may still spread."""
-    return tuple(max(2, -(-n // 64)) for n in box.shape)  # type: ignore[return-value]
+    return tuple(max(2, -(-n // 128)) for n in box.shape)  # type: ignore[return-value]
 
 
 def _cut(field: FloatArray, box: Box) -> FloatArray:

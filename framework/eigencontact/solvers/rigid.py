@@ -83,13 +83,13 @@ class RigidModes:
 
     def carry(self, pressure: Array, forces: Array) -> Array:
         """Scale a pressure by ``1 + c . modes`` so that it carries the forces; it stays positive where it was."""
+        if self._only_uniform:
+            carried = float(self.project(pressure)[0])
+            return pressure * pressure.dtype.type(forces[0] / carried) if carried > 0 else pressure
         for _ in range(30):
             error = forces - self.project(pressure)
             if not np.any(np.abs(error) > 1e-14 * np.abs(forces).max()):
                 break
-            if self._only_uniform:
-                carried = float(self.project(pressure)[0])
-                return pressure * pressure.dtype.type(forces[0] / carried) if carried > 0 else pressure
             change = np.linalg.lstsq(self.gram(pressure), error, rcond=1e-13)[0]
             pressure = pressure * np.maximum(1.0 + self.combine(change, float), 0.1).astype(pressure.dtype)
         return pressure
