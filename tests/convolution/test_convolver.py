@@ -198,15 +198,15 @@ def test_an_error_in_a_thread_is_raised():
 def test_spectrum_with_parity_is_real_and_a_quarter(parity, precision, kind):
     layout = Layout((30, 20), (30, 20))
     kernel = layout.spectrum(sample(layout, influence(parity)), parity, precision=precision)
-    assert (layout.y.length, layout.x.length) == (60, 40)
-    assert kernel.values.shape == (21, 31)
+    assert (layout.y.length, layout.x.length) == (64, 40)
+    assert kernel.values.shape == (21, 33)
     assert kernel.values.dtype == kind
-    assert kernel.nbytes == 21 * 31 * np.dtype(kind).itemsize
+    assert kernel.nbytes == 21 * 33 * np.dtype(kind).itemsize
     assert kernel.imaginary == (parity[0] * parity[1] < 0)
 
 
 @pytest.mark.parametrize(
-    ("origin", "shape"), [((0.5, 0), (21, 60)), ((0, 0.5), (21, 31)), ((0.5, 0.5), (21, 60)), ((90, 0), (21, 60))]
+    ("origin", "shape"), [((0.5, 0), (21, 64)), ((0, 0.5), (21, 33)), ((0.5, 0.5), (21, 64)), ((90, 0), (21, 64))]
 )
 def test_parity_is_given_up_only_along_the_axis_that_lacks_it(origin, shape):
     layout = Layout((30, 20), (30, 20), origin)
