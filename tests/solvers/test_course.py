@@ -52,7 +52,8 @@ def test_refusals_say_what_is_wrong(call, message):
 
 @pytest.mark.parametrize("control", [{"normal_load": 1.0}, {"approach": 0.8}], ids=str)
 def test_no_half_result_and_a_report_that_tells_how_far_it_got(control):
-    with pytest.raises(NotConverged, match=r"did not converge in \d+ iterations on 42 x 42 cells: gap .*raise max-iter"
+    with pytest.raises(
+        NotConverged, match=r"did not converge in \d+ iterations on 42 x 42 cells: gap .*raise max-iter"
     ) as caught:
         solve(GRID, BALL, options={"max_iterations": 1}, **control)
     report = caught.value.report

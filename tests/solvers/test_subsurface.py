@@ -129,9 +129,7 @@ def test_kept_spectra_serve_every_load_on_their_box():
 
     body = Material(young_modulus=1.0, poisson_ratio=0.3)
     depths = np.array([0.1, 0.4])
-    operator = SubsurfaceStress(
-        grid, [Counting(PressureLoad(), body)], source=box, target=grid.shape, depths=depths
-    )
+    operator = SubsurfaceStress(grid, [Counting(PressureLoad(), body)], source=box, target=grid.shape, depths=depths)
     assert sorted(calls) == [0.1, 0.4]
     assert operator.kernels == 12
     assert operator.nbytes > 0
@@ -165,9 +163,9 @@ def test_price_of_single_precision(precision, bound):
     grid = Grid(nx=24, ny=20, dx=0.1, dy=0.1)
     whole, depths, loads = Box(0, 20, 0, 24), np.array([0.05, 0.3, 1.0]), tractions(grid, 6)
     exact, found = (
-        SubsurfaceStress(
-            grid, stress_kernels(), source=whole, target=grid.shape, depths=depths, precision=kind
-        ).apply(loads)
+        SubsurfaceStress(grid, stress_kernels(), source=whole, target=grid.shape, depths=depths, precision=kind).apply(
+            loads
+        )
         for kind in ("double", precision)
     )
     assert 0 < np.abs(found - exact).max() < bound * np.abs(exact).max()

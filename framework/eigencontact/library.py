@@ -1,0 +1,152 @@
+"""Plugins by themselves: the registry, components by key, and the exact field of a loaded rectangle at points."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.errors import PluginError, SceneError, require
+from eigencontact.hooks.manager import load_plugins
+from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.plugin import KINDS
+
+__all__ = ["installed_plugins", "make", "rectangle_field"]
+
+FloatArray = NDArray[np.float64]
+
+
+@cache
+def installed_plugins() -> Registry:
+    """Return the registry of every installed plugin; what failed to load is in its ``broken``."""
+    return load_plugins(KINDS)
+
+
+def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
+    """Component of an installed plugin by its key.
+
+    Parameters
+    ----------
+    key : str
+        Name of the plugin: ``"sphere"``.
+    kind : str, optional
+        Kind of plugin, where several kinds know the key and the parameters do not tell them apart.
+    **parameters
+        Fields of the component; text with units is accepted.
+
+    Raises
+    ------
+    PluginError, SceneError
+        Unknown or ambiguous key, refused parameters.
+
+    Examples
+    --------
+    >>> make("sphere", radius="105 um").radius
+    0.000105
+    """
+    from eigencontact.scene.components import instantiate
+
+    registry = installed_plugins()
+    if kind is not None:
+        require(kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
+        return instantiate(registry.get(kind, key), parameters, key)
+    entries = registry.named(key)
+    if len(entries) > 1:
+        fitting = [entry for entry in entries if set(parameters) <= set(registry.parameters(entry.component))]
+        entries = fitting or entries
+    if len(entries) > 1:
+        kinds = ", ".join(repr(entry.kind) for entry in entries)
+        raise PluginError(f"{key!r} must be told apart by kind (it is one of {kinds}); give kind=")
+    if not entries:
+        from eigencontact.errors import nearest
+
+        keys = sorted({entry.key for entry in registry})
+        broken = "".join(f"; {item}" for item in registry.broken)
+        raise PluginError(f"unknown plugin {key!r}; installed: {', '.join(keys)}{nearest(key, keys)}{broken}")
+    return instantiate(entries[0], parameters, key)
+
+
+def rectangle_field(
+    traction: ArrayLike,
+    half_widths: ArrayLike,
+    points: ArrayLike,
+    *,
+    young_modulus: float,
+    poisson_ratio: float,
+    quantity: Literal["displacement", "stress"] = "displacement",
+) -> FloatArray:
+    """Field in a half-space loaded uniformly on the rectangle |x| <= a, |y| <= b of its surface z = 0.
+
+    Parameters
+    ----------
+    traction : (3,) [Pa]
+        ``(q_x, q_y, p)``: shears act on the body along +x and +y, the pressure pushes along +z, into the body.
+    half_widths : (2,) [m]
+        ``(a, b)``.
+    points : (n, 3) [m]
+        Field points, z >= 0.
+    young_modulus, poisson_ratio : float
+        E [Pa] and ν in (-1, 0.5].
+    quantity : {"displacement", "stress"}
+        What to return.
+
+    Returns
+    -------
+    (n, 3) [m] or (n, 3, 3) [Pa]
+        Displacement, or symmetric stress tensors (tension positive). On an edge, stresses that jump take their
+        mean; true singularities (logarithms at edges and corners, z = 0) come out large and finite.
+
+    References
+    ----------
+    Boussinesq 1885, Cerruti 1882, Love 1929; K. L. Johnson, Contact Mechanics (1985), chapter 3.
+
+    Examples
+    --------
+    >>> u = rectangle_field((0, 0, 1e6), (1e-6, 1e-6), [[0, 0, 0]], young_modulus=210e9, poisson_ratio=0.3)
+    >>> f"{u[0, 2]:.6e}"
+    '9.725731e-12'
+    """
+    from eigencontact.core.material import Material
+    from eigencontact.core.tensors import to_matrix
+
+    load = np.asarray(traction, dtype=float)
+    widths = np.asarray(half_widths, dtype=float)
+    at = np.asarray(points, dtype=float)
+    require(
+        load.shape == (3,) and np.all(np.isfinite(load)),
+        "rectangle_field",
+        "traction",
+        traction,
+        "three finite numbers (q_x, q_y, p) [Pa]",
+    )
+    good = widths.shape == (2,) and np.all(widths > 0) and np.all(np.isfinite(widths))
+    require(good, "rectangle_field", "half_widths", half_widths, "two positive numbers (a, b) [m]")
+    require(at.ndim == 2 and at.shape[1] == 3, "rectangle_field", "points", at.shape, "of shape (n, 3) [m]")
+    if not np.all(np.isfinite(at)):
+        raise SceneError("rectangle_field.points must be finite [m] (got NaN or infinity)")
+    require(np.all(at[:, 2] >= 0), "rectangle_field", "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
+    require(
+        quantity in ("displacement", "stress"), "rectangle_field", "quantity", quantity, "'displacement' or 'stress'"
+    )
+    material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
+    names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
+    total = np.zeros((len(names), len(at)))
+    for value, component in zip(load, ("q_x", "q_y", "p"), strict=True):
+        if value:
+            influence = _influence_entry(component).component()
+            evaluate = influence.displacement if quantity == "displacement" else influence.stress
+            total += value * evaluate(
+                names, at[:, 0], at[:, 1], at[:, 2], (float(widths[0]), float(widths[1])), material
+            )
+    return total.T if quantity == "displacement" else to_matrix(total)
+
+
+def _influence_entry(traction: str) -> Entry:
+    for entry in installed_plugins().of_kind("surface-influence"):
+        if entry.component.traction == traction:  # type: ignore[attr-defined]
+            return entry
+    raise PluginError(
+        f"traction {traction!r} must have an installed surface influence (got none); reinstall eigencontact"
+    )
