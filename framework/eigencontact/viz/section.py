@@ -164,7 +164,9 @@ def stress_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         for n, (name, values) in enumerate(curves.items()):
             pair = (stress(values), length(at)) if deep else (length(at), stress(values))
             style = styles[(n // len(COLOURS)) % len(styles)] if name in _WORDS.values() else styles[1 + n % 3]
-            axes.plot(*pair, style, color=COLOURS[n % len(COLOURS)], label=name)
+            # On an axis of symmetry von Mises and Tresca coincide: the wider line shows beneath the narrower.
+            width = 2.6 if n == 0 and len(curves) > 1 else 1.2
+            axes.plot(*pair, style, color=COLOURS[n % len(COLOURS)], label=name, linewidth=width)
         (axes.axvline if deep else axes.axhline)(0, color="0.6", linewidth=0.6, zorder=0)
         if deep:
             axes.set(xlabel=f"Stress [{stress.unit}]", ylabel=f"z [{length.unit}]")
