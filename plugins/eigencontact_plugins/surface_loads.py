@@ -177,7 +177,10 @@ class PressureLoad(_UniformLoad):
         "J. Boussinesq 1885, Application des potentiels, Gauthier-Villars, Paris",
         "A. E. H. Love 1929, Phil. Trans. R. Soc. A 228, 377-420, doi:10.1098/rsta.1929.0009",
         "K. L. Johnson 1985, Contact Mechanics, sec. 3.1-3.3, doi:10.1017/CBO9781139171731",
-        "Thesis eqs. 2.15-2.48 (2.22, 2.37 and 2.38 corrected)",
+        (
+            "B. Fulleringer, PhD thesis, Semi-analytical modeling of complex mechanical contacts, eqs 2.15-2.48 "
+            "(2.22, 2.37 and 2.38 corrected)"
+        ),
     )
 
 
@@ -191,7 +194,10 @@ class ShearLoadX(_UniformLoad):
     references: ClassVar[tuple[str, ...]] = (
         "V. Cerruti 1882, Mem. R. Accad. Lincei 13, 81-122",
         "K. L. Johnson 1985, Contact Mechanics, sec. 3.6, doi:10.1017/CBO9781139171731",
-        "Thesis eqs. 2.15-2.22 and 2.49-2.60 (2.22, 2.49, 2.55 and 2.60 corrected)",
+        (
+            "B. Fulleringer, PhD thesis, Semi-analytical modeling of complex mechanical contacts, eqs 2.15-2.22 and "
+            "2.49-2.60 (2.22, 2.49, 2.55 and 2.60 corrected)"
+        ),
     )
 
 

@@ -81,9 +81,9 @@ def normal_cost(
     fy, fx = (by, bx) if periodic else (fast_even(2 * by), fast_even(2 * bx))
     levels = max(1.0, log2(max(2, min(ny, nx) / 16)))
     iteration = 2.0 * pace.convolution(fy, fx) + pace.convolution(fast_even(by), fast_even(bx))
-    iteration += 1.5e-8 * by * bx + 5e-4  # the vectors of the conjugate gradients
+    iteration += 1.5e-8 * by * bx + 4e-4  # the vectors of the conjugate gradients
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx)) + 3e-8 * ny * nx
-    solve = 8.5 * iteration * 1.25 + levels * 3e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
+    solve = 8.5 * iteration * 1.25 + levels * 2.5e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
     if periodic:
         solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
     real = 8 if precision == "double" else 4
@@ -122,9 +122,9 @@ def stress_cost(
     outputs = kernels * depths
     values = outputs * y.targets * x.targets * 8.0
     workers = min(threads or available_threads(), max(1, depths))
-    once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 1e-8 + 5e-5)
-    share = 0.2 + 0.2 * min(1.0, 2.0 * y.targets / y.length)  # the forward transform serves all outputs
-    step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 5e-5 + 1e-8 * values
+    once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 5e-9 + 8e-5)
+    share = 0.1 + 0.1 * min(1.0, 2.0 * y.targets / y.length)  # the forward transform serves all outputs
+    step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 8e-5 + 1e-8 * values
     memory = outputs * stored * real + 4.0 * values + workers * lattice * 8.0 * 3 * kernels
     return Cost(memory=memory, seconds_once=once, seconds_per_step=step)
 
