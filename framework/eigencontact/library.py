@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.errors import PluginError, SceneError, require
 from eigencontact.hooks.manager import load_plugins
-from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.hooks.registry import Registry
 from eigencontact.plugin import KINDS
 
 __all__ = ["installed_plugins", "make", "rectangle_field"]
@@ -110,6 +110,7 @@ def rectangle_field(
     """
     from eigencontact.core.material import Material
     from eigencontact.core.tensors import to_matrix
+    from eigencontact.planning.kernels import installed_influence
 
     load = np.asarray(traction, dtype=float)
     widths = np.asarray(half_widths, dtype=float)
@@ -132,21 +133,12 @@ def rectangle_field(
     )
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
-    total = np.zeros((len(names), len(at)))
+    total, registry = np.zeros((len(names), len(at))), installed_plugins()
     for value, component in zip(load, ("q_x", "q_y", "p"), strict=True):
         if value:
-            influence = _influence_entry(component).component()
+            influence = installed_influence(registry, component)
             evaluate = influence.displacement if quantity == "displacement" else influence.stress
             total += value * evaluate(
                 names, at[:, 0], at[:, 1], at[:, 2], (float(widths[0]), float(widths[1])), material
             )
     return total.T if quantity == "displacement" else to_matrix(total)
-
-
-def _influence_entry(traction: str) -> Entry:
-    for entry in installed_plugins().of_kind("surface-influence"):
-        if entry.component.traction == traction:  # type: ignore[attr-defined]
-            return entry
-    raise PluginError(
-        f"traction {traction!r} must have an installed surface influence (got none); reinstall eigencontact"
-    )

@@ -15,10 +15,10 @@ from eigencontact.errors import PlanError, SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import resolve
 from eigencontact.planning.declare import Declaration, left_out
-from eigencontact.planning.kernels import PairCoefficients
+from eigencontact.planning.kernels import PairCoefficients, installed_influence
 from eigencontact.planning.plan import Plan, sum_separations
 from eigencontact.planning.window import ContactEstimate, automatic_grid, estimate_contact
-from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
+from eigencontact.plugin import Geometry, HasNativeGrid
 from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Body, Scene, Step
 from eigencontact.solvers.control import Control
@@ -49,7 +49,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         (str(table["type"]), build_component(registry, "observer", table, _where("observers", i, scene.observers)))
         for i, table in enumerate(scene.observers)
     )
-    pressure = _influence(registry, "p")
+    pressure = installed_influence(registry, "p")
     normal = PairCoefficients(pressure, bodies, "z")
     grid, reason = _grid(scene, geometries, normal)
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
@@ -86,17 +86,6 @@ def _material(body: Body) -> Material | None:
     assert body.young_modulus is not None
     assert body.poisson_ratio is not None
     return Material(young_modulus=body.young_modulus, poisson_ratio=body.poisson_ratio)
-
-
-def _influence(registry: Registry, traction: str) -> SurfaceInfluence:
-    """Return the installed influence of one traction component."""
-    found = [entry for entry in registry.of_kind("surface-influence") if entry.component.traction == traction]  # type: ignore[attr-defined]
-    if len(found) != 1:
-        names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in found) or "none"
-        broken = "".join(f"; {item}" for item in registry.broken)
-        raise PlanError(f"traction {traction!r} must have one installed surface influence (got {names}){broken}")
-    component: SurfaceInfluence = found[0].component()
-    return component
 
 
 def _controls(scene: Scene) -> list[Control]:

@@ -10,14 +10,32 @@ from numpy.typing import NDArray
 from eigencontact.core.material import Material
 from eigencontact.core.symmetry import parity
 from eigencontact.errors import PlanError
+from eigencontact.hooks.registry import Registry
 from eigencontact.plugin import HasWavenumberResponse, SurfaceInfluence
 
-__all__ = ["KernelUse", "PairCoefficients", "StressCoefficients"]
+__all__ = ["KernelUse", "PairCoefficients", "StressCoefficients", "installed_influence"]
 
 FloatArray = NDArray[np.float64]
 
 #: Direction of each traction.
 DIRECTIONS = {"q_x": "x", "q_y": "y", "p": "z"}
+
+
+def installed_influence(registry: Registry, traction: str) -> SurfaceInfluence:
+    """Return the installed influence of one traction component.
+
+    Raises
+    ------
+    PlanError
+        None is installed, or more than one; broken plugins are named.
+    """
+    found = [entry for entry in registry.of_kind("surface-influence") if entry.component.traction == traction]  # type: ignore[attr-defined]
+    if len(found) != 1:
+        names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in found) or "none"
+        broken = "".join(f"; {item}" for item in registry.broken)
+        raise PlanError(f"traction {traction!r} must have one installed surface influence (got {names}){broken}")
+    component: SurfaceInfluence = found[0].component()
+    return component
 
 
 @dataclass(frozen=True, slots=True)
