@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pluggy
 
 if TYPE_CHECKING:
-    from eigencontact.plugin import Geometry, Observer, SurfaceInfluence
+    from eigencontact.plugin import EigenstrainField, Geometry, InclusionShape, Observer, SurfaceInfluence
 
 __all__ = ["NAMESPACE", "REGISTER_HOOKS", "hookimpl"]
 
@@ -26,6 +26,8 @@ REGISTER_HOOKS = {
     "surface-influence": "eigencontact_register_surface_influences",
     "geometry": "eigencontact_register_geometries",
     "observer": "eigencontact_register_observers",
+    "inclusion-shape": "eigencontact_register_inclusion_shapes",
+    "eigenstrain-field": "eigencontact_register_eigenstrain_fields",
 }
 
 
@@ -42,3 +44,13 @@ def eigencontact_register_geometries() -> Iterable[type[Geometry]]:  # type: ign
 @hookspec
 def eigencontact_register_observers() -> Iterable[type[Observer]]:  # type: ignore[empty-body]
     """Return the classes of observer (sees every accepted step) of this package."""
+
+
+@hookspec
+def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:  # type: ignore[empty-body]
+    """Return the classes of inclusion shape (a region that may carry an eigenstrain) of this package."""
+
+
+@hookspec
+def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:  # type: ignore[empty-body]
+    """Return the classes of eigenstrain field (stress-free strain as a function of place and time) of this package."""

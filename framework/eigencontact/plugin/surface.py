@@ -1,72 +1,20 @@
-"""The one module that plugins import: kinds of plugin, grids, tensors, units, `hookimpl`, `require`.
-
-A component is a frozen, keyword-only dataclass. Its fields are its table in a scene file; its class attribute ``key``
-is its name there. It validates itself in ``__post_init__`` with `require`, does no I/O (a measured surface excepted)
-and never changes the arrays it is given.
-"""
+"""The kind *surface influence*: the field of a uniformly loaded rectangle of the surface."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
-from eigencontact.core.tensors import COMPONENTS, SQRT2
-from eigencontact.errors import SceneError, require
-from eigencontact.hooks.hookspecs import hookimpl
+from eigencontact.plugin.component import Component
 
-__all__ = [
-    "COMPONENTS",
-    "KINDS",
-    "SQRT2",
-    "Angle",
-    "Component",
-    "CornerInfluence",
-    "Force",
-    "Geometry",
-    "Grid",
-    "HasNativeGrid",
-    "HasReferencePressure",
-    "HasWavenumberResponse",
-    "Length",
-    "Material",
-    "Moment",
-    "Observer",
-    "SceneError",
-    "StepView",
-    "Stress",
-    "SurfaceInfluence",
-    "Unit",
-    "hookimpl",
-    "require",
-]
+__all__ = ["CornerInfluence", "HasWavenumberResponse", "SurfaceInfluence"]
 
 FloatArray = NDArray[np.float64]
-
-
-class Component:
-    """Base of every plugin class.
-
-    Attributes
-    ----------
-    key : str
-        Name in scene files, unique within its kind.
-    kind : str
-        Kind of plugin; set by the abstract class.
-    references : tuple of str
-        Sources to cite when a run uses this component.
-    """
-
-    key: ClassVar[str]
-    kind: ClassVar[str]
-    references: ClassVar[tuple[str, ...]] = ()
 
 
 class SurfaceInfluence(Component, ABC):
@@ -234,77 +182,3 @@ class HasWavenumberResponse(Protocol):
         and the stress is that of a uniform traction.
         """
         ...
-
-
-class Geometry(Component, ABC):
-    """Initial separation of the two surfaces, positive where they are apart."""
-
-    kind: ClassVar[str] = "geometry"
-
-    @abstractmethod
-    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Separation h(x, y) [m] at points that broadcast against each other, e.g. ``(1, nx)`` and ``(ny, 1)``.
-
-        The smallest value over the plane is 0 by convention for bodies of revolution (first touch at approach 0);
-        a measured surface may have any datum.
-        """
-
-
-@runtime_checkable
-class HasReferencePressure(Protocol):
-    """Optional ability of a geometry: its frictionless elastic contact has a closed form, drawn beside the result."""
-
-    def reference_pressure(
-        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
-    ) -> FloatArray:
-        """Closed-form contact pressure [Pa] of this geometry alone, untilted, at points that broadcast."""
-        ...
-
-
-@runtime_checkable
-class HasNativeGrid(Protocol):
-    """Optional ability of a geometry: it was measured on a grid of its own, which ``grid = "auto"`` then uses."""
-
-    def native_grid(self) -> Grid:
-        """Grid of the measurement."""
-        ...
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class StepView:
-    """What an observer sees of an accepted load step. Arrays are read-only.
-
-    Attributes
-    ----------
-    index : int
-        Number of the step, from 1.
-    grid : Grid
-        Grid of the surface fields.
-    fields : mapping of str to (ny, nx) array
-        ``pressure`` [Pa], ``gap`` [m], ``displacement_z`` [m] and whatever else the plan provides.
-    scalars : mapping of str to float
-        ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``contact_area`` [m^2] and others.
-    """
-
-    index: int
-    grid: Grid
-    fields: Mapping[str, FloatArray]
-    scalars: Mapping[str, float]
-
-
-class Observer(Component, ABC):
-    """Sees every accepted step and returns numbers that are stored with it."""
-
-    kind: ClassVar[str] = "observer"
-
-    @abstractmethod
-    def observe(self, step: StepView) -> Mapping[str, float]:
-        """Return named numbers (SI units) of this step; the names must not change from step to step."""
-
-
-#: Kinds of plugin known so far and their abstract classes.
-KINDS: dict[str, type] = {
-    SurfaceInfluence.kind: SurfaceInfluence,
-    Geometry.kind: Geometry,
-    Observer.kind: Observer,
-}

@@ -1,0 +1,112 @@
+"""What a shape offers: derivatives of its potentials. The half-space theorem needs nothing else of it.
+
+With R the distance between field point and source point, the potentials of a region are::
+
+    Phi(x) = integral of 1/R        (harmonic outside, Laplacian -4 pi inside)
+    Psi(x) = integral of R          (biharmonic outside, Laplacian 2 Phi)
+    Chi(x, y, Z) = integral of Z' ln(R' + Z') - R'   with Z' = Z + z', R' the distance to the mirror point (x', y', -z')
+
+Phi and Psi are those of the region itself, wherever the field point lies. The framework asks for them at mirrored
+points for the image of the region above the surface. Chi belongs to the image; its second derivative along Z is the
+Phi of the image, and a shape without a closed form leaves it out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["HasCornerPotentials", "HasFarField", "HasMirrorPotential", "HasPotentials", "Order", "PointSources"]
+
+FloatArray = NDArray[np.float64]
+
+#: How often a potential is differentiated along x, y and z.
+Order = tuple[int, int, int]
+
+
+@runtime_checkable
+class HasPotentials(Protocol):
+    """Ability of a shape: derivatives of its potentials in full space, inside, outside and on the boundary.
+
+    The framework asks for Psi of order 3 (displacement), 4 and 5 (strain, stress), Phi of order 1 to 4. On a face,
+    where second derivatives of Phi jump, return the mean of both sides. A region that touches the surface is asked
+    at ``z = +0.0`` for the limit from inside the body and at ``z = -0.0`` for the limit from above (the mirror
+    point): where its face lies in z = 0 it returns that one-sided limit (`numpy.signbit` tells them apart).
+    """
+
+    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Phi, ``(len(orders), ...)`` [m^(2 - order)]; x, y, z have one shape."""
+        ...
+
+    def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Psi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
+        ...
+
+
+@runtime_checkable
+class HasMirrorPotential(Protocol):
+    """Ability of a shape with potentials: derivatives of its Chi in closed form.
+
+    Asked for at depths z >= 0, orders 3 and 4 with at most one derivative along z. Without it the framework
+    integrates ``Chi,ab = integral from z to infinity of (t - z) Phi,ab(x, y, t) dt`` of the image, never singular.
+    """
+
+    def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Chi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PointSources:
+    """Points that stand for a region as seen from afar.
+
+    Attributes
+    ----------
+    center : (3,)
+        Middle of the region [m].
+    distance : float
+        They may be used at points at least this far from `center` [m], and from its mirror image.
+    positions : (m, 3)
+        Points [m], all in z >= 0.
+    volumes : (m,)
+        Weights; their sum is the region's volume [m^3].
+    spreads : (m,)
+        Terms k of ``Psi = volume * (R + k / R)`` [m^2]: a²/5 of a ball of radius a, 0 of a bare point.
+    """
+
+    center: FloatArray
+    distance: float
+    positions: FloatArray
+    volumes: FloatArray
+    spreads: FloatArray
+
+
+@runtime_checkable
+class HasFarField(Protocol):
+    """Ability of a shape: point sources that replace it at a distance, where its closed form would cancel."""
+
+    def far_field(self) -> PointSources:
+        """Point sources, exact to round-off beyond their distance."""
+        ...
+
+
+@runtime_checkable
+class HasCornerPotentials(Protocol):
+    """Ability of the shape that grids are made of: derivatives of the potentials of a cuboid as corner sums.
+
+    With c the offset of the field point from the centre and h the half edges, the derivative is the sum over the eight
+    signs of ``s1 s2 s3 corner(c_x + s1 h_x, c_y + s2 h_y, c_z + s3 h_z)``. Cells of a grid share corners: the framework
+    evaluates the function once per lattice node and differences it three times.
+    """
+
+    def corner(self, potential: str, orders: Sequence[Order], x: Any, y: Any, z: Any) -> FloatArray:
+        """Corner function of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``.
+
+        x, y, z broadcast; they must not lie on a coordinate plane's singular line (lattice nodes never do). For chi
+        z is the distance along Z, positive.
+        """
+        ...

@@ -1,0 +1,72 @@
+"""The one package that plugins import: kinds of plugin, grids, tensors, units, `hookimpl`, `require`.
+
+A component is a frozen, keyword-only dataclass. Its fields are its table in a scene file; its class attribute ``key``
+is its name there. It validates itself in ``__post_init__`` with `require`, does no I/O (a measured surface or a mesh
+excepted) and never changes the arrays it is given.
+"""
+
+from __future__ import annotations
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
+from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
+from eigencontact.errors import SceneError, require
+from eigencontact.halfspace.potentials import (
+    HasCornerPotentials,
+    HasFarField,
+    HasMirrorPotential,
+    HasPotentials,
+    Order,
+    PointSources,
+)
+from eigencontact.hooks.hookspecs import hookimpl
+from eigencontact.plugin.component import Component
+from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
+from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
+from eigencontact.plugin.observer import Observer, StepView
+from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
+
+__all__ = [
+    "COMPONENTS",
+    "KINDS",
+    "SQRT2",
+    "Angle",
+    "Component",
+    "CornerInfluence",
+    "EigenstrainField",
+    "Force",
+    "Geometry",
+    "Grid",
+    "HasCornerPotentials",
+    "HasFarField",
+    "HasMirrorPotential",
+    "HasNativeGrid",
+    "HasPotentials",
+    "HasReferencePressure",
+    "HasWavenumberResponse",
+    "InclusionShape",
+    "Length",
+    "Material",
+    "Moment",
+    "Observer",
+    "Order",
+    "PointSources",
+    "SceneError",
+    "StepView",
+    "Stress",
+    "SurfaceInfluence",
+    "Unit",
+    "hookimpl",
+    "require",
+    "to_mandel",
+]
+
+#: Kinds of plugin known so far and their abstract classes.
+KINDS: dict[str, type] = {
+    SurfaceInfluence.kind: SurfaceInfluence,
+    Geometry.kind: Geometry,
+    Observer.kind: Observer,
+    InclusionShape.kind: InclusionShape,
+    EigenstrainField.kind: EigenstrainField,
+}

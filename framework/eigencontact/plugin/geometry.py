@@ -1,0 +1,50 @@
+"""The kind *geometry*: the initial separation of two surfaces."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.plugin.component import Component
+
+__all__ = ["Geometry", "HasNativeGrid", "HasReferencePressure"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Geometry(Component, ABC):
+    """Initial separation of the two surfaces, positive where they are apart."""
+
+    kind: ClassVar[str] = "geometry"
+
+    @abstractmethod
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Separation h(x, y) [m] at points that broadcast against each other, e.g. ``(1, nx)`` and ``(ny, 1)``.
+
+        The smallest value over the plane is 0 by convention for bodies of revolution (first touch at approach 0);
+        a measured surface may have any datum.
+        """
+
+
+@runtime_checkable
+class HasReferencePressure(Protocol):
+    """Optional ability of a geometry: its frictionless elastic contact has a closed form, drawn beside the result."""
+
+    def reference_pressure(
+        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
+    ) -> FloatArray:
+        """Closed-form contact pressure [Pa] of this geometry alone, untilted, at points that broadcast."""
+        ...
+
+
+@runtime_checkable
+class HasNativeGrid(Protocol):
+    """Optional ability of a geometry: it was measured on a grid of its own, which ``grid = "auto"`` then uses."""
+
+    def native_grid(self) -> Grid:
+        """Grid of the measurement."""
+        ...

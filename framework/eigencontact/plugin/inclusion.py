@@ -1,0 +1,63 @@
+"""The kinds *inclusion shape* and *eigenstrain field*: where the stress-free strain is, and how large."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin.component import Component
+
+__all__ = ["EigenstrainField", "InclusionShape"]
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+
+class InclusionShape(Component, ABC):
+    """A bounded region of the body, z >= 0, that may carry an eigenstrain.
+
+    Two members are enough: the framework then cuts the region into cuboids with volume fractions. A shape that also
+    has ``phi`` and ``psi`` (`HasPotentials`) gives the exact field of a uniform eigenstrain; ``chi``
+    (`HasMirrorPotential`) and ``far_field`` (`HasFarField`) make it faster and keep its digits at a distance.
+    Displacement, strain and stress, the free surface, grids and materials are the framework's business.
+    """
+
+    kind: ClassVar[str] = "inclusion-shape"
+
+    @property
+    @abstractmethod
+    def bounds(self) -> tuple[Point, Point]:
+        """Lowest and highest coordinates ``((x, y, z), (x, y, z))`` of the region [m], as tight as is easy."""
+
+    @abstractmethod
+    def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether points lie in the region; x, y, z [m] broadcast against each other."""
+
+
+class EigenstrainField(Component, ABC):
+    """Eigenstrain (stress-free strain) as a function of place and time.
+
+    Attributes
+    ----------
+    uniform : bool
+        Class attribute; True where the value does not depend on the place, so that a shape with potentials needs no
+        cutting into cells.
+    """
+
+    kind: ClassVar[str] = "eigenstrain-field"
+    uniform: ClassVar[bool] = False
+
+    @abstractmethod
+    def eigenstrain(self, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:
+        """Mandel eigenstrain ``(6, ...)`` [-] at points [m] that broadcast; `time` counts load steps: 1 ends the first.
+
+        Expansion is positive. ``yz, xz, xy`` carry a factor sqrt(2) over the tensor components (`COMPONENTS`).
+        """
+
+    @property
+    def varies(self) -> bool:
+        """Whether the value changes with time."""
+        return False
