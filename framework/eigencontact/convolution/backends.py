@@ -6,23 +6,20 @@ normalisation; it releases the interpreter lock, so plans on different arrays ru
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
-from os import cpu_count, sched_getaffinity
-from threading import current_thread
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["Backend", "available_threads", "backend", "in_parallel"]
 
 Plan = Callable[[], Any]
-_THREADS = "eigencontact-fft"
 
 
 class Backend(Protocol):
@@ -122,30 +119,3 @@ def backend(name: str = "auto", effort: str = "estimate") -> Backend:
     if name == "auto":
         name = "pyfftw" if find_spec("pyfftw") else "scipy"
     return _FFTW(effort) if name == "pyfftw" else _SciPy()
-
-
-def available_threads() -> int:
-    """Cores this process may use."""
-    try:
-        return len(sched_getaffinity(0))
-    except (AttributeError, OSError):
-        return cpu_count() or 1
-
-
-@cache
-def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads, thread_name_prefix=_THREADS)
-
-
-def in_parallel(threads: int, tasks: Iterable[Plan]) -> None:
-    """Run functions of no arguments, in threads where more than one is allowed; the first error is raised.
-
-    Called from one of these threads it runs them one after the other, so that nested calls cannot wait for each other.
-    """
-    tasks = list(tasks)
-    if threads <= 1 or len(tasks) <= 1 or current_thread().name.startswith(_THREADS):
-        for task in tasks:
-            task()
-        return
-    for future in [_pool(threads).submit(task) for task in tasks]:
-        future.result()

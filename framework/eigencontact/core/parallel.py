@@ -1,0 +1,41 @@
+"""Threads for work that releases the interpreter lock: FFT plans, large numpy operations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from os import cpu_count, sched_getaffinity
+from threading import current_thread
+from typing import Any
+
+__all__ = ["available_threads", "in_parallel"]
+
+_THREADS = "eigencontact-worker"
+
+
+def available_threads() -> int:
+    """Cores this process may use."""
+    try:
+        return len(sched_getaffinity(0))
+    except (AttributeError, OSError):
+        return cpu_count() or 1
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix=_THREADS)
+
+
+def in_parallel(threads: int, tasks: Iterable[Callable[[], Any]]) -> None:
+    """Run functions of no arguments, in threads where more than one is allowed; the first error is raised.
+
+    Called from one of these threads it runs them one after the other, so that nested calls cannot wait for each other.
+    """
+    tasks = list(tasks)
+    if threads <= 1 or len(tasks) <= 1 or current_thread().name.startswith(_THREADS):
+        for task in tasks:
+            task()
+        return
+    for future in [_pool(threads).submit(task) for task in tasks]:
+        future.result()
