@@ -8,6 +8,7 @@ excepted) and never changes the arrays it is given.
 from __future__ import annotations
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
 from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
@@ -46,6 +47,7 @@ __all__ = [
     "HasReferencePressure",
     "HasWavenumberResponse",
     "InclusionShape",
+    "Jet",
     "Length",
     "Material",
     "Moment",
@@ -57,9 +59,12 @@ __all__ = [
     "Stress",
     "SurfaceInfluence",
     "Unit",
+    "derivatives_of",
     "hookimpl",
+    "implicit",
     "require",
     "to_mandel",
+    "variables",
 ]
 
 #: Kinds of plugin known so far and their abstract classes.
