@@ -1,0 +1,1 @@
+"""Inclusion shapes: regions of the body that may carry an eigenstrain."""

@@ -1,0 +1,181 @@
+"""Cuboid with edges along the axes: potentials in closed form, in full space and of its mirror image."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, require
+from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivatives
+
+__all__ = ["Cuboid"]
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+#: Distance from a face, in half edges, below which a point lies on it.
+SNAP = 1e-13
+#: Depth of the upper face, in half edges, below which it lies in the surface.
+FLUSH = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cuboid(InclusionShape):
+    """Cuboid with edges along x, y and z.
+
+    Parameters
+    ----------
+    center : (float, float, float)
+        Middle (x, y, z) [m].
+    edges : (float, float, float)
+        Full lengths of the edges along x, y and z [m].
+
+    Notes
+    -----
+    A derivative of order n is finite and exact to round-off inside, outside, on faces and in line with faces and
+    edges. On a face it is the mean of both sides, on a face in z = 0 the limit from the side of z's sign. On edges and
+    corners second derivatives of Phi and fourth derivatives of Psi have logarithms, higher ones poles: there they are
+    large and finite.
+
+    Examples
+    --------
+    >>> cube = Cuboid(center=(0.0, 0.0, 1.0), edges=(1.0, 1.0, 1.0))
+    >>> middle = (np.array([0.0]), np.array([0.0]), np.array([1.0]))
+    >>> round(float(cube.psi([(2, 2, 0)], *middle)[0, 0]), 10)  # -4 / sqrt(3)
+    -2.3094010768
+    >>> round(float(cube.phi([(2, 0, 0)], *middle)[0, 0]), 10)  # -4 pi / 3
+    -4.1887902048
+    """
+
+    key: ClassVar[str] = "cuboid"
+    references: ClassVar[tuple[str, ...]] = (
+        "Y. P. Chiu 1978, doi:10.1115/1.3424424",
+        "S. Liu & Q. Wang 2005, doi:10.1115/1.1985429",
+    )
+
+    center: tuple[Length, Length, Length]
+    edges: tuple[Length, Length, Length]
+
+    def __post_init__(self) -> None:
+        require(
+            len(self.center) == 3 and bool(np.isfinite(self.center).all()),
+            self.key, "center", self.center, "three finite lengths (x, y, z) [m]",
+        )  # fmt: skip
+        require(
+            len(self.edges) == 3 and all(0 < edge < np.inf for edge in self.edges),
+            self.key, "edges", self.edges, "three positive, finite lengths (full edges along x, y, z) [m]",
+        )  # fmt: skip
+
+    @property
+    def bounds(self) -> tuple[Point, Point]:
+        """Corners of lowest and of highest coordinates [m]."""
+        (x, y, z), (a, b, c) = self.center, self.edges
+        return (x - a / 2, y - b / 2, z - c / 2), (x + a / 2, y + b / 2, z + c / 2)
+
+    def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether points lie in the cuboid or on its boundary."""
+        inside = (
+            np.abs(t - center) <= 0.5 * edge * (1 + SNAP)
+            for t, center, edge in zip((x, y, z), self.center, self.edges, strict=True)
+        )
+        in_x, in_y, in_z = inside
+        return np.asarray(in_x & in_y & in_z)
+
+    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]."""
+        return self._differentiate("phi", orders, (x, y, z))
+
+    def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]."""
+        return self._differentiate("psi", orders, (x, y, z))
+
+    def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
+        return self._differentiate("chi", orders, (x, y, z))
+
+    def corner(self, potential: str, orders: Sequence[Order], x: Any, y: Any, z: Any) -> FloatArray:
+        """Corner function of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``.
+
+        Does not depend on the fields of the cuboid. Lengths should be of order one, say in cells.
+        """
+        x, y, z = (np.asarray(t, dtype=float) for t in (x, y, z))
+        return corner_derivatives(potential, orders, Corner(x, y, z))
+
+    def far_field(self) -> PointSources:
+        """Gauss-Legendre points, from 7 longest edges on, exact to 2e-13 there."""
+        half = 0.5 * np.array(self.edges)
+        distance = 14.0 * float(half.max())
+        axes = [_gauss(h, distance) for h in half]
+        offsets = np.stack(np.meshgrid(*(nodes for nodes, _ in axes), indexing="ij"), axis=-1).reshape(-1, 3)
+        weights = np.multiply.outer(np.multiply.outer(axes[0][1], axes[1][1]), axes[2][1]).ravel()
+        center = np.array(self.center, dtype=float)
+        return PointSources(
+            center=center,
+            distance=distance,
+            positions=center + offsets,
+            volumes=weights,
+            spreads=np.zeros(weights.size),
+        )
+
+    def _differentiate(
+        self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]
+    ) -> FloatArray:
+        """Sum over the corners of one potential's corner functions, in a unit near the longest edge."""
+        unit = 2.0 ** round(np.log2(max(self.edges)))
+        shape = np.shape(points[0])
+        half = [0.5 * edge / unit for edge in self.edges]
+        center = [c / unit for c in self.center]
+        flush = abs(center[2] - half[2]) <= FLUSH * half[2]
+        if flush:
+            center[2] = half[2]
+        if potential == "chi":
+            center[2] = -center[2]
+        offsets = [np.ravel(np.asarray(t, dtype=float)) / unit - c for t, c in zip(points, center, strict=True)]
+        corner = _corners(potential, offsets, half, np.ravel(points[2]) if flush else None)
+        values = corner_derivatives(potential, orders, corner)
+        for _ in range(3):
+            values = values[:, 1] - values[:, 0]
+        power = 2 if potential == "phi" else 4
+        for row, order in enumerate(orders):
+            for axis in range(2 if potential == "chi" else 3):
+                if order[axis] % 2:
+                    np.negative(values[row], out=values[row], where=offsets[axis] < 0)
+            values[row] *= unit ** (power - sum(order))
+        return values.reshape(len(orders), *shape)
+
+
+def _corners(potential: str, offsets: Sequence[FloatArray], half: Sequence[float], depth: FloatArray | None) -> Corner:
+    """Offsets from the eight corners, ``(2, 2, 2, n)``, of points reflected to the octant of positive offsets.
+
+    Chi has no parity along z, where all its offsets are positive anyway. `depth` is that of the points below a face
+    that lies in the surface: its sign, -0.0 included, is the side that they look at that face from.
+    """
+    axes: list[FloatArray] = []
+    for axis, (offset, h) in enumerate(zip(offsets, half, strict=True)):
+        distance = offset if potential == "chi" and axis == 2 else np.abs(offset)
+        low = distance - h
+        low[np.abs(low) <= SNAP * h] = 0.0
+        axes.append(np.stack([low, distance + h]))
+    x, y, z = axes
+    side: FloatArray | float = 0.0
+    if depth is not None and potential != "chi":
+        side = np.where(offsets[2] < 0, np.where(np.signbit(depth), 1.0, -1.0), 0.0)
+    return Corner(x[:, None, None], y[:, None], z, side)
+
+
+def _gauss(half: float, distance: float) -> tuple[FloatArray, FloatArray]:
+    """Gauss-Legendre nodes and weights on [-half, half] for fields from `distance` on; error some q^(-2 n)."""
+    s = distance / half
+    n = int(np.ceil(17.0 / (2 * np.log10(s + np.sqrt(s * s - 1)))))
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return half * nodes, half * weights
+
+
+@hookimpl
+def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+    """Register the cuboid."""
+    return [Cuboid]
