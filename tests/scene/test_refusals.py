@@ -194,7 +194,7 @@ SOURCES = {
     "a folder": ("folder.toml", "folder", "scene file must be readable text (got 'folder.toml')"),
     "not TOML": ("bad.toml", b"title = \n", "bad.toml must be valid TOML: "),
     "not text": ("bytes.toml", b"\xff\xfe\x00", "scene file must be readable text (got 'bytes.toml')"),
-    "empty": ("empty.toml", b"", "body1 must be given (and 2 more)"),
+    "empty": ("empty.toml", b"", "body1 must be given"),
     "a number for a table": ("list.toml", b"body1 = 3\n", "body1 must be a table (got 3)"),
 }
 

@@ -79,12 +79,18 @@ def _read(path: Path) -> str:
 
 def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
     """Make relative ``file`` entries of components relative to the scene's folder."""
-    for group in ("geometry", "observers"):
+    for group in ("geometry", "observers", "inclusions", "eigenstrain"):
         tables = data.get(group, [])
         for table in [tables] if isinstance(tables, dict) else tables:
-            name = table.get("file") if isinstance(table, dict) else None
-            if isinstance(name, str) and not name.startswith("gallery:"):
-                table["file"] = str(folder / name)
+            if isinstance(table, dict):
+                for part in (table, table.get("eigenstrain")):
+                    _anchor(part, folder)
+
+
+def _anchor(table: Any, folder: Path) -> None:
+    name = table.get("file") if isinstance(table, dict) else None
+    if isinstance(name, str) and not name.startswith("gallery:"):
+        table["file"] = str(folder / name)
 
 
 def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, Any]:

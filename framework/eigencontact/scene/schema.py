@@ -7,25 +7,18 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress
+from eigencontact.core.quantities import Angle, Force, Moment, Stress
 from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many, positive
+from eigencontact.scene.contents import check_contents
+from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
+from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table, Tables
 
 __all__ = ["Body", "GridSpec", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
-PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
-FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
-Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
 
-
-class _Table(BaseModel):
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, alias_generator=lambda name: name.replace("_", "-"), populate_by_name=True
-    )
-
-
-class Body(_Table):
+class Body(Table):
     """One half-space: rigid, or elastic with its two constants."""
 
     rigid: bool = False
@@ -42,8 +35,11 @@ class Body(_Table):
         return self
 
 
-class GridSpec(_Table):
-    """Cells of the contact window: given by two of cells, size, spacing; or chosen from the contact's size."""
+class GridSpec(Table):
+    """Cells of the window: given by two of cells, size, spacing; or chosen from the size of the contact.
+
+    Without a contact an automatic grid follows the inclusions: see `eigencontact.planning.sources`.
+    """
 
     cells: Annotated[tuple[int, int], BeforeValidator(one_or_many)] | None = None
     size: tuple[PositiveLength, PositiveLength] | None = None
@@ -76,8 +72,12 @@ class GridSpec(_Table):
         return self.cells is None and self.size is None
 
 
-class Step(_Table):
-    """One piece of the load history: a linear ramp from the last state to the values given here."""
+class Step(Table):
+    """One piece of the load history: a linear ramp from the last state to the values given here.
+
+    A contact is controlled by normal-load or approach. A scene without geometry has steps of `increments` alone, which
+    are the times at which eigenstrain that changes with time is evaluated.
+    """
 
     normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
     approach: FiniteLength | None = None
@@ -92,14 +92,25 @@ class Step(_Table):
         for one, other in (("normal_load", "approach"), ("moment_x", "tilt_x"), ("moment_y", "tilt_y")):
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise ValueError(f"controlled by {one} or {other}, not both".replace("_", "-"))
-        if self.normal_load is None and self.approach is None:
-            raise ValueError("controlled by normal-load or approach: give one of them")
         return self
 
+    @property
+    def prescribed(self) -> list[str]:
+        """Names of the loads and motions given, as written in a scene."""
+        names = ("normal_load", "approach", "moment_x", "tilt_x", "moment_y", "tilt_y")
+        return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
 
-class Numerics(_Table):
-    """Fidelity and effort. The defaults are accurate."""
 
+class Numerics(Table):
+    """Fidelity and effort. The defaults are accurate.
+
+    ``half_space`` is the treatment of the free surface in the fields of eigenstrain: ``"exact"``, or ``"full-space"``,
+    which leaves it out. ``inclusion_cells`` is the number of cells along z across a region that has to be cut into
+    cells: a shape without potentials, or an eigenstrain that is not uniform.
+    """
+
+    half_space: Literal["exact", "full-space"] = "exact"
+    inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
     precision: Literal["double", "single"] = "double"
     tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
@@ -108,11 +119,12 @@ class Numerics(_Table):
     allow_contact_at_edge: bool = False
 
 
-class StressRequest(_Table):
-    """Points at which sub-surface stress is wanted.
+class StressRequest(Table):
+    """Points at which sub-surface fields are wanted.
 
     ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
-    from `start` to `end`; ``points`` are listed. z is the depth into `body`.
+    from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
+    with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""
@@ -120,14 +132,15 @@ class StressRequest(_Table):
     body: Literal[1, 2] = 1
     normal: Literal["x", "y", "z"] = "y"
     position: FiniteLength = 0.0
-    depths: list[Annotated[Length, AfterValidator(non_negative("m"))]] | None = None
+    depths: list[Depth] | None = None
     depth_max: PositiveLength | None = None
     depth_cells: Annotated[int, AfterValidator(at_least(1))] = 48
-    start: tuple[FiniteLength, FiniteLength, Annotated[Length, AfterValidator(non_negative("m"))]] | None = None
-    end: tuple[FiniteLength, FiniteLength, Annotated[Length, AfterValidator(non_negative("m"))]] | None = None
+    start: tuple[FiniteLength, FiniteLength, Depth] | None = None
+    end: tuple[FiniteLength, FiniteLength, Depth] | None = None
     count: Annotated[int, AfterValidator(at_least(2))] = 64
-    points: list[tuple[FiniteLength, FiniteLength, Annotated[Length, AfterValidator(non_negative("m"))]]] | None = None
-    quantities: list[Literal["von_mises", "tresca", "principal", "hydrostatic"]] = ["von_mises"]
+    points: list[tuple[FiniteLength, FiniteLength, Depth]] | None = None
+    fields: list[Literal["stress", "strain", "displacement"]] = Field(["stress"], min_length=1)
+    quantities: list[Literal["von_mises", "tresca", "principal", "hydrostatic"]] = Field(["von_mises"])
 
     @model_validator(mode="after")
     def _determined(self) -> StressRequest:
@@ -150,7 +163,7 @@ class StressRequest(_Table):
         return self.name or f"{self.shape}_{self.normal if self.shape == 'plane' else 'body'}{self.body}"
 
 
-class Output(_Table):
+class Output(Table):
     """What is written besides results and summary."""
 
     pictures: bool = True
@@ -158,8 +171,8 @@ class Output(_Table):
     tangential_displacement: bool = False
 
 
-class Scene(_Table):
-    """A contact to compute.
+class Scene(Table):
+    """A contact, the field of eigenstrain, or both together.
 
     Parameters
     ----------
@@ -170,11 +183,15 @@ class Scene(_Table):
     body1, body2 : Body
         The half-spaces; at least one is elastic. z points into body 1.
     geometry : list of tables or components
-        Separations that add up; ``type`` names the geometry plugin.
+        Separations that add up; ``type`` names the geometry plugin. Without one there is no contact.
+    inclusions : list of Inclusion
+        Regions with a prescribed eigenstrain; ``type`` names the inclusion shape.
+    eigenstrain : list of EigenstrainPatch
+        Eigenstrain that fills a patch of the window down to a depth; ``type`` names the eigenstrain field.
     grid : GridSpec
         Cells, or ``"auto"``.
     steps : list of Step
-        Load history.
+        Load history; one step by default where there is no contact.
     numerics, stress, observers, output
         Fidelity; sub-surface stresses; observers (``type`` names the plugin); files.
 
@@ -195,12 +212,14 @@ class Scene(_Table):
     description: str = ""
     body1: Body
     body2: Body = Body(rigid=True)
-    geometry: Annotated[Tables, Field(min_length=1)]
+    geometry: Tables = Field([])
+    inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
+    eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
-    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1)]
+    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1)] = Field([Step()])
     numerics: Numerics = Numerics()
-    stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = []
-    observers: Tables = []
+    stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = Field([])
+    observers: Tables = Field([])
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -209,19 +228,7 @@ class Scene(_Table):
             raise ValueError(
                 "!body1 and body2 must not both be rigid; give one of them young-modulus and poisson-ratio"
             )
-        labels = [request.label for request in self.stress]
-        for label in labels:
-            if labels.count(label) > 1:
-                raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
-        for request in self.stress:
-            if (self.body1, self.body2)[request.body - 1].rigid:
-                raise ValueError(
-                    f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)"
-                )
-        if self.numerics.boundary == "periodic" and any(request.shape in ("line", "points") for request in self.stress):
-            raise ValueError(
-                "!stress of a periodic scene must be asked for on planes or volumes (got a line or points)"
-            )
+        check_contents(self)
         return self
 
     def __init__(self, **data: Any) -> None:
@@ -260,17 +267,22 @@ def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
-    """Accept component objects where a table is expected."""
-    from dataclasses import asdict, is_dataclass
-
-    def table(item: Any) -> Any:
-        if is_dataclass(item) and not isinstance(item, type):
-            return {"type": getattr(item, "key", ""), **asdict(item)}
-        return item
-
+    """Accept component objects, and arrays, where a table is expected."""
     out = dict(data)
-    for name in ("geometry", "observers"):
+    for name in ("geometry", "observers", "inclusions", "eigenstrain"):
         if name in out:
             value = out[name]
-            out[name] = [table(item) for item in value] if isinstance(value, list | tuple) else table(value)
+            out[name] = [_table(item) for item in value] if isinstance(value, list | tuple) else _table(value)
     return out
+
+
+def _table(item: Any) -> Any:
+    """Table of a component, or of a table that has one as its ``type`` or its ``eigenstrain``."""
+    from dataclasses import asdict, is_dataclass
+
+    if is_dataclass(item) and not isinstance(item, type):
+        return {"type": getattr(item, "key", ""), **_table(asdict(item))}
+    if not isinstance(item, dict):
+        return item.tolist() if hasattr(item, "tolist") else item
+    out = {key: _table(value) if key in ("type", "eigenstrain", "value") else value for key, value in item.items()}
+    return out if not isinstance(out.get("type"), dict) else {**out, **out["type"]}

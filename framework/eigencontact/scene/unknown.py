@@ -15,6 +15,8 @@ def find_unknown(data: Any, model: type[BaseModel], where: str = "") -> None:
     """Raise `SceneError` for the first unknown key of `data` or of a table in it."""
     if not isinstance(data, dict):
         return
+    if model.model_config.get("extra") == "allow":  # the other keys belong to a plugin, which checks them
+        return
     refuse_unknown(data, model.model_fields, where)
     for key, value in data.items():
         inner = _model(model.model_fields[key.replace("-", "_")].annotation)

@@ -1,0 +1,71 @@
+"""Whether the parts of a scene belong together: contact, eigenstrain, load history, regions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from eigencontact.scene.schema import Scene, StressRequest
+
+__all__ = ["check_contents"]
+
+
+def check_contents(scene: Scene) -> None:
+    """Raise ValueError, with a whole sentence after ``!``, for parts that contradict each other."""
+    if not (scene.geometry or scene.inclusions or scene.eigenstrain):
+        raise ValueError(
+            "!the scene must have a geometry, inclusions or eigenstrain (got none of them); add [geometry] for a "
+            "contact, [[inclusions]] or [[eigenstrain]] for the field of a prescribed eigenstrain"
+        )
+    _check_steps(scene)
+    _check_eigenstrain(scene)
+    labels = [request.label for request in scene.stress]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
+    for request in scene.stress:
+        _check_region(scene, request)
+
+
+def _check_steps(scene: Scene) -> None:
+    if scene.geometry and "steps" not in scene.model_fields_set:
+        raise ValueError("!steps must be given")
+    for number, step in enumerate(scene.steps):
+        where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
+        if scene.geometry and not {"normal-load", "approach"} & set(step.prescribed):
+            given = ", ".join(step.prescribed) or "neither"
+            raise ValueError(f"!{where} must be controlled by normal-load or approach: give one of them (got {given})")
+        if step.prescribed and not scene.geometry:
+            raise ValueError(
+                f"!{where} must not prescribe {step.prescribed[0]} without a geometry (got no contact to load); "
+                "add [geometry], or leave it out"
+            )
+
+
+def _check_eigenstrain(scene: Scene) -> None:
+    if not (scene.inclusions or scene.eigenstrain):
+        return
+    if scene.numerics.boundary == "periodic":
+        raise ValueError(
+            "!numerics.boundary must be 'non-periodic' in a scene with inclusions or eigenstrain (got 'periodic'); "
+            "their fields are those of one half-space"
+        )
+    for group in ("inclusions", "eigenstrain"):
+        for number, item in enumerate(getattr(scene, group)):
+            if (scene.body1, scene.body2)[item.body - 1].rigid:
+                raise ValueError(
+                    f"!{group}.{number} must lie in an elastic body (body{item.body} is rigid); set body, or give "
+                    f"body{item.body} young-modulus and poisson-ratio"
+                )
+
+
+def _check_region(scene: Scene, request: StressRequest) -> None:
+    if (scene.body1, scene.body2)[request.body - 1].rigid:
+        raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
+    if scene.geometry and "displacement" in request.fields:
+        raise ValueError(
+            f"!fields of stress region {request.label!r} must be stress or strain in a scene with a contact "
+            "(got displacement); that of eigenstrain is given without a geometry"
+        )
+    if scene.numerics.boundary == "periodic" and request.shape in ("line", "points"):
+        raise ValueError("!stress of a periodic scene must be asked for on planes or volumes (got a line or points)")

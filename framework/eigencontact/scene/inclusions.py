@@ -1,0 +1,99 @@
+"""Tables of a scene that put eigenstrain into a body: inclusions of a shape, and patches of the surface layer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, ConfigDict, Field, field_validator
+
+from eigencontact.scene.checks import at_least
+from eigencontact.scene.table import FiniteLength, PositiveLength, Table
+
+__all__ = ["EigenstrainPatch", "Inclusion", "eigenstrain_table"]
+
+_Layers = Annotated[int, AfterValidator(at_least(1))]
+
+
+class _Component(Table):
+    """Table whose further keys are the fields of the plugin that ``type`` names."""
+
+    model_config = ConfigDict(extra="allow")
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$")] | None = None
+    type: str
+    body: Literal[1, 2] = 1
+
+    @property
+    def component(self) -> dict[str, Any]:
+        """Table of the plugin: ``type`` and its fields."""
+        return {"type": self.type, **(self.model_extra or {})}
+
+
+class Inclusion(_Component):
+    """A region of a body with a prescribed eigenstrain (stress-free strain).
+
+    ``type`` names the inclusion shape; its fields (center, radius, edges ...) stand beside it. Coordinates are those of
+    the scene with z into `body`, the surface at z = 0.
+
+    Attributes
+    ----------
+    eigenstrain : number, three numbers, 3 x 3 matrix or table
+        Expansion positive, tensor components: one number is isotropic, three are (xx, yy, zz). A table names an
+        eigenstrain field: ``{ type = "thermal", ... }``.
+    name : str, optional
+        For pictures and `explain`; by default the shape and its number.
+    body : {1, 2}
+        The half-space it lies in.
+    """
+
+    eigenstrain: Any
+
+    @field_validator("eigenstrain")
+    @classmethod
+    def _field(cls, value: Any) -> Any:
+        rule = 'a number, three, a symmetric 3 x 3 matrix, or a table { type = "...", ... } that names a field'
+        good = isinstance(value.get("type"), str) if isinstance(value, Mapping) else _is_strain(value)
+        if not good:
+            raise ValueError(rule)
+        return value
+
+
+class EigenstrainPatch(_Component):
+    """An eigenstrain field that fills a patch of the window from the surface down to a depth.
+
+    ``type`` names the eigenstrain field; its fields stand beside it.
+
+    Attributes
+    ----------
+    depth : float
+        Lower end [m]; the upper end is the surface.
+    layers : int
+        Layers of cells that the depth is cut into.
+    size : (float, float), optional
+        Extent of the patch along x and y [m]; the whole window by default. It is rounded to whole cells.
+    center : (float, float), optional
+        Middle of the patch [m]; of the window by default.
+    name, body
+        As of an `Inclusion`.
+    """
+
+    depth: PositiveLength
+    layers: _Layers = 32
+    size: tuple[PositiveLength, PositiveLength] | None = None
+    center: tuple[FiniteLength, FiniteLength] | None = None
+
+
+def _is_strain(value: Any) -> bool:
+    def row(items: Any, member: Any) -> bool:
+        return isinstance(items, list | tuple) and len(items) == 3 and all(member(item) for item in items)
+
+    def number(item: Any) -> bool:
+        return isinstance(item, int | float) and not isinstance(item, bool)
+
+    return number(value) or row(value, number) or row(value, lambda items: row(items, number))
+
+
+def eigenstrain_table(value: Any) -> dict[str, Any]:
+    """Table of the eigenstrain field that a number, three numbers, a matrix or a table stands for."""
+    return dict(value) if isinstance(value, Mapping) else {"type": "uniform", "value": value}

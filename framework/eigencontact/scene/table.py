@@ -1,0 +1,25 @@
+"""What all tables of a scene have in common: kebab-case names, no unknown keys, no change after validation."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
+
+from eigencontact.core.quantities import Length
+from eigencontact.scene.checks import finite, non_negative, one_or_many, positive
+
+__all__ = ["Depth", "FiniteLength", "PositiveLength", "Table", "Tables"]
+
+PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
+FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
+Depth = Annotated[Length, AfterValidator(non_negative("m"))]
+Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
+
+
+class Table(BaseModel):
+    """Base of every table of a scene."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, alias_generator=lambda name: name.replace("_", "-"), populate_by_name=True
+    )

@@ -1,0 +1,1 @@
+"""Eigenstrain fields: uniform, tabulated over depth, thermal, peened layer, from a file."""

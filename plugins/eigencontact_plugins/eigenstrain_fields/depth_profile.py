@@ -1,0 +1,71 @@
+"""Eigenstrain tabulated over the depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import EigenstrainField, Length, hookimpl, require
+from eigencontact_plugins.eigenstrain_fields.values import Direction, TimedField, directed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["DepthProfile"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DepthProfile(TimedField):
+    """Eigenstrain given at depths, linear between them and zero below the last.
+
+    Parameters
+    ----------
+    depths : tuple of float
+        Ascending [m]; above the first, its value holds.
+    values : tuple of float
+        Eigenstrain [-] at each depth, expansion positive.
+    direction : "isotropic", "in-plane" or (xx, yy, zz)
+        Tensor that the values multiply: all directions alike, x and y alone, or three weights.
+    times, factors : tuple of float
+        History; see `TimedField`.
+
+    Examples
+    --------
+    >>> field = DepthProfile(depths=(0.0, 2.0), values=(4e-3, 0.0), direction="in-plane")
+    >>> field.eigenstrain(np.zeros(1), np.zeros(1), np.ones(1), 1.0)[:3, 0].tolist()
+    [0.002, 0.002, 0.0]
+    """
+
+    key: ClassVar[str] = "depth-profile"
+    references: ClassVar[tuple[str, ...]] = ("T. Mura, Micromechanics of Defects in Solids (1987), section 1",)
+
+    depths: tuple[Length, ...]
+    values: tuple[float, ...]
+    direction: Direction = "isotropic"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        depths, values = np.asarray(self.depths, dtype=float), np.asarray(self.values, dtype=float)
+        good = depths.size > 0 and np.all(np.isfinite(depths)) and np.all(np.diff(depths) > 0)
+        require(good, self.key, "depths", self.depths, "at least one, finite and ascending [m]")
+        rule = f"{depths.size} finite numbers, one for each of depths [-]"
+        require(values.shape == depths.shape and np.all(np.isfinite(values)), self.key, "values", self.values, rule)
+        directed(self.key, self.direction)
+
+    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Mandel eigenstrain at factor 1; see `TimedField`."""
+        depth = np.broadcast_to(z, np.broadcast_shapes(x.shape, y.shape, z.shape))
+        return np.multiply.outer(
+            directed(self.key, self.direction), np.interp(depth, self.depths, self.values, right=0.0)
+        )
+
+
+@hookimpl
+def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+    """Register the tabulated profile."""
+    return [DepthProfile]

@@ -1,0 +1,88 @@
+"""The layer that shot peening, rolling or laser shocks leave below a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import EigenstrainField, Length, hookimpl, require
+from eigencontact_plugins.eigenstrain_fields.values import TimedField
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["PeenedLayer"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeenedLayer(TimedField):
+    """Equal stretch along x and y, largest at a depth below the surface, as peening leaves it.
+
+    Parameters
+    ----------
+    peak : float
+        Largest in-plane eigenstrain [-]; positive stretches the layer, which is then in compression.
+    peak_depth : float
+        z_p [m], where it is largest.
+    width : float
+        w [m]. Profile ``"gaussian"``: exp(-2 (z - z_p)²/w²). ``"cosine"``: cos(pi (z - z_p)/(2 w)) for |z - z_p| < w,
+        zero beyond.
+    profile : "gaussian" or "cosine"
+        Form of the profile.
+    incompressible : bool
+        Whether the layer shrinks along z by twice as much, as plastic flow does.
+    times, factors : tuple of float
+        History; see `TimedField`.
+
+    Notes
+    -----
+    In a layer that is wide beside its depth the stress is biaxial and local, -E e(z)/(1 - nu) along x and y, whatever
+    the eigenstrain along z. A measured residual stress profile so gives the eigenstrain directly; both profiles were
+    proposed for that stress.
+
+    Examples
+    --------
+    >>> field = PeenedLayer(peak=2e-3, peak_depth=50e-6, width=100e-6)
+    >>> field.eigenstrain(np.zeros(1), np.zeros(1), np.array([50e-6]), 1.0)[:3, 0].tolist()
+    [0.002, 0.002, -0.004]
+    """
+
+    key: ClassVar[str] = "peened-layer"
+    references: ClassVar[tuple[str, ...]] = (
+        "A. M. Korsunsky, J. Strain Anal. 40 (2005) 817, doi:10.1243/030932405X30984 (peening as an eigenstrain)",
+        "G. T. Robertson, The Shot Peener 11 (1997) 46 (Gaussian profile)",
+        "Y. F. Al-Obaid, Mech. Mater. 19 (1995) 251, doi:10.1016/0167-6636(94)00036-G (cosine profile)",
+    )
+
+    peak: float
+    peak_depth: Length
+    width: Length
+    profile: Literal["gaussian", "cosine"] = "gaussian"
+    incompressible: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(np.isfinite(self.peak), self.key, "peak", self.peak, "finite [-]")
+        require(0 <= self.peak_depth < np.inf, self.key, "peak_depth", self.peak_depth, "zero or positive, finite [m]")
+        require(0 < self.width < np.inf, self.key, "width", self.width, "positive and finite [m]")
+        require(self.profile in ("gaussian", "cosine"), self.key, "profile", self.profile, "'gaussian' or 'cosine'")
+
+    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Mandel eigenstrain at factor 1; see `TimedField`."""
+        depth = np.broadcast_to(z, np.broadcast_shapes(x.shape, y.shape, z.shape))
+        at = (depth - self.peak_depth) / self.width
+        gaussian = self.profile == "gaussian"
+        course = np.exp(-2.0 * at**2) if gaussian else np.cos(0.5 * np.pi * np.clip(at, -1.0, 1.0))
+        tensor = np.array([1.0, 1.0, -2.0 if self.incompressible else 0.0, 0.0, 0.0, 0.0])
+        return np.asarray(np.multiply.outer(tensor, self.peak * course))
+
+
+@hookimpl
+def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+    """Register the peened layer."""
+    return [PeenedLayer]

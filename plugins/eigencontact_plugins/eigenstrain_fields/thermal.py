@@ -1,0 +1,79 @@
+"""Thermal expansion under a temperature that decays with the depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import EigenstrainField, Length, Unit, hookimpl, require
+from eigencontact_plugins.eigenstrain_fields.values import TimedField
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Thermal"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thermal(TimedField):
+    """Thermal expansion alpha dT exp(-z/d), the same in all directions.
+
+    Parameters
+    ----------
+    expansion : float
+        Linear coefficient of thermal expansion alpha [1/K].
+    temperature : float
+        Rise of the temperature at the surface dT [K]; negative for cooling. Give a plain number or kelvin.
+    decay_depth : float
+        d [m], over which the rise falls to 1/e; by default it is the same at all depths.
+    times, factors : tuple of float
+        History of the temperature; see `TimedField`.
+
+    Notes
+    -----
+    The exponential is the profile of a source that light, a beam or a quasi-stationary heat flow leaves below a
+    surface; another profile goes into ``depth-profile`` as alpha dT at depths.
+
+    Examples
+    --------
+    >>> Thermal(expansion=1e-5, temperature=100.0).eigenstrain(np.zeros(1), np.zeros(1), np.ones(1), 1.0)[0].tolist()
+    [0.001]
+    """
+
+    key: ClassVar[str] = "thermal"
+    references: ClassVar[tuple[str, ...]] = (
+        "W. Nowacki, Thermoelasticity (1986), section 1",
+        "T. Mura, Micromechanics of Defects in Solids (1987), section 1",
+    )
+
+    expansion: Annotated[float, Unit("1/K", "an expansion per kelvin")]
+    temperature: Annotated[float, Unit("K", "a difference of temperatures")]
+    decay_depth: Length = float("inf")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(np.isfinite(self.expansion), self.key, "expansion", self.expansion, "finite [1/K]")
+        require(np.isfinite(self.temperature), self.key, "temperature", self.temperature, "finite [K]")
+        require(self.decay_depth > 0, self.key, "decay_depth", self.decay_depth, "positive [m]")
+
+    @property
+    def uniform(self) -> bool:  # type: ignore[override]
+        """Whether the temperature is the same at all depths."""
+        return bool(np.isinf(self.decay_depth))
+
+    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Mandel eigenstrain at factor 1; see `TimedField`."""
+        depth = np.broadcast_to(z, np.broadcast_shapes(x.shape, y.shape, z.shape))
+        strain = self.expansion * self.temperature * np.exp(-depth / self.decay_depth)
+        return np.asarray(np.multiply.outer(np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]), strain))
+
+
+@hookimpl
+def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+    """Register thermal expansion."""
+    return [Thermal]

@@ -1,0 +1,58 @@
+"""The same eigenstrain everywhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import EigenstrainField, hookimpl
+from eigencontact_plugins.eigenstrain_fields.values import Strain, TimedField, mandel_strain
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Uniform"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Uniform(TimedField):
+    """The same eigenstrain everywhere; ``eigenstrain = 1e-3`` of an inclusion is short for it.
+
+    Parameters
+    ----------
+    value : number, three numbers or 3 x 3 matrix
+        Tensor components [-], expansion positive: one number is isotropic, three are (xx, yy, zz).
+    times, factors : tuple of float
+        History; see `TimedField`.
+
+    Examples
+    --------
+    >>> Uniform(value=1e-3).eigenstrain(np.zeros(2), np.zeros(2), np.zeros(2), 1.0)[:4, 0].tolist()
+    [0.001, 0.001, 0.001, 0.0]
+    """
+
+    key: ClassVar[str] = "uniform"
+    uniform: ClassVar[bool] = True
+    references: ClassVar[tuple[str, ...]] = ("T. Mura, Micromechanics of Defects in Solids (1987), section 1",)
+
+    value: Strain
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        mandel_strain(self.key, "value", self.value)
+
+    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Mandel eigenstrain at factor 1; see `TimedField`."""
+        ones = (1,) * len(np.broadcast_shapes(x.shape, y.shape, z.shape))
+        return mandel_strain(self.key, "value", self.value).reshape(6, *ones)
+
+
+@hookimpl
+def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+    """Register the uniform field."""
+    return [Uniform]
