@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.errors import PluginError, SceneError, require
+from eigencontact.errors import EigencontactError, PluginError, SceneError, require
 from eigencontact.hooks.manager import load_plugins
-from eigencontact.hooks.registry import Registry
+from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin import KINDS
 
 __all__ = ["installed_plugins", "make", "rectangle_field"]
@@ -43,8 +43,10 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
 
     Examples
     --------
-    >>> make("sphere", radius="105 um").radius
-    0.000105
+    >>> make("sphere", radius="105 um").kind
+    'geometry'
+    >>> make("sphere", radius="2 um", center=(0, 0, "5 um")).kind
+    'inclusion-shape'
     """
     from eigencontact.scene.components import instantiate
 
@@ -57,8 +59,7 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
         fitting = [entry for entry in entries if set(parameters) <= set(registry.parameters(entry.component))]
         entries = fitting or entries
     if len(entries) > 1:
-        kinds = ", ".join(repr(entry.kind) for entry in entries)
-        raise PluginError(f"{key!r} must be told apart by kind (it is one of {kinds}); give kind=")
+        return _only_fitting(key, entries, parameters)
     if not entries:
         from eigencontact.errors import nearest
 
@@ -66,6 +67,24 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
         broken = "".join(f"; {item}" for item in registry.broken)
         raise PluginError(f"unknown plugin {key!r}; installed: {', '.join(keys)}{nearest(key, keys)}{broken}")
     return instantiate(entries[0], parameters, key)
+
+
+def _only_fitting(key: str, entries: list[Entry], parameters: dict[str, Any]) -> Any:
+    """Component of the one kind that accepts the parameters; a sphere's centre has two or three coordinates."""
+    from eigencontact.scene.components import instantiate
+
+    made, refused = {}, {}
+    for entry in entries:
+        try:
+            made[entry.kind] = instantiate(entry, parameters, key)
+        except EigencontactError as problem:
+            refused[entry.kind] = str(problem)
+    if len(made) == 1:
+        return next(iter(made.values()))
+    if made:
+        raise PluginError(f"{key!r} must be told apart by kind (it may be {', '.join(map(repr, made))}); give kind=")
+    reasons = "; ".join(f"as {kind}: {reason}" for kind, reason in refused.items())
+    raise SceneError(f"{key} must be given parameters that one kind accepts ({reasons})")
 
 
 def rectangle_field(

@@ -38,6 +38,11 @@ class HasPotentials(Protocol):
     point): where its face lies in z = 0 it returns that one-sided limit (`numpy.signbit` tells them apart).
     """
 
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Lowest and highest coordinates of the region [m]."""
+        ...
+
     def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Phi, ``(len(orders), ...)`` [m^(2 - order)]; x, y, z have one shape."""
         ...

@@ -10,9 +10,9 @@ s = (1, 1, -1), q_jk = s_j s_k e_jk, potentials Psi0, Phi0 of the region, and Ps
     A = q_jk Psi,jk    B = q_jk Phi,jk    v_i = q_ik Phi,k    C = q_ab Chi,ab - q_33 Phi   (a, b = 1, 2)
     S = (3-4nu) A + 4(1-nu)(1-2nu) C      T = A,3 - 4(1-nu) v_3
 
-The eigenstress of the dilatation, lambda e_kk, is kept apart (the terms with nu e_kk): its factor 1-2nu cancels by hand,
-so nu = 1/2 is an ordinary value. Strain is the symmetric gradient of the forms; stress uses the volume strain divided
-by 1-2nu in closed form.
+The eigenstress of the dilatation, lambda e_kk, is kept apart (the terms with nu e_kk): its factor 1-2nu cancels by
+hand, so nu = 1/2 is an ordinary value. Strain is the symmetric gradient of the forms; stress uses the volume strain
+divided by 1-2nu in closed form.
 
 References
 ----------

@@ -1,0 +1,128 @@
+"""Field of an inclusion at points: the half-space theorem as one call."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.core.tensors import to_mandel, to_matrix
+from eigencontact.errors import SceneError, require
+from eigencontact.halfspace.points import field_at_points
+from eigencontact.halfspace.potentials import HasPotentials
+from eigencontact.halfspace.theorem import QUANTITIES
+from eigencontact.halfspace.voxels import VoxelisedShape
+from eigencontact.library import installed_plugins
+from eigencontact.planning.cells import installed_cell
+from eigencontact.plugin import InclusionShape
+
+__all__ = ["inclusion_field"]
+
+FloatArray = NDArray[np.float64]
+_HERE = "inclusion_field"
+
+
+def inclusion_field(
+    shape: InclusionShape,
+    eigenstrain: ArrayLike,
+    points: ArrayLike,
+    *,
+    young_modulus: float,
+    poisson_ratio: float,
+    quantity: Literal["displacement", "strain", "stress"] = "displacement",
+    space: Literal["half", "full"] = "half",
+    cells: int = 16,
+) -> FloatArray:
+    """Field of a region with uniform eigenstrain in an elastic half-space z >= 0 with a free surface, or in full space.
+
+    Parameters
+    ----------
+    shape : InclusionShape
+        The region, of `eigencontact.make` or your own. In a half-space it must lie in z >= 0; it may touch the surface.
+    eigenstrain : (3, 3) [-]
+        Symmetric stress-free strain; expansion is positive, any trace.
+    points : (n, 3) [m]
+        Field points, z >= 0 in a half-space.
+    young_modulus, poisson_ratio : float
+        E [Pa] and ν in (-1, 0.5], the end included.
+    quantity : {"displacement", "strain", "stress"}
+        What to return; strain is the total strain, stress is positive in tension.
+    space : {"half", "full"}
+        With or without the free surface z = 0.
+    cells : int
+        Cells across the longest extent of a shape that offers only ``contains``; others do not use it.
+
+    Returns
+    -------
+    (n, 3) [m] or (n, 3, 3) [-] or [Pa]
+        Displacement, or symmetric tensors. Components that jump across a face of the region take the mean of both
+        sides on it; in the surface, the limit from inside. On edges strain and stress are infinite (a logarithm);
+        they come out large and finite.
+
+    Raises
+    ------
+    SceneError
+        A wrong shape of array, values that are not finite, points or region above the surface.
+
+    References
+    ----------
+    Mindlin & Cheng 1950, doi:10.1063/1.1699785; Chiu 1978, doi:10.1115/1.3424424; Davies 2003, doi:10.1115/1.1602481;
+    Liu et al. 2012, doi:10.1016/j.ijplas.2012.03.003.
+
+    Examples
+    --------
+    A heated sphere below the surface lifts it, by (4/3)(1+ν) ε a³/c² above its centre:
+
+    >>> import numpy as np, eigencontact as ec
+    >>> ball = ec.make("sphere", center=(0, 0, 2.0), radius=1.0)
+    >>> u = inclusion_field(ball, 1e-3 * np.eye(3), [[0, 0, 0]], young_modulus=210e9, poisson_ratio=0.3)
+    >>> f"{u[0, 2]:.6e}"
+    '-4.333333e-04'
+    """
+    strain = np.asarray(eigenstrain, dtype=float)
+    at = np.asarray(points, dtype=float)
+    require(isinstance(shape, InclusionShape), _HERE, "shape", shape, "an inclusion shape, as make() returns")
+    require(strain.shape == (3, 3), _HERE, "eigenstrain", strain.shape, "of shape (3, 3) [-]")
+    require(np.all(np.isfinite(strain)), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
+    require(np.array_equal(strain, strain.T), _HERE, "eigenstrain", strain.tolist(), "symmetric")
+    require(at.ndim == 2 and at.shape[1] == 3, _HERE, "points", at.shape, "of shape (n, 3) [m]")
+    if not np.all(np.isfinite(at)):
+        raise SceneError(f"{_HERE}.points must be finite [m] (got NaN or infinity)")
+    require(quantity in QUANTITIES, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
+    require(space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
+    material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
+    if space == "half":
+        require(np.all(at[:, 2] >= 0), _HERE, "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
+        check_below_surface(shape, _HERE)
+    mandel = to_mandel([strain[0, 0], strain[1, 1], strain[2, 2], strain[1, 2], strain[0, 2], strain[0, 1]])
+    field = field_at_points(
+        with_potentials(shape, cells),
+        mandel,
+        (at[:, 0], at[:, 1], at[:, 2]),
+        poisson_ratio=material.poisson_ratio,
+        quantity=quantity,
+        space=space,
+    )
+    if quantity == "displacement":
+        return np.ascontiguousarray(field.T)
+    return to_matrix(field * material.shear_modulus if quantity == "stress" else field)
+
+
+def with_potentials(shape: InclusionShape, cells: int) -> Any:
+    """Return the shape itself where it has potentials, else cut into cells."""
+    if isinstance(shape, HasPotentials):
+        return shape
+    return VoxelisedShape(shape, installed_cell(installed_plugins()), cells)
+
+
+def check_below_surface(shape: InclusionShape, where: str) -> None:
+    """Refuse a region that reaches above the surface by more than round-off."""
+    low, high = shape.bounds
+    size = max(b - a for a, b in zip(low, high, strict=True))
+    if not low[2] >= -1e-12 * size:
+        raise SceneError(
+            f"{where}: {shape.key} must lie below the surface, z of 0 or more [m] (its top is at z = {low[2]:g} m); "
+            "move it down, or use the full space"
+        )
