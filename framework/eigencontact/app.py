@@ -90,7 +90,7 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
     SceneError, PluginError, PlanError
         See `eigencontact.errors`.
     """
-    from eigencontact.planning.contact import make_plan
+    from eigencontact.planning.planner import make_plan
 
     return make_plan(load_scene(scene), registry or installed_plugins())
 
@@ -278,7 +278,12 @@ def _run_info(planned: Plan) -> RunInfo:
 
     resolved = planned.scene.resolved()
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
-    digest.update(planned.separation().tobytes())  # a changed topography file is a changed scene
+    if planned.geometries:
+        digest.update(planned.separation().tobytes())  # a changed topography file is a changed scene
+    for source in planned.sources:  # and so is a changed mesh, or a changed table of eigenstrain
+        for part in (source.shape, source.field):
+            file = Path(str(getattr(part, "file", "")))
+            digest.update(file.read_bytes() if file.is_file() else b"")
     versions = {
         "python": platform.python_version(),
         "numpy": np.__version__,
@@ -287,8 +292,7 @@ def _run_info(planned: Plan) -> RunInfo:
     }
     with contextlib.suppress(PackageNotFoundError):
         versions["pyfftw"] = version("pyfftw")
-    used = [*planned.influences.values(), *planned.geometries, *(o for _, o in planned.observers)]
-    for component in used:
+    for component in planned.components:
         entry = planned.registry.get(component.kind, component.key)
         versions[f"plugin {entry.kind} {entry.key}"] = entry.origin
     return RunInfo(
@@ -299,7 +303,7 @@ def _run_info(planned: Plan) -> RunInfo:
         scene_hash=digest.hexdigest(),
         versions=versions,
         references=references(planned),
-        contact_modulus=contact_modulus(*planned.bodies),
+        contact_modulus=contact_modulus(*planned.bodies) if planned.geometries else None,
         steps=planned.steps,
     )
 

@@ -108,11 +108,13 @@ def _report(name: str, result: Any) -> None:
         ("largest pressure", "max_pressure", "Pa"),
         ("largest von Mises stress", "max_von_mises", "Pa"),
         ("  at depth", "max_von_mises_depth", "m"),
+        ("largest uplift of the surface", "max_uplift", "m"),
     )
     for text, key, unit in rows:
         if summary.get(key) is not None:
             numbers.add_row(text, readable(float(summary[key]), unit))
-    numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
+    if summary["gap_residual"] is not None:
+        numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
     console.print(numbers)
     folder = result.folder.resolve()
@@ -121,10 +123,11 @@ def _report(name: str, result: Any) -> None:
     for file, text in result.files.items():
         files.add_row(f"  {file}", text)
     console.print(files)
-    console.print(
-        f"\nsolved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
-        f"{summary['convolutions']} convolutions); everything, pictures included, in {result.seconds:.3g} s"
-    )
+    solved = f"computed in {summary['compute_seconds']:.3g} s"
+    if summary["iterations"] is not None:
+        solved = f"solved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
+        solved += f"{summary['convolutions']} convolutions)"
+    console.print(f"\n{solved}; everything, pictures included, in {result.seconds:.3g} s")
 
 
 @app.command()

@@ -66,9 +66,11 @@ def drive(
             runners = [build_runner(plan, block) for block in plan.blocks]
         if watcher is not None:
             watcher.step_started(point, len(points))
+        step = plan.scene.steps[point.ramp]
         state = State(
             index=point.index,
-            control=control_at(plan.scene.steps[point.ramp], point.fraction, ramp_start),
+            time=point.time,
+            control=control_at(step, point.fraction, ramp_start) if plan.geometries else None,
             progress=None if watcher is None else watcher.iterated,
         )
         for runner in runners:

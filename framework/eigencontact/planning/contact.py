@@ -1,8 +1,8 @@
-"""Planning an elastic contact: components, grid, and the blocks that its outputs need."""
+"""Planning the contact of a scene: its window, and how much of it the contact will fill."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -11,44 +11,47 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
-from eigencontact.errors import PlanError, SceneError
+from eigencontact.errors import SceneError
 from eigencontact.hooks.registry import Registry
-from eigencontact.planning.blocks import resolve
-from eigencontact.planning.declare import Declaration, left_out
+from eigencontact.planning.grids import given_grid
 from eigencontact.planning.kernels import PairCoefficients, installed_influence
-from eigencontact.planning.plan import Plan, sum_separations
+from eigencontact.planning.plan import sum_separations
 from eigencontact.planning.window import ContactEstimate, automatic_grid, estimate_contact
-from eigencontact.plugin import Geometry, HasNativeGrid
-from eigencontact.scene.components import build_component
-from eigencontact.scene.schema import Body, Scene, Step
+from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
+from eigencontact.scene.schema import Scene, Step
 from eigencontact.solvers.control import Control
 
-__all__ = ["make_plan"]
+__all__ = ["ContactPart", "plan_contact"]
 
 FloatArray = NDArray[np.float64]
 
-#: The largest plan that is accepted, as a share of the machine's memory.
-_MEMORY_SHARE = 0.9
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ContactPart:
+    """What planning decides about the contact of a scene.
 
-def make_plan(scene: Scene, registry: Registry) -> Plan:
-    """Decide what a scene needs.
-
-    Raises
-    ------
-    SceneError, PluginError, PlanError
-        A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
-        for this machine's memory.
+    Attributes
+    ----------
+    grid : Grid
+        The window.
+    reason : str
+        Where it came from.
+    box : (int, int)
+        Cells along (y, x) that the contact will occupy, by estimate.
+    influence : SurfaceInfluence
+        Of the pressure.
     """
-    bodies = (_material(scene.body1), _material(scene.body2))
-    geometries = tuple(
-        build_component(registry, "geometry", table, _where("geometry", i, scene.geometry))
-        for i, table in enumerate(scene.geometry)
-    )
-    observers = tuple(
-        (str(table["type"]), build_component(registry, "observer", table, _where("observers", i, scene.observers)))
-        for i, table in enumerate(scene.observers)
-    )
+
+    grid: Grid
+    reason: str
+    box: tuple[int, int]
+    influence: SurfaceInfluence
+
+
+def plan_contact(
+    scene: Scene, registry: Registry, bodies: tuple[Material | None, Material | None], geometries: tuple[Geometry, ...]
+) -> ContactPart:
+    """Choose window and box of the contact of a scene by coarse solves; eigenstrain is not looked at here."""
     pressure = installed_influence(registry, "p")
     normal = PairCoefficients(pressure, bodies, "z")
     grid, reason = _grid(scene, geometries, normal)
@@ -58,34 +61,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         min(grid.ny, int(np.ceil(touched.extent[1] / grid.dy * 1.05)) + 4),
         min(grid.nx, int(np.ceil(touched.extent[0] / grid.dx * 1.05)) + 4),
     )
-    material = next(body for body in bodies if body is not None)
-    blocks, outputs = Declaration(scene, grid, box, geometries, observers, pressure, material).everything()
-    plan = Plan(
-        scene=scene,
-        registry=registry,
-        grid=grid,
-        grid_reason=reason,
-        bodies=bodies,
-        geometries=geometries,
-        observers=observers,
-        influences={"p": pressure},
-        groups=resolve(blocks, outputs),
-        left_out=left_out(scene, bodies),
-    )
-    _check_memory(plan)
-    return plan
-
-
-def _where(group: str, index: int, tables: Sequence[object]) -> str:
-    return group if len(tables) == 1 else f"{group}.{index}"
-
-
-def _material(body: Body) -> Material | None:
-    if body.rigid:
-        return None
-    assert body.young_modulus is not None
-    assert body.poisson_ratio is not None
-    return Material(young_modulus=body.young_modulus, poisson_ratio=body.poisson_ratio)
+    return ContactPart(grid=grid, reason=reason, box=box, influence=pressure)
 
 
 def _controls(scene: Scene) -> list[Control]:
@@ -100,19 +76,10 @@ def step_control(step: Step) -> Control:
 
 def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficients) -> tuple[Grid, str]:
     spec = scene.grid
+    given = given_grid(spec)
+    if given is not None:
+        return given, "given in the scene"
     native = [geometry.native_grid() for geometry in geometries if isinstance(geometry, HasNativeGrid)]
-    if spec.cells is not None:
-        nx, ny = spec.cells
-        if spec.size is not None:
-            dx, dy = spec.size[0] / nx, spec.size[1] / ny
-        else:
-            assert spec.spacing is not None
-            dx, dy = spec.spacing
-        return Grid(nx=nx, ny=ny, dx=dx, dy=dy, center=spec.center), "given in the scene"
-    if spec.size is not None:
-        assert spec.spacing is not None
-        nx, ny = (max(1, round(size / pitch)) for size, pitch in zip(spec.size, spec.spacing, strict=True))
-        return Grid(nx=nx, ny=ny, dx=spec.size[0] / nx, dy=spec.size[1] / ny, center=spec.center), "given in the scene"
     if native:
         return native[0], "the grid of the measured topography"
     if scene.numerics.boundary == "periodic":
@@ -165,19 +132,3 @@ def _largest_contact(
         if estimate is not None:
             found = estimate if found is None else found.join(estimate)
     return found
-
-
-def _check_memory(plan: Plan) -> None:
-    import os
-
-    try:
-        total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):
-        return
-    wanted = plan.cost.memory
-    if wanted > _MEMORY_SHARE * total:
-        largest = max(plan.blocks, key=lambda block: block.cost.memory)
-        raise PlanError(
-            f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
-            f"{largest.name!r}); use fewer cells or depths, or numerics.precision = 'single'"
-        )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import resource
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from math import log2
@@ -29,6 +30,7 @@ __all__ = [
     "speed",
     "stress_cost",
     "superposition_cost",
+    "timed",
 ]
 
 
@@ -91,16 +93,21 @@ def normal_cost(
     return Cost(memory=held, seconds_per_step=solve)
 
 
+def timed(call: Callable[[], object], laps: int = 3) -> float:
+    """Shortest of a few times that a call takes [s]."""
+    found = []
+    for _ in range(laps):
+        began = perf_counter()
+        call()
+        found.append(perf_counter() - began)
+    return min(found)
+
+
 @cache
 def sampling_seconds(influence: SurfaceInfluence, body: Material) -> float:
     """Measured time of six stress coefficients at one lattice point [s]."""
     x = np.arange(96.0)
-    laps = []
-    for _ in range(3):
-        began = perf_counter()
-        influence.sample("stress", COMPONENTS, x, x, 1.0, (0.5, 0.5), body)
-        laps.append(perf_counter() - began)
-    return min(laps) / x.size**2
+    return timed(lambda: influence.sample("stress", COMPONENTS, x, x, 1.0, (0.5, 0.5), body)) / x.size**2
 
 
 def stress_cost(

@@ -1,4 +1,4 @@
-"""Which blocks an elastic contact could use, which outputs its scene wants, and what it leaves out."""
+"""Which blocks a scene could use, which outputs it wants, and what it leaves out."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from eigencontact.core.material import Material
 from eigencontact.planning.blocks import Block
 from eigencontact.planning.cost import normal_cost, sampling_seconds, stress_cost, superposition_cost
 from eigencontact.planning.kernels import KernelUse
-from eigencontact.planning.plan import LeftOut
 from eigencontact.planning.regions import RegionLattice, region_lattice
 from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.schema import Scene, StressRequest
 
-__all__ = ["Declaration", "left_out"]
+__all__ = ["CONTACT", "ContactDeclaration", "observer_block", "region_block"]
 
-_SURFACE = frozenset({"pressure", "gap", "displacement_z"})
+#: Surface fields of every contact.
+CONTACT = frozenset({"pressure", "gap", "displacement_z"})
 
 
 @dataclass(frozen=True, slots=True)
-class Declaration:
-    """Facts of a scene that its blocks are declared from.
+class ContactDeclaration:
+    """Facts of a scene that the blocks of its contact are declared from.
 
     Attributes
     ----------
@@ -33,34 +33,33 @@ class Declaration:
         Of the pressure.
     material : Material
         An elastic body, for timing the coefficients.
+    strained : tuple of int
+        Bodies (1, 2) that have eigenstrain.
     """
 
     scene: Scene
     grid: Grid
     box: tuple[int, int]
     geometries: Sequence[Geometry]
-    observers: Sequence[tuple[str, object]]
     influence: SurfaceInfluence
     material: Material
+    strained: tuple[int, ...] = ()
 
     def everything(self) -> tuple[list[Block], dict[str, str]]:
-        """Blocks that the scene could use; outputs that it wants, and who asked for each."""
+        """Blocks that the contact could use; outputs that are wanted of it, and who asked for each."""
         scene = self.scene
         blocks = [self._separation(), self._normal()]
-        outputs = dict.fromkeys(sorted(_SURFACE), "every run")
+        outputs = dict.fromkeys(sorted(CONTACT), "every run")
         if scene.output.tangential_displacement:
             blocks.append(self._tangential())
             outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
-        alone = len(self.geometries) == 1 and not self._periodic
+        alone = len(self.geometries) == 1 and not self._periodic and not self.strained
         if alone and isinstance(self.geometries[0], HasReferencePressure):
             blocks.append(self._reference())
             outputs["reference_pressure"] = "pictures"
         for request in scene.stress:
             blocks.append(self._stress(request))
             outputs[f"stress:{request.label}"] = f"[[stress]] {request.label!r}"
-        for number, (name, _) in enumerate(self.observers):
-            blocks.append(_observer(number, name))
-            outputs[f"observed:{number}"] = f"[[observers]] {name!r}"
         return blocks, outputs
 
     @property
@@ -81,8 +80,8 @@ class Declaration:
         return Block(
             name="normal-contact",
             runner="normal-contact",
-            requires=frozenset({"separation"}),
-            provides=_SURFACE,
+            requires=frozenset({"separation"} | ({"residual_displacement_z"} if self.strained else set())),
+            provides=CONTACT,
             why="pressure, contact area, approach",
             kernels=(KernelUse("displacement z", "pressure p", self.influence.key, text),),
             cost=normal_cost(
@@ -125,10 +124,11 @@ class Declaration:
             depths = lattice.depths.size
             cost = stress_cost(layout, depths, sampling, precision=numerics.precision, threads=numerics.threads)
             text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
+        inner = {f"eigenstrain:{request.label}"} if request.body in self.strained else set()
         return Block(
             name=f"stress-{request.label}",
             runner="stress",
-            requires=frozenset({"pressure"}),
+            requires=frozenset({"pressure"} | inner),
             provides=frozenset({f"stress:{request.label}"}),
             why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
             kernels=(KernelUse("stress (6 components)", "pressure p", self.influence.key, text, count),),
@@ -144,36 +144,25 @@ class Declaration:
         return Layout(self.box, lattice.target, (lattice.origin[0] - first[0], lattice.origin[1] - first[1]))
 
 
-def _observer(number: int, name: str) -> Block:
+def region_block(request: StressRequest, grid: Grid) -> Block:
+    """Fields of a region in a scene without contact: those of eigenstrain, and what is read off them."""
+    return Block(
+        name=f"stress-{request.label}",
+        runner="region",
+        requires=frozenset({f"eigenstrain:{request.label}"}),
+        provides=frozenset({f"stress:{request.label}"}),
+        why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
+        settings={"request": request, "lattice": region_lattice(request, grid)},
+    )
+
+
+def observer_block(number: int, name: str, fields: frozenset[str]) -> Block:
+    """One observer, which sees the surface fields."""
     return Block(
         name=f"observer-{number}-{name}",
         runner="observer",
-        requires=_SURFACE,
+        requires=fields,
         provides=frozenset({f"observed:{number}"}),
         why=f"[[observers]] {name!r}",
         settings={"number": number},
     )
-
-
-def left_out(scene: Scene, bodies: tuple[Material | None, Material | None]) -> list[LeftOut]:
-    """Return what this package could model and the scene does not ask for, with the reason."""
-    out = [
-        LeftOut(
-            "shear tractions q_x, q_y and their kernels", "the scene prescribes no tangential load and has no friction"
-        ),
-    ]
-    elastic = [body for body in bodies if body is not None]
-    if len(elastic) == 2 and elastic[0] == elastic[1]:
-        out.append(
-            LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
-        )
-    if None in bodies:
-        number = bodies.index(None) + 1
-        out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
-    if not scene.stress:
-        out.append(LeftOut("sub-surface stress", "no [[stress]] region asks for it"))
-    if not scene.output.tangential_displacement:
-        out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
-    if scene.numerics.boundary == "non-periodic":
-        out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
-    return out

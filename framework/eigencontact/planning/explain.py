@@ -16,7 +16,7 @@ def explain(plan: Plan) -> str:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
     from eigencontact.planning.cost import resident_bytes
 
-    scene, grid, numerics = plan.scene, plan.grid, plan.scene.numerics
+    scene, grid = plan.scene, plan.grid
     width, height = grid.size
     pitch = f"{readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"
     lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
@@ -24,9 +24,10 @@ def explain(plan: Plan) -> str:
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
-        f"numerics    {numerics.boundary}, {numerics.precision} precision, tolerance {numerics.tolerance:g}",
+        f"numerics    {_numerics(plan)}",
         f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",
         "",
+        *_inclusions(plan),
         "blocks, in order",
     ]
     for group in plan.groups:
@@ -63,6 +64,18 @@ def as_data(plan: Plan) -> dict[str, object]:
             "reason": plan.grid_reason,
         },
         "steps": plan.steps,
+        "inclusions": [
+            {
+                "name": source.name,
+                "plugin": source.key,
+                "body": source.body,
+                "bounds": [list(corner) for corner in source.shape.bounds],
+                "exact": source.exact,
+                "how": source.how,
+                "cells": 0 if source.lattice is None else source.lattice.cells,
+            }
+            for source in plan.sources
+        ],
         "blocks": [
             {
                 "name": block.name,
@@ -95,12 +108,42 @@ def as_data(plan: Plan) -> dict[str, object]:
 
 def references(plan: Plan) -> tuple[str, ...]:
     """Sources to cite for what the plan uses, each once."""
-    used = [*plan.influences.values(), *plan.geometries, *(observer for _, observer in plan.observers)]
-    solver = (
-        "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
-        "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402",
-    )
-    return tuple(dict.fromkeys([text for component in used for text in component.references] + list(solver)))
+    texts = [text for component in plan.components for text in component.references]
+    if plan.sources:
+        texts += [
+            "R. D. Mindlin, D. H. Cheng, J. Appl. Phys. 21 (1950) 926, doi:10.1063/1.1699785",
+            "S. Liu, X. Jin, Z. Wang et al., Int. J. Plasticity 35 (2012) 135, doi:10.1016/j.ijplas.2012.03.003",
+        ]
+    if plan.geometries:
+        texts += [
+            "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
+            "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402",
+        ]
+    return tuple(dict.fromkeys(texts))
+
+
+def _numerics(plan: Plan) -> str:
+    numerics = plan.scene.numerics
+    words: list[str] = [numerics.boundary] if plan.geometries else []
+    if plan.sources:
+        exact = numerics.half_space == "exact"
+        words.append("exact half-space" if exact else "full space (the free surface is left out)")
+    words.append(f"{numerics.precision} precision")
+    return ", ".join([*words, f"tolerance {numerics.tolerance:g}"] if plan.geometries else words)
+
+
+def _inclusions(plan: Plan) -> list[str]:
+    """Every region with eigenstrain and how its field is found; like ones on one line."""
+    if not plan.sources:
+        return []
+    groups: dict[tuple[str, str, int], list[str]] = {}
+    for source in plan.sources:
+        groups.setdefault((source.key, source.how, source.body), []).append(source.name)
+    lines = [f"eigenstrain, {len(plan.sources)} region{'s' if len(plan.sources) != 1 else ''}"]
+    for (key, how, body), names in groups.items():
+        who = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} of them"
+        lines.append(f"  {who} (plugin {key!r}, body {body}): {how}")
+    return [*lines, ""]
 
 
 def _body(plan: Plan, index: int) -> str:

@@ -14,7 +14,8 @@ from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import Block, Cost
 from eigencontact.planning.kernels import KernelUse
-from eigencontact.plugin import Geometry, Observer, SurfaceInfluence
+from eigencontact.planning.sources import Source
+from eigencontact.plugin import Component, Geometry, Observer, SurfaceInfluence
 from eigencontact.scene.schema import Scene
 
 __all__ = ["LeftOut", "Plan"]
@@ -45,7 +46,9 @@ class Plan:
     bodies : (Material or None, Material or None)
         Elastic constants; None is rigid.
     geometries, observers, influences
-        Components.
+        Components; without geometries there is no contact.
+    sources : tuple of Source
+        Regions with eigenstrain.
     groups : list of tuples of Block
         In order; a tuple of more than one block is solved together.
     left_out : sequence of LeftOut
@@ -62,6 +65,7 @@ class Plan:
     geometries: tuple[Geometry, ...]
     observers: tuple[tuple[str, Observer], ...]
     influences: dict[str, SurfaceInfluence]
+    sources: tuple[Source, ...]
     groups: list[tuple[Block, ...]]
     left_out: Sequence[LeftOut]
 
@@ -69,6 +73,15 @@ class Plan:
     def name(self) -> str:
         """Name of the scene."""
         return self.scene.label
+
+    @property
+    def components(self) -> list[Component]:
+        """Every plugin component that the plan uses."""
+        used: list[Component] = [*self.influences.values(), *self.geometries]
+        for source in self.sources:
+            used += [source.shape] if isinstance(source.shape, Component) else []
+            used.append(source.field)
+        return used + [observer for _, observer in self.observers]
 
     @property
     def blocks(self) -> list[Block]:

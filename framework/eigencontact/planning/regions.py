@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.scene.schema import StressRequest
 
-__all__ = ["RegionLattice", "region_lattice"]
+__all__ = ["RegionLattice", "region_lattice", "surface_lattice"]
 
 FloatArray = NDArray[np.float64]
 
@@ -43,6 +43,20 @@ class RegionLattice:
         """Whether every point lies above or below a cell centre (parity then packs the spectra)."""
         return all(value == round(value) for value in self.origin)
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of a field on it: ``(nz, ny, nx)``, or ``(n,)`` for scattered points."""
+        return (self.depths.size, *self.target) if self.points is None else (len(self.points),)
+
+    def flat_points(self, every: int = 1) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Coordinates x, y, z of all points (or every so many of them) in the order of `shape`, each ``(n,)`` [m]."""
+        if self.points is not None:
+            x, y, z = self.points[::every].T
+            return x, y, z + 0.0  # a depth of -0.0 would be the other side of the surface
+        number = np.arange(0, int(np.prod(self.shape)), every)
+        layer, row, column = np.unravel_index(number, self.shape)
+        return self.x[column], self.y[row], self.depths[layer] + 0.0
+
 
 def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     """Lattice of a request: planes and volumes follow the cells of the window, planes lie exactly where asked."""
@@ -59,6 +73,11 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
         y = np.array([request.position])
         origin[0] = _whole((request.position - grid.y[0]) / grid.dy)
     return RegionLattice(target=(y.size, x.size), origin=(origin[0], origin[1]), x=x, y=y, depths=depths)
+
+
+def surface_lattice(grid: Grid) -> RegionLattice:
+    """Centres of the cells in z = 0."""
+    return RegionLattice(target=grid.shape, origin=(0.0, 0.0), x=grid.x, y=grid.y, depths=np.zeros(1))
 
 
 def _whole(value: float) -> float:

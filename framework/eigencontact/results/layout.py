@@ -2,8 +2,8 @@
 
 A stored step holds the same variables with one entry along ``step``; the results of a run are the steps joined.
 Surface fields are ``<quantity>(step, y, x)``, scalars ``<name>(step)``, sub-surface fields
-``<region>_<quantity>(step[, component | principal], <region>_z, <region>_x ...)`` with coordinates ``<region>_x``,
-``<region>_y``, ``<region>_z``. Stresses are plain tensor components. Everything is SI.
+``<region>_<quantity>(step[, component | principal | axis], <region>_z, <region>_x ...)`` with coordinates
+``<region>_x``, ``<region>_y``, ``<region>_z``. Stresses and strains are plain tensor components. Everything is SI.
 """
 
 from __future__ import annotations
@@ -45,6 +45,8 @@ SCALARS: dict[str, Quantity] = {
     "max_pressure": Quantity("Pa", "largest contact pressure"),
     "max_von_mises": Quantity("Pa", "largest von Mises stress at the requested points"),
     "max_von_mises_depth": Quantity("m", "depth of the largest von Mises stress"),
+    "max_uplift": Quantity("m", "largest uplift of the surface by eigenstrain, out of the body"),
+    "max_sink": Quantity("m", "largest sinking of the surface by eigenstrain, into the body"),
     "iterations": Quantity("1", "iterations of the solver"),
     "convolutions": Quantity("1", "convolutions of the solver"),
     "solve_seconds": Quantity("s", "wall time of the solver"),
@@ -58,6 +60,8 @@ _AXES = {
     "y": Quantity("m", "y"),
     "z": Quantity("m", "depth below the surface, into the body"),
 }
+#: Dimension of a region's quantity before those of its points.
+_LEADING = {"stress": ("component",), "strain": ("component",), "displacement": ("axis",), "principal": ("principal",)}
 #: HDF5 strings of any length, as h5py.string_dtype() builds them.
 _TEXT = np.dtype("O", metadata={"vlen": str})
 
@@ -92,7 +96,7 @@ def attributes(info: RunInfo, regions: dict[str, RegionRecord]) -> dict[str, Any
         "scene": info.scene_toml,
         "scene_hash": info.scene_hash,
         "versions": json.dumps(info.versions, sort_keys=True),
-        "contact_modulus": info.contact_modulus,
+        **({} if info.contact_modulus is None else {"contact_modulus": info.contact_modulus}),
         "cell_size": np.array([info.grid.dx, info.grid.dy]),
         "load_steps": info.steps,
         "regions": json.dumps(described),
@@ -138,9 +142,12 @@ def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     for axis, values in (("y", info.grid.y), ("x", info.grid.x)):
         yield Variable(name=axis, dims=(axis,), values=values, attrs=_described("coordinate", _AXES[axis]))
     fields = {name for region in record.regions.values() for name in region.fields}
-    if "stress" in fields:
-        attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "stress component"}
+    if fields & {"stress", "strain"}:
+        attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "component of stress or strain"}
         yield Variable(name="component", dims=("component",), values=np.array(COMPONENTS, dtype=_TEXT), attrs=attrs)
+    if "displacement" in fields:
+        attrs = {"role": "coordinate", "units": "1", "long_name": "direction"}
+        yield Variable(name="axis", dims=("axis",), values=np.array(["x", "y", "z"], dtype=_TEXT), attrs=attrs)
     if "principal" in fields:
         attrs = {"role": "coordinate", "units": "1", "long_name": "principal stress, 1 is the largest"}
         yield Variable(name="principal", dims=("principal",), values=np.array([1, 2, 3]), attrs=attrs)
@@ -176,8 +183,8 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
     sizes["point"] = max((np.size(values) for values in region.coords.values()), default=1)
     grid = tuple(sizes[axis] for axis in region.dims)
     for quantity, values in region.fields.items():
-        lead = {"stress": ("component",), "principal": ("principal",)}.get(quantity, ())
-        _fits(f"{name}.{quantity}", np.shape(values), (*((6,) if quantity == "stress" else (3,) * len(lead)), *grid))
+        lead = _LEADING.get(quantity, ())
+        _fits(f"{name}.{quantity}", np.shape(values), (*((6,) if lead == ("component",) else (3,) * len(lead)), *grid))
         attrs = {
             **_described("region", QUANTITIES.get(quantity, Quantity("unknown", quantity))),
             "coordinates": beside,

@@ -32,8 +32,9 @@ class RegionRecord:
     coords : mapping
         Coordinates x, y, z [m]: arrays along the dimension of their name (or along ``point``), or single numbers.
     fields : mapping
-        ``stress (6, ...)`` [Pa], plain tensor components in the order xx, yy, zz, yz, xz, xy; ``von_mises (...)``,
-        ``tresca``, ``hydrostatic``, ``principal (3, ...)`` where they were asked for.
+        ``stress (6, ...)`` [Pa] and ``strain (6, ...)``, plain tensor components in the order xx, yy, zz, yz, xz, xy;
+        ``displacement (3, ...)`` [m]; ``von_mises (...)``, ``tresca``, ``hydrostatic``, ``principal (3, ...)`` [Pa];
+        those that were asked for.
     """
 
     name: str
@@ -58,7 +59,8 @@ class StepRecord:
         ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``moment_x``, ``moment_y`` [N m],
         ``contact_area``, ``contact_area_counted`` [m^2], ``contact_radius`` [m], ``max_pressure`` [Pa],
         ``iterations``, ``convolutions``, ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-],
-        ``load_residual`` [-], and with stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m].
+        ``load_residual`` [-] of a contact; with stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m]; with
+        eigenstrain ``max_uplift`` and ``max_sink`` [m] of the surface.
     fields : mapping of str to (ny, nx) array
         Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
         ``reference_pressure`` where the geometry has a closed form for this step.
@@ -94,8 +96,8 @@ class RunInfo:
         Packages (python, numpy, scipy, eigencontact ...) and plugin packages.
     references : tuple of str
         Sources to cite for what this run used.
-    contact_modulus : float
-        E* [Pa].
+    contact_modulus : float or None
+        E* [Pa]; None without a contact.
     steps : int
         Number of load steps of the whole history.
     """
@@ -107,5 +109,5 @@ class RunInfo:
     scene_hash: str
     versions: dict[str, str]
     references: tuple[str, ...]
-    contact_modulus: float
+    contact_modulus: float | None
     steps: int

@@ -27,6 +27,8 @@ _LAST = (
     "max_pressure",
     "max_von_mises",
     "max_von_mises_depth",
+    "max_uplift",
+    "max_sink",
     "gap_residual",
     "penetration_residual",
     "load_residual",

@@ -1,0 +1,78 @@
+"""Runner of a stress region under a contact; the stress of eigenstrain adds to that of the pressure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Box
+from eigencontact.execution.regions import store_region, strain_from_stress
+from eigencontact.execution.runners import State
+from eigencontact.planning.blocks import Block
+from eigencontact.planning.kernels import StressCoefficients
+from eigencontact.planning.plan import Plan
+from eigencontact.planning.regions import RegionLattice
+from eigencontact.scene.schema import StressRequest
+
+__all__ = ["Stress"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Stress:
+    """One region; the spectra are kept as long as the contact stays in the box that they were made for."""
+
+    def __init__(self, plan: Plan, block: Block) -> None:
+        request, lattice = block.settings["request"], block.settings["lattice"]
+        assert isinstance(request, StressRequest)
+        assert isinstance(lattice, RegionLattice)
+        self._request, self._lattice, self._grid = request, lattice, plan.grid
+        body = plan.bodies[request.body - 1]
+        assert body is not None
+        self._kernel = StressCoefficients(plan.influences["p"], body)
+        self._numerics = plan.scene.numerics
+        self._operator: Any = None
+
+    def __call__(self, state: State) -> None:
+        """Advance one step; see `Runner`."""
+        pressure = state.fields["pressure"]
+        request, lattice = self._request, self._lattice
+        stress = self._at_points(pressure) if lattice.points is not None else self._on_lattice(pressure)
+        fields = {"stress": stress}
+        if "strain" in request.fields:
+            fields["strain"] = strain_from_stress(stress, self._kernel.body)
+        for name, values in state.inner.get(request.label, {}).items():
+            fields[name] = fields[name] + values
+        store_region(state, request, lattice, fields)
+
+    def _at_points(self, pressure: FloatArray) -> FloatArray:
+        from eigencontact.solvers.subsurface import stress_at_points
+
+        assert self._lattice.points is not None
+        points, threads = self._lattice.points, self._numerics.threads
+        return stress_at_points(self._grid, [self._kernel], [pressure], points, threads=threads)
+
+    def _on_lattice(self, pressure: FloatArray) -> FloatArray:
+        from eigencontact.solvers.subsurface import SubsurfaceStress
+
+        lattice, numerics = self._lattice, self._numerics
+        box = Box.around(pressure > 0)
+        if box is None:
+            return np.zeros((6, *lattice.shape))
+        if self._operator is None or not self._operator.covers(box):
+            margin = 0 if self._operator is None else max(2, max(box.shape) // 6)
+            self._operator = None  # its memory goes before the next is made
+            self._operator = SubsurfaceStress(
+                self._grid,
+                [self._kernel],
+                source=box.grown(margin, margin, self._grid.shape),
+                target=lattice.target,
+                origin=lattice.origin,
+                depths=lattice.depths,
+                periodic=numerics.boundary == "periodic",
+                precision=numerics.precision,
+                threads=numerics.threads,
+            )
+        return np.asarray(self._operator.apply([pressure]), dtype=float)

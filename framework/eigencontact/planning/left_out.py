@@ -1,0 +1,64 @@
+"""What this package could model and a scene does not ask for, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from eigencontact.core.material import Material
+from eigencontact.planning.plan import LeftOut
+from eigencontact.planning.sources import Source
+from eigencontact.scene.schema import Scene
+
+__all__ = ["left_out"]
+
+Bodies = tuple[Material | None, Material | None]
+
+
+def left_out(scene: Scene, bodies: Bodies, sources: Sequence[Source]) -> list[LeftOut]:
+    """Return what is not modelled, each with the reason."""
+    out = _of_the_contact(bodies) if scene.geometry else [LeftOut("contact", "the scene has no [geometry]")]
+    if not scene.stress:
+        asked = "no [[stress]] region asks for it"
+        out.append(LeftOut("sub-surface stress" if scene.geometry else "fields below the surface", asked))
+    if scene.geometry and not scene.output.tangential_displacement:
+        out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
+    if scene.geometry and scene.numerics.boundary == "non-periodic":
+        out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
+    if sources:
+        out += _of_the_eigenstrain(scene, sources)
+    return out
+
+
+def _of_the_contact(bodies: Bodies) -> list[LeftOut]:
+    out = [
+        LeftOut(
+            "shear tractions q_x, q_y and their kernels", "the scene prescribes no tangential load and has no friction"
+        ),
+    ]
+    elastic = [body for body in bodies if body is not None]
+    if len(elastic) == 2 and elastic[0] == elastic[1]:
+        out.append(
+            LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
+        )
+    if None in bodies:
+        number = bodies.index(None) + 1
+        out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
+    return out
+
+
+def _of_the_eigenstrain(scene: Scene, sources: Sequence[Source]) -> list[LeftOut]:
+    out = []
+    if scene.geometry:
+        out.append(
+            LeftOut(
+                "eigenstrain that follows from the contact",
+                "it is prescribed: its field adds to that of the pressure, and nothing couples back",
+            )
+        )
+    if all(source.exact for source in sources):
+        out.append(LeftOut("cells inside the bodies", "every inclusion has a closed form"))
+    if scene.numerics.half_space == "full-space":
+        out.append(
+            LeftOut("the free surface in the fields of eigenstrain", 'numerics.half-space = "full-space": no images')
+        )
+    return out

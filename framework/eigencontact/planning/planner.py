@@ -1,0 +1,152 @@
+"""The planner: what a scene holds decides what is built, for contacts, for eigenstrain, and for both together."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.errors import PlanError, SceneError
+from eigencontact.hooks.registry import Registry
+from eigencontact.planning.blocks import Block, resolve
+from eigencontact.planning.grids import given_grid, grid_around
+from eigencontact.planning.left_out import left_out
+from eigencontact.planning.plan import Plan
+from eigencontact.planning.sources import Source, build_sources, with_lattices
+from eigencontact.plugin import Geometry, SurfaceInfluence
+from eigencontact.scene.components import build_component
+from eigencontact.scene.schema import Body, Scene
+
+__all__ = ["make_plan"]
+
+#: The largest plan that is accepted, as a share of the machine's memory.
+_MEMORY_SHARE = 0.9
+
+Bodies = tuple[Material | None, Material | None]
+
+
+def make_plan(scene: Scene, registry: Registry) -> Plan:
+    """Decide what a scene needs.
+
+    Raises
+    ------
+    SceneError, PluginError, PlanError
+        A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
+        for this machine's memory.
+    """
+    bodies = (_material(scene.body1), _material(scene.body2))
+    geometries: tuple[Geometry, ...] = tuple(_components(scene.geometry, "geometry", "geometry", registry))
+    observed = _components(scene.observers, "observer", "observers", registry)
+    observers = tuple((str(table["type"]), item) for table, item in zip(scene.observers, observed, strict=True))
+    blocks: list[Block] = []
+    outputs: dict[str, str] = {}
+    influences: dict[str, SurfaceInfluence] = {}
+    if geometries:
+        from eigencontact.planning.contact import plan_contact
+        from eigencontact.planning.declare import ContactDeclaration
+
+        part = plan_contact(scene, registry, bodies, geometries)
+        grid, reason, influences = part.grid, part.reason, {"p": part.influence}
+        sources = build_sources(scene, registry, grid)
+        strained = tuple(sorted({source.body for source in sources}))
+        material = next(body for body in bodies if body is not None)
+        declared = ContactDeclaration(scene, grid, part.box, geometries, part.influence, material, strained)
+        blocks, outputs = declared.everything()
+    else:
+        sources = build_sources(scene, registry, given_grid(scene.grid))
+        grid, reason = _grid_without_contact(scene, sources)
+    if sources:
+        sources = with_lattices(sources, scene, grid)
+        more, wanted = _eigenstrain(scene, grid, sources, bodies)
+        blocks, outputs = blocks + more, outputs | wanted
+    _observe(scene, blocks, outputs, contact=bool(geometries))
+    plan = Plan(
+        scene=scene,
+        registry=registry,
+        grid=grid,
+        grid_reason=reason,
+        bodies=bodies,
+        geometries=geometries,
+        observers=observers,
+        influences=influences,
+        sources=sources,
+        groups=resolve(blocks, outputs),
+        left_out=left_out(scene, bodies, sources),
+    )
+    _check_memory(plan)
+    return plan
+
+
+def _components(tables: Sequence[dict[str, object]], kind: str, group: str, registry: Registry) -> list[Any]:
+    where = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
+    return [build_component(registry, kind, table, place) for table, place in zip(tables, where, strict=True)]
+
+
+def _material(body: Body) -> Material | None:
+    if body.rigid:
+        return None
+    assert body.young_modulus is not None
+    assert body.poisson_ratio is not None
+    return Material(young_modulus=body.young_modulus, poisson_ratio=body.poisson_ratio)
+
+
+def _grid_without_contact(scene: Scene, sources: Sequence[Source]) -> tuple[Grid, str]:
+    given = given_grid(scene.grid)
+    if given is not None:
+        return given, "given in the scene"
+    grid = grid_around([source.shape.bounds for source in sources])
+    return grid, "automatic: around all inclusions, and four times their depth"
+
+
+def _eigenstrain(
+    scene: Scene, grid: Grid, sources: tuple[Source, ...], bodies: Bodies
+) -> tuple[list[Block], dict[str, str]]:
+    """Blocks of the eigenstrain, and what is wanted of them beside what the contact wants."""
+    from eigencontact.planning.declare import region_block
+    from eigencontact.planning.eigenstrain import EigenstrainDeclaration
+
+    declaration = EigenstrainDeclaration(scene, grid, sources, bodies)
+    components = "xyz" if not scene.geometry or scene.output.tangential_displacement else "z"
+    blocks = [declaration.surface(components)]
+    outputs = {f"residual_displacement_{c}": "every scene with eigenstrain" for c in components}
+    for request in scene.stress:
+        block = declaration.region(request)
+        if block is not None:
+            blocks.append(block)
+        if scene.geometry:
+            continue
+        if block is None:
+            raise SceneError(
+                f"stress region {request.label!r} must lie in a body with eigenstrain (body{request.body} has none, "
+                "and there is no contact); set body"
+            )
+        blocks.append(region_block(request, grid))
+        outputs[f"stress:{request.label}"] = f"[[stress]] {request.label!r}"
+    return blocks, outputs
+
+
+def _observe(scene: Scene, blocks: list[Block], outputs: dict[str, str], *, contact: bool) -> None:
+    """Add the observers, who see the surface fields that every run of this scene has."""
+    from eigencontact.planning.declare import CONTACT, observer_block
+
+    residual = {name for name in outputs if name.startswith("residual_displacement_")}
+    seen = frozenset(residual | (CONTACT if contact else set()))
+    for number, table in enumerate(scene.observers):
+        blocks.append(observer_block(number, str(table["type"]), seen))
+        outputs[f"observed:{number}"] = f"[[observers]] {table['type']!r}"
+
+
+def _check_memory(plan: Plan) -> None:
+    try:
+        total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return
+    wanted = plan.cost.memory
+    if wanted > _MEMORY_SHARE * total:
+        largest = max(plan.blocks, key=lambda block: block.cost.memory)
+        raise PlanError(
+            f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
+            f"{largest.name!r}); use fewer cells or depths, or numerics.precision = 'single'"
+        )
