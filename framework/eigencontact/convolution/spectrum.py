@@ -13,7 +13,7 @@ from eigencontact.convolution.backends import available_threads
 if TYPE_CHECKING:
     from eigencontact.convolution.layout import Axis
 
-__all__ = ["Spectrum", "transform_table"]
+__all__ = ["Spectrum", "parity_transform", "transform_table"]
 
 FloatArray = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def transform_table(
     negative = False
     for axis, plan, sign in ((0, x, parity[1]), (1, y, parity[0])):
         if plan.symmetric:
-            values = _parity_transform(values, axis, sign, workers)
+            values = parity_transform(values, axis, sign, workers)
             if sign < 0:  # the transform of an odd sequence is -1j times its sine transform
                 negative, imaginary = (not negative, True) if not imaginary else (negative, False)
         else:
@@ -94,7 +94,7 @@ def transform_table(
     return Spectrum.pack(values, y.length * x.length, sign_y, imaginary=imaginary, precision=precision)
 
 
-def _parity_transform(table: NDArray[Any], axis: int, sign: int, workers: int) -> NDArray[Any]:
+def parity_transform(table: NDArray[Any], axis: int, sign: int, workers: int) -> NDArray[Any]:
     """DFT of the even (or 1j times that of the odd) extension of offsets 0..F/2 along `axis`."""
     from scipy import fft
 

@@ -1,0 +1,158 @@
+"""Kernels times sources at every wavenumber, and the powers of depth: by blocks in numpy, or in compiled loops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import compiled
+from eigencontact.convolution.weighted_sums import WeightedSums
+
+__all__ = ["BlockContraction", "CompiledContraction"]
+
+Array = NDArray[Any]
+
+
+class _Contraction:
+    """What both ways share: coefficients, weights of the depths, signs at -ky."""
+
+    def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
+        layout = sums.kernels.layout
+        self._sums, self._size, self._dtype = sums, size, np.dtype(dtype)
+        self._real = sums.kernels.values.dtype
+        self._signs, self._kz = (2 if layout.folded else 1), layout.spectrum_shape[2]
+        self._matrices = sums.matrices(active)
+        self._flips = np.array([parity[0] for parity in sums.outputs], self._real)
+        self._first, self._targets = layout.z.target_start, layout.z.targets
+        found = [
+            (output, number, factor * depths**power)
+            for number, row in enumerate(sums.rows)
+            for output, power, factor in row.into
+        ]
+        found.sort(key=lambda item: item[:2])
+        self._starts = np.searchsorted([output for output, *_ in found], np.arange(len(sums.outputs) + 1))
+        self._rows = np.array([row for _, row, _ in found])
+        self._weights = np.array([weight for *_, weight in found], self._real)
+        self._buffers: list[Array] = []
+
+    @property
+    def nbytes(self) -> int:
+        return sum(int(buffer.nbytes) for buffer in self._buffers)
+
+    def _empty(self, *shape: int, dtype: Any = None) -> Array:
+        self._buffers.append(np.zeros(shape, dtype or self._dtype))
+        return self._buffers[-1]
+
+
+class BlockContraction(_Contraction):
+    """Kernels assembled by one matrix product, then one multiplication and one sum for each row."""
+
+    def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
+        super().__init__(sums, active, depths, size, dtype)
+        n, signs, kz = len(active), self._signs, self._kz
+        self._matrix = np.concatenate([matrix for *_, matrix in self._matrices]).astype(self._real)
+        # Folded: at each kz >= 0 the values there and the conjugates of those at -kz; kernels multiply both alike.
+        self._columns = self._empty(2 * n, signs, signs, size, kz)
+        self._product = self._empty(max(last - first for first, last, _ in self._matrices), signs, signs, size, kz)
+        self._lower = self._empty(signs, size, kz)
+        self._parts = self._empty(len(self._matrix), size * 2 * kz, dtype=self._real)
+        self._assembled = self._empty(len(self._matrix), 1, 1, size, kz)
+        self._sum, self._part = self._empty(signs, size, self._targets), self._empty(signs, size, self._targets)
+
+    def multiply(self, waves: Array, kernels: Array, piece: slice, out: Array) -> None:
+        """Sum kernels times sources of one piece.
+
+        Parameters
+        ----------
+        waves : (n, signs, size, Fz + 1) complex
+            Spectra of the sources; the value at kz = 0 is repeated behind the last.
+        kernels : (n_kernels, ky, 2, kz)
+            Real and imaginary parts.
+        piece : slice
+            Wavenumbers ky of the piece.
+        out : (rows, signs, size, Fz) complex
+            The answer.
+        """
+        n, size, kz = len(waves), piece.stop - piece.start, self._kz
+        columns, mirrored = self._columns, waves[..., ::-1][..., :kz]
+        np.copyto(columns[:n, 0], waves[..., :kz])
+        np.copyto(columns[n:, 0], mirrored)
+        if self._signs == 2:
+            np.conjugate(mirrored, out=columns[:n, 1])
+            np.conjugate(waves[..., :kz], out=columns[n:, 1])
+        parts = self._parts[:, : size * 2 * kz]
+        np.matmul(self._matrix, kernels[:, piece].reshape(len(kernels), -1), out=parts)
+        parts = parts.reshape(-1, 1, 1, size, 2, kz)
+        self._assembled[..., :size, :].real = parts[..., 0, :]
+        self._assembled[..., :size, :].imag = parts[..., 1, :]
+        upper, position = slice(1, out.shape[-1] - kz + 1), 0
+        for row, (first, last, matrix) in enumerate(self._matrices):
+            weights = self._assembled[position : position + len(matrix), :, :, :size]
+            position += len(matrix)
+            product = self._product[: last - first, :, :, :size]
+            np.multiply(weights, columns[first:last, :, :, :size], out=product)
+            np.add.reduce(product[:, 0], axis=0, out=out[row, :, :size, :kz])
+            if self._signs == 2:
+                lower = self._lower[:, :size]
+                np.add.reduce(product[:, 1], axis=0, out=lower)
+                np.conjugate(lower[..., upper], out=out[row, :, :size, : kz - 1 : -1])
+
+    def collect(self, back: Array, piece: slice, out: Array) -> None:
+        """Crop ``back (rows, signs, size, Fz)`` along z, combine the powers, place into ``out (n, tz, Fy + 1)``."""
+        rows, size, last = slice(self._first, self._first + self._targets), piece.stop - piece.start, out.shape[2] - 1
+        for output, flip in enumerate(self._flips):
+            self._sum[:] = 0
+            for number in range(self._starts[output], self._starts[output + 1]):
+                self._sum += np.multiply(back[self._rows[number], ..., rows], self._weights[number], out=self._part)
+            out[output, :, piece] = self._sum[0, :size].T
+            if self._signs == 2:
+                mirrored = out[output, :, last - piece.stop + 1 : last - piece.start + 1][..., ::-1]
+                np.multiply(self._sum[1, :size].T, flip, out=mirrored)
+
+
+class CompiledContraction(_Contraction):
+    """The same in loops over blocks that stay in the first-level cache."""
+
+    def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
+        super().__init__(sums, active, depths, size, dtype)
+        entries, terms = [0], [0]
+        columns: list[int] = []
+        numbers: list[int] = []
+        coefficients: list[float] = []
+        for first, _, matrix in self._matrices:
+            for column, row in enumerate(matrix):
+                used = np.flatnonzero(row)
+                columns.append(first + column)
+                numbers.extend(used)
+                coefficients.extend(row[used])
+                terms.append(len(numbers))
+            while len(columns) % compiled.GROUP:
+                columns.append(0)
+                terms.append(len(numbers))
+            entries.append(len(columns))
+        self._tables = [np.array(table, np.int64) for table in (entries, columns, terms, numbers)]
+        self._tables.append(np.array(coefficients, self._real))
+        pairs = 2 * self._signs
+        self._work = [
+            self._empty(2 * len(active), pairs, 2, compiled.BLOCK, dtype=self._real),
+            self._empty(compiled.GROUP, 2, compiled.BLOCK, dtype=self._real),
+            self._empty(pairs, 2, compiled.BLOCK, dtype=self._real),
+        ]
+        self._depth = self._empty(self._targets)
+        self._contract, self._collect = compiled.compiled_loops()
+
+    def multiply(self, waves: Array, kernels: Array, piece: slice, out: Array) -> None:
+        """See `BlockContraction.multiply`."""
+        entries, columns, terms, numbers, coefficients = self._tables
+        first, size = piece.start, piece.stop - piece.start
+        self._contract(waves, kernels, first, size, entries, columns, terms, numbers, coefficients, out, *self._work)
+
+    def collect(self, back: Array, piece: slice, out: Array) -> None:
+        """See `BlockContraction.collect`."""
+        self._collect(
+            back, self._starts, self._rows, self._weights, self._flips, self._first, piece.start,
+            piece.stop - piece.start, self._depth, out,
+        )  # fmt: skip

@@ -1,0 +1,242 @@
+"""Sums over a volume by FFT: convolution and correlation along z, powers of the target's depth, fused.
+
+The padded field never exists. Real transforms along x take the source's rows only; then each wavenumber kx is
+finished by itself, in pieces that fit a cache: transform along y and z, sum kernels times sources, transform back along
+z, weight with powers of the depth and crop, transform back along y and crop. Powers of the depth are combined before
+the inverse transforms along y and x, which are therefore made once for each output.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.convolution import compiled
+from eigencontact.convolution.backends import available_threads, backend, in_parallel
+from eigencontact.convolution.contraction import BlockContraction, CompiledContraction
+from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.errors import require
+
+__all__ = ["VolumeConvolver"]
+
+Array = NDArray[Any]
+
+# Bytes of the kernels assembled for one piece, small enough for the second-level cache (measured optimum).
+_PIECE_BYTES = 600_000
+# Padded points from which compiled loops repay their import.
+_WORTH_COMPILING = 100_000
+
+
+class VolumeConvolver:
+    """Plans and buffers of one layout and one table of sums.
+
+    Parameters
+    ----------
+    sums : WeightedSums
+        Kernels and coefficients.
+    depths : (tz,)
+        What the powers in the table are powers of, for each target along z.
+    threads : int, optional
+        Cores to use; by default all this process may use.
+    library : {"auto", "pyfftw", "scipy"}
+        FFT library; ``"auto"`` takes pyFFTW where it is installed.
+
+    loops : {"auto", "compiled", "numpy"}
+        Who multiplies kernels and sources; ``"auto"`` takes numba for large boxes where it is installed.
+
+    Notes
+    -----
+    The precision is that of the kernels. One convolver must not be used from two threads at a time.
+    """
+
+    def __init__(
+        self,
+        sums: WeightedSums,
+        depths: ArrayLike,
+        *,
+        threads: int | None = None,
+        library: str = "auto",
+        loops: str = "auto",
+    ) -> None:
+        require(threads is None or threads >= 1, "numerics", "threads", threads, "at least 1")
+        layout = sums.kernels.layout
+        self.layout, self.sums = layout, sums
+        self.real = sums.kernels.values.dtype
+        self.complex = np.complex128 if self.real == np.float64 else np.complex64
+        depths = np.asarray(depths, dtype=float)
+        rule = f"of shape {(layout.z.targets,)}, one for each target along z"
+        require(depths.shape == (layout.z.targets,), "convolution", "depths", depths.shape, rule)
+        self.depths = depths
+        self.fft = backend(library)
+        points = layout.x.length * layout.y.length * layout.z.length
+        require(loops in ("auto", "compiled", "numpy"), "numerics", "loops", loops, "'auto', 'compiled' or 'numpy'")
+        self.compiled = compiled.available() and points >= _WORTH_COMPILING if loops == "auto" else loops == "compiled"
+        self.threads = min(threads or available_threads(), max(1, points // 16_384))
+        self._half: Array = np.empty(0, self.complex)
+        self._workers: dict[tuple[int, ...], list[_Worker]] = {}
+
+    @property
+    def library(self) -> str:
+        """FFT library in use."""
+        return self.fft.name
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of buffers held now, without that of the kernels."""
+        return int(self._half.nbytes) + sum(worker.nbytes for group in self._workers.values() for worker in group)
+
+    def apply(self, sources: ArrayLike) -> Array:
+        """Sum over the sources.
+
+        Parameters
+        ----------
+        sources : (n_sources, nz, ny, nx)
+            Source fields; those that are zero everywhere cost nothing.
+
+        Returns
+        -------
+        (n_outputs, tz, ty, tx) array
+            Fresh memory, of the precision of the kernels.
+        """
+        fields = np.asarray(sources)
+        layout, count = self.layout, len(self.sums.outputs)
+        expected = (len(self.sums.sources), *layout.source)
+        require(fields.shape == expected, "convolution", "sources", fields.shape, f"of shape {expected}")
+        active = tuple(k for k, field in enumerate(fields) if field.any())
+        if not active or not self.sums.rows:
+            return np.zeros((count, *layout.target), self.real)
+        targets: Array = np.empty((count, *layout.target), self.real)
+        if active not in self._workers:
+            self._workers = {active: [_Worker(self, active) for _ in range(self.threads)]}  # the last set is kept
+        workers = self._workers[active]
+        nz, ny, _ = layout.source
+        tz, ty, _ = layout.target
+        size = max(len(active) * nz * ny, count * tz * ty)
+        if self._half.size != layout.x.half * size:
+            self._half = self.fft.empty((layout.x.half, size), self.complex)
+        before = self._half[:, : len(active) * nz * ny].reshape(-1, len(active), nz, ny)
+        after = self._half[:, : count * tz * ty].reshape(-1, count, tz, ty)
+        self._share(workers, len(active) * nz, lambda w, k: w.forward_x(fields, k, before))
+        self._share(workers, layout.x.half, lambda w, k: w.wavenumber(k, before[k], after[k]))
+        self._share(workers, count * tz, lambda w, k: w.inverse_x(k, after, targets))
+        return targets
+
+    def _share(self, workers: Sequence[_Worker], count: int, task: Callable[[_Worker, int], None]) -> None:
+        """Do `task` for the numbers below `count`; every worker takes the next one that is left."""
+        numbers = iter(range(count))
+
+        def work(worker: _Worker) -> None:
+            for number in numbers:
+                task(worker, number)
+
+        in_parallel(self.threads, [partial(work, worker) for worker in workers])
+
+
+class _Worker:
+    """Buffers and plans of one thread."""
+
+    def __init__(self, owner: VolumeConvolver, active: tuple[int, ...]) -> None:
+        layout, sums, fft = owner.layout, owner.sums, owner.fft
+        self._layout, self._sums, self._fft, self._active = layout, sums, fft, active
+        self._complex, self._real = owner.complex, owner.real
+        self._buffers: list[Array] = []
+        self._plan_x()
+        self._plan_y()
+        self._plan_z()
+        form = CompiledContraction if owner.compiled else BlockContraction
+        self._contraction = form(sums, active, owner.depths, self._size, self._complex)
+
+    @property
+    def nbytes(self) -> int:
+        return sum(int(buffer.nbytes) for buffer in self._buffers) + self._contraction.nbytes
+
+    def _empty(self, *shape: int, real: bool = False) -> Array:
+        array = self._fft.empty(shape, self._real if real else self._complex)
+        array[:] = 0
+        self._buffers.append(array)
+        return array
+
+    def _plan_x(self) -> None:
+        layout = self._layout
+        x, ny, ty = layout.x, layout.y.sources, layout.y.targets
+        self._padded, self._halved = self._empty(ny, x.length, real=True), self._empty(ny, x.half)
+        self._forward_x = self._fft.real_forward(self._padded, self._halved)
+        self._unhalved, self._full = self._empty(ty, x.half), self._empty(ty, x.length, real=True)
+        self._inverse_x = self._fft.real_inverse(self._unhalved, self._full)
+
+    def _plan_y(self) -> None:
+        # One column more than the transform repeats ky = 0 behind the last, so that -ky is a plain reversed slice.
+        layout, n, m = self._layout, len(self._active), len(self._sums.outputs)
+        y, nz, tz = layout.y, layout.z.sources, layout.z.targets
+        self._padded_y, self._waves_y = self._empty(n, nz, y.length), self._empty(n, nz, y.length + 1)
+        self._forward_y = self._fft.forward(self._padded_y, self._waves_y[..., : y.length])
+        self._sum_y, self._back_y = self._empty(m, tz, y.length + 1), self._empty(m, tz, y.length)
+        self._inverse_y = self._fft.inverse(self._sum_y[..., : y.length], self._back_y)
+
+    def _plan_z(self) -> None:
+        layout, n, rows = self._layout, len(self._active), self._sums.count
+        z, (_, ky, _) = layout.z, layout.spectrum_shape
+        signs = 2 if layout.folded else 1
+        most = max(1, _PIECE_BYTES // (2 * rows * signs * z.length * np.dtype(self._complex).itemsize))
+        self._size = size = -(-ky // -(-ky // most))
+        self._pieces = [slice(k, min(k + size, ky)) for k in range(0, ky, size)]
+        self._padded_z, self._waves_z = (self._empty(n, signs, size, z.length + more) for more in (0, 1))
+        self._forward_z = self._fft.forward(self._padded_z, self._waves_z[..., : z.length])
+        self._sum_z, self._back_z = (self._empty(rows, signs, size, z.length) for _ in range(2))
+        self._inverse_z = self._fft.inverse(self._sum_z, self._back_z)
+
+    def forward_x(self, fields: Array, number: int, half: Array) -> None:
+        """Transform one plane of one source along x; ``half[kx, source, z, y]``."""
+        place, k = divmod(number, self._layout.z.sources)
+        x, source = self._layout.x, self._active[place]
+        self._padded[:, x.source_start : x.source_start + x.sources] = fields[source, k]
+        self._forward_x()
+        if self._sums.turned(self._sums.sources[source]):
+            np.multiply(self._halved.T, 1j, out=half[:, place, k])
+        else:
+            half[:, place, k] = self._halved.T
+
+    def inverse_x(self, number: int, half: Array, targets: Array) -> None:
+        """Transform one plane of one output back along x and crop it."""
+        output, k = divmod(number, self._layout.z.targets)
+        x = self._layout.x
+        if self._sums.turned(self._sums.outputs[output]):
+            np.multiply(half[:, output, k].T, 1j, out=self._unhalved)
+        else:
+            self._unhalved[:] = half[:, output, k].T
+        self._inverse_x()
+        targets[output, k] = self._full[:, x.target_start : x.target_start + x.targets]
+
+    def wavenumber(self, kx: int, source: Array, target: Array) -> None:
+        """Finish one kx: ``source[active, z, y]`` to ``target[output, z, y]``."""
+        y, kernels = self._layout.y, self._sums.kernels.values[kx]
+        self._padded_y[..., y.source_start : y.source_start + y.sources] = source
+        self._forward_y()
+        self._waves_y[..., -1] = self._waves_y[..., 0]
+        for piece in self._pieces:
+            self._spread(piece)
+            self._forward_z()
+            self._waves_z[..., -1] = self._waves_z[..., 0]
+            self._contraction.multiply(self._waves_z, kernels, piece, self._sum_z)
+            self._inverse_z()
+            self._contraction.collect(self._back_z, piece, self._sum_y)
+        self._inverse_y()
+        target[:] = self._back_y[..., y.target_start : y.target_start + y.targets]
+
+    def _spread(self, piece: slice) -> None:
+        """Rows along z of the wavenumbers ky of a piece, and of -ky."""
+        z, length, n = self._layout.z, self._layout.y.length, piece.stop - piece.start
+        rows = slice(z.source_start, z.source_start + z.sources)
+        self._padded_z[:, 0, :n, rows] = self._waves_y[..., piece].transpose(0, 2, 1)
+        if not self._layout.folded:
+            return
+        mirrored = self._waves_y[..., length - piece.stop + 1 : length - piece.start + 1][..., ::-1].transpose(0, 2, 1)
+        for place, source in enumerate(self._active):
+            if self._sums.sources[source][0] > 0:
+                self._padded_z[place, 1, :n, rows] = mirrored[place]
+            else:
+                np.negative(mirrored[place], out=self._padded_z[place, 1, :n, rows])

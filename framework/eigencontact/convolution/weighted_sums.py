@@ -1,0 +1,135 @@
+"""Which kernels connect which sources and outputs in space, with which coefficients: a table, not a formula."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.volume_layout import VolumeKernels
+from eigencontact.errors import require
+
+__all__ = ["Coefficients", "WeightedSums"]
+
+FloatArray = NDArray[np.float64]
+
+#: Coefficient of (kernel, source).
+Coefficients = Mapping[tuple[int, int], float]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One transformed sum and where it goes: ``(output, power of the depth, factor)``."""
+
+    terms: Coefficients
+    into: tuple[tuple[int, int, float], ...]
+
+
+class WeightedSums:
+    """Outputs as sums of ``coefficient * depth**power * kernel * source`` with few inverse transforms.
+
+    Parameters
+    ----------
+    kernels : VolumeKernels
+        Spectra.
+    table : mapping of (output, power) to coefficients
+        Coefficients of (kernel, source) of each output and power of the target's depth.
+    sources, outputs : sequence of (int, int)
+        Parity along (y, x) of each source and output: a kernel between them has the product of theirs. (Reflection
+        along x keeps an even and reverses an odd component; with three sources xx, xz and xy of a tensor these are
+        (1, 1), (1, -1) and (-1, -1).) Used where the layout is folded.
+
+    Notes
+    -----
+    A row of the table that is a combination of earlier rows (the zz component of a traceless part) is not transformed
+    a second time.
+    """
+
+    def __init__(
+        self,
+        kernels: VolumeKernels,
+        table: Mapping[tuple[int, int], Coefficients],
+        *,
+        sources: Sequence[tuple[int, int]],
+        outputs: Sequence[tuple[int, int]],
+    ) -> None:
+        self.kernels, self.sources, self.outputs = kernels, tuple(sources), tuple(outputs)
+        self.powers = 1 + max((power for _, power in table), default=0)
+        for (output, _), terms in table.items():
+            for kernel, source in terms:
+                self._check(output, kernel, source)
+        self.rows = _independent(table)
+
+    def _check(self, output: int, kernel: int, source: int) -> None:
+        """Refuse a kernel that lacks the symmetry of what it connects."""
+        product = tuple(a * b for a, b in zip(self.outputs[output], self.sources[source], strict=True))
+        found = self.kernels.parities[kernel][1:]
+        where = f"(the product of output {output} and source {source})"
+        require(
+            not self.kernels.layout.folded or found == product,
+            "convolution",
+            f"kernels[{kernel}].parity",
+            found,
+            f"{product} {where}",
+        )
+
+    @property
+    def count(self) -> int:
+        """Inverse transforms along z."""
+        return len(self.rows)
+
+    def turned(self, parity: tuple[int, int]) -> bool:
+        """Whether a field is carried as 1j times itself, so that folded kernels need no factor 1j."""
+        return self.kernels.layout.folded and parity[0] * parity[1] < 0
+
+    def matrices(self, active: Sequence[int]) -> list[tuple[int, int, FloatArray]]:
+        """For each row the range of columns it uses, and the coefficients ``(columns, kernels)``.
+
+        The columns are the active sources' spectra, then these at -kz.
+        """
+        width, found = len(active), []
+        place = {source: position for position, source in enumerate(active)}
+        for row in self.rows:
+            full = np.zeros((2 * width, len(self.kernels)))
+            for (kernel, source), value in row.terms.items():
+                if source in place:
+                    # Both ends carry a factor 1j where turned: 1j * 1j asks for a minus.
+                    sign = (
+                        -1.0 if self.turned(self.sources[source]) and self.turned(self.outputs[row.into[0][0]]) else 1.0
+                    )
+                    column = place[source] + (width if self.kernels.correlations[kernel] else 0)
+                    full[column, kernel] += sign * value
+            used = np.flatnonzero(full.any(axis=1))
+            first, last = (int(used[0]), int(used[-1]) + 1) if used.size else (0, 1)
+            found.append((first, last, full[first:last]))
+        return found
+
+
+def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
+    """Rows of the table, those left out that are combinations of others of the same power."""
+    keys = sorted({term for terms in table.values() for term in terms})
+    columns = {key: k for k, key in enumerate(keys)}
+    rows: list[Row] = []
+    for power in sorted({power for _, power in table}):
+        kept: list[int] = []
+        vectors: list[FloatArray] = []
+        for output in sorted(output for output, p in table if p == power):
+            terms = {key: value for key, value in table[output, power].items() if value}
+            vector = np.zeros(len(keys))
+            vector[[columns[key] for key in terms]] = list(terms.values())
+            if not terms:
+                continue
+            weights = np.linalg.lstsq(np.array(vectors).T, vector)[0] if vectors else np.zeros(0)
+            rest = vector - (weights @ np.array(vectors) if vectors else 0.0)
+            if np.abs(rest).max() <= 1e-13 * np.abs(vector).max():
+                for number, weight in zip(kept, weights, strict=True):
+                    if abs(weight) > 1e-13:
+                        into = (*rows[number].into, (output, power, float(weight)))
+                        rows[number] = Row(rows[number].terms, into)
+            else:
+                kept.append(len(rows))
+                vectors.append(vector)
+                rows.append(Row(terms, ((output, power, 1.0),)))
+    return rows
