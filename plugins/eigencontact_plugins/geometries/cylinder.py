@@ -44,6 +44,9 @@ class Cylinder(Geometry):
     """
 
     key: ClassVar[str] = "cylinder"
+    references: ClassVar[tuple[str, ...]] = (
+        "K. L. Johnson 1985, Contact Mechanics, sec. 4.2, doi:10.1017/CBO9781139171731",
+    )
 
     radius: Length
     length: Length

@@ -1,0 +1,57 @@
+"""Bundled inclusion shapes and eigenstrain fields pass the kit that a stranger's must pass."""
+
+import eigencontact as ec
+from eigencontact_verification.conformance import parametrize_with_checks
+
+
+def shape(key, **parameters):
+    return ec.make(key, kind="inclusion-shape", **parameters)
+
+
+SHAPES = [
+    shape("cuboid", center=(0.1, 0.2, 3.0), edges=(1.0, 2.0, 3.0)),
+    shape("cuboid", center=(0.1, 0.2, 1.5), edges=(1.0, 2.0, 3.0)),  # flush with the surface
+    shape("cuboid", center=(1e-4, 0.0, 2e-6), edges=(1e-3, 2e-6, 3e-6)),
+    shape("sphere", center=(1e-6, 2e-6, 3e-6), radius=2e-6),
+    shape("sphere", center=(0.1, 0.2, 1.3), radius=1.3),  # tangent to the surface
+]
+
+
+@parametrize_with_checks(SHAPES)
+def test_shapes_conform(component, check):
+    check(component)
+
+
+def field(key, **parameters):
+    return ec.make(key, kind="eigenstrain-field", **parameters)
+
+
+FIELDS = [
+    field("uniform", value=1e-3),
+    field(
+        "uniform", value=((1e-3, 2e-4, 0.0), (2e-4, 0.0, 0.0), (0.0, 0.0, -1e-3)), times=(0.0, 2.0), factors=(0.0, 1.0)
+    ),
+    field("depth-profile", depths=(0.0, 2e-3), values=(4e-3, 0.0), direction="in-plane"),
+    field("thermal", expansion=1e-5, temperature=100.0),
+    field("thermal", expansion=1e-5, temperature=100.0, decay_depth=1e-4),
+    field("peened-layer", peak=2e-3, peak_depth=1e-4, width=5e-5),
+]
+
+
+@parametrize_with_checks(FIELDS)
+def test_fields_conform(component, check):
+    check(component)
+
+
+GEOMETRIES = [
+    ec.make("sphere", kind="geometry", radius=1e-3),
+    ec.make("ellipsoid", kind="geometry", radius_x=1e-3, radius_y=2e-3, angle=0.3),
+    ec.make("cylinder", kind="geometry", radius=1e-3, length=2e-3),
+    ec.make("rounded-punch", kind="geometry", flat_radius=1e-4, edge_radius=1e-5),
+    ec.make("rounded-cone", kind="geometry", half_angle=1.4, tip_radius=1e-5),
+]
+
+
+@parametrize_with_checks(GEOMETRIES)
+def test_geometries_conform(component, check):
+    check(component)

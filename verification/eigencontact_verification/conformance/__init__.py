@@ -1,0 +1,15 @@
+"""Conformance kit: what every plugin of a kind promises, as checks that an author runs on a class of their own.
+
+Examples
+--------
+>>> import eigencontact
+>>> from eigencontact_verification.conformance import checks_for
+>>> shape = eigencontact.make("cuboid", center=(0.0, 0.0, 2.0), edges=(1.0, 2.0, 3.0))
+>>> sum(1 for check in checks_for(shape) if check(shape) is None) > 20
+True
+"""
+
+from eigencontact_verification.conformance.kit import checks_for, parametrize_with_checks
+from eigencontact_verification.conformance.report import ConformanceError
+
+__all__ = ["ConformanceError", "checks_for", "parametrize_with_checks"]

@@ -1,0 +1,185 @@
+"""What every component promises: a registered key, sources, frozen fields that are its table, refusals by name."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator
+from dataclasses import FrozenInstanceError, fields, is_dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eigencontact.errors import SceneError
+from eigencontact.hooks.registry import Entry
+from eigencontact.library import installed_plugins
+from eigencontact.scene.components import instantiate
+from eigencontact_verification.conformance.report import check, ensure
+
+__all__ = [
+    "check_bad_lengths_refused",
+    "check_bad_numbers_refused",
+    "check_fields_are_the_table",
+    "check_frozen",
+    "check_references",
+    "check_registered",
+]
+
+#: Parts of names of fields that hold lengths; those must be positive.
+_LENGTHS = ("radius", "radii", "length", "edges", "semi_axes", "height", "width", "thickness")
+
+
+@check
+def check_registered(component: Any) -> None:
+    """The class is installed under its key, so that scenes can name it."""
+    registry = installed_plugins()
+    found = [entry.component for entry in registry.named(component.key) if entry.kind == component.kind]
+    broken = "".join(f"; {item}" for item in registry.broken)
+    ensure(
+        found == [type(component)],
+        f"the installed {component.kind} {component.key!r}",
+        f"{type(component).__module__}.{type(component).__qualname__}",
+        ", ".join(f"{cls.__module__}.{cls.__qualname__}" for cls in found) or "nothing",
+        "install its package (pip install -e .), with an entry point in the group 'eigencontact' and a hookimpl "
+        f"that returns the class{broken}",
+    )
+
+
+@check
+def check_references(component: Any) -> None:
+    """Sources are given: results cite them."""
+    sources = component.references
+    good = isinstance(sources, tuple) and sources and all(isinstance(text, str) and text.strip() for text in sources)
+    ensure(
+        good,
+        "references",
+        "a tuple of texts, at least one",
+        repr(sources),
+        "name the paper and the equation, or say that the formula is elementary",
+    )
+
+
+@check
+def check_frozen(component: Any) -> None:
+    """Fields cannot be assigned: a component may be shared and cached."""
+    ensure(is_dataclass(component), "the class", "a dataclass", type(component).__name__, "decorate it")
+    for item in fields(component):
+        before = getattr(component, item.name)
+        try:
+            setattr(component, item.name, before)
+        except FrozenInstanceError:
+            continue
+        ensure(
+            condition=False,
+            what=item.name,
+            rule="frozen",
+            got="assigned without an error",
+            advice="use @dataclass(frozen=True, kw_only=True)",
+        )
+
+
+@check
+def check_fields_are_the_table(component: Any) -> None:
+    """The component comes back from its fields written as a TOML table with kebab-case keys, as a scene gives them."""
+    import tomli_w
+
+    table = {
+        item.name.replace("_", "-"): _plain(getattr(component, item.name))
+        for item in fields(component)
+        if getattr(component, item.name) is not None
+    }
+    read = tomllib.loads(tomli_w.dumps(table))
+    entry = Entry(component.kind, component.key, type(component), "this package", "")
+    again = instantiate(entry, read, component.key)
+    for item in fields(component):
+        before, after = getattr(component, item.name), getattr(again, item.name)
+        ensure(
+            _same(before, after),
+            item.name,
+            f"{before!r} again when read from a scene table",
+            repr(after),
+            "annotate the field with what a table can hold (Length, float, tuple of those, str, bool)",
+        )
+
+
+@check
+def check_bad_numbers_refused(component: Any) -> None:
+    """NaN and infinity in any number are refused by name (infinity may be a default, and is then allowed)."""
+    for item in fields(component):
+        for bad in (math.nan, math.inf):
+            if item.default == bad:
+                continue
+            for spoilt in _spoilt(getattr(component, item.name), bad):
+                _refused(component, item.name, spoilt, "finite")
+
+
+@check
+def check_bad_lengths_refused(component: Any) -> None:
+    """Negative lengths (fields called radius, edges, semi_axes, height and the like) are refused by name.
+
+    So is zero, unless it is the default or one of many in a map.
+    """
+    for item in fields(component):
+        if any(word in item.name for word in _LENGTHS):
+            value = getattr(component, item.name)
+            size = float(np.max(np.abs(value))) or 1.0 if _is_numeric(value) else 1.0
+            allowed = np.ndim(value) > 1 or item.default == 0.0
+            for bad in (-size,) if allowed else (0.0, -size):
+                for spoilt in _spoilt(value, bad):
+                    _refused(component, item.name, spoilt, "positive")
+
+
+def _refused(component: Any, field: str, value: Any, rule: str) -> None:
+    advice = f"in __post_init__: require(<condition>, self.key, {field!r}, self.{field}, '{rule} [m]')"
+    try:
+        replace(component, **{field: value})
+    except SceneError as problem:
+        named = field in str(problem).replace("-", "_")
+        ensure(named, f"the refusal of {field} = {value!r}", f"worded with the name {field}", str(problem), advice)
+    else:
+        ensure(
+            condition=False,
+            what=f"{field} = {value!r}",
+            rule="refused with SceneError",
+            got="a component",
+            advice=advice,
+        )
+
+
+def _is_numeric(value: Any) -> bool:
+    try:
+        return bool(np.asarray(value).dtype.kind == "f")
+    except ValueError:
+        return False
+
+
+def _spoilt(value: Any, bad: float) -> Iterator[Any]:
+    """Copies of a value with one number replaced: each in turn, of large arrays the first."""
+    if isinstance(value, float):
+        yield bad
+    elif isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.size:
+        copy = value.copy()
+        copy.flat[0] = bad
+        yield copy
+    elif isinstance(value, (tuple, list)):
+        for index, part in enumerate(value[:4]):
+            for spoilt in _spoilt(part, bad):
+                yield type(value)([*value[:index], spoilt, *value[index + 1 :]])
+
+
+def _plain(value: Any) -> Any:
+    """What TOML can hold."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, (tuple, list)):
+        return [_plain(part) for part in value]
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    return str(value) if isinstance(value, Path) else value
+
+
+def _same(before: Any, after: Any) -> bool:
+    if isinstance(before, np.ndarray) or isinstance(after, np.ndarray):
+        return np.array_equal(before, after)
+    return bool(before == after)

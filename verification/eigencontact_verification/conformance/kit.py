@@ -1,0 +1,150 @@
+"""Which checks a component must pass, and how to give them to pytest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from eigencontact.errors import nearest
+from eigencontact.plugin import HasFarField, HasMirrorPotential, HasPotentials
+from eigencontact_verification.conformance import (
+    arrays,
+    boundary,
+    common,
+    eigenstrain,
+    geometry,
+    identities,
+    integrals,
+    region,
+    surface,
+)
+from eigencontact_verification.conformance.report import Check
+
+__all__ = ["checks_for", "parametrize_with_checks"]
+
+_EVERY: tuple[Check, ...] = (
+    common.check_registered,
+    common.check_references,
+    common.check_frozen,
+    common.check_fields_are_the_table,
+    common.check_bad_numbers_refused,
+    common.check_bad_lengths_refused,
+)
+_BY_KIND: dict[str, tuple[Check, ...]] = {
+    "inclusion-shape": (
+        region.check_bounds,
+        region.check_in_body,
+        region.check_contains_arrays,
+        region.check_contains_pure,
+        surface.check_surface_traction,
+    ),
+    "eigenstrain-field": (
+        eigenstrain.check_eigenstrain_arrays,
+        eigenstrain.check_eigenstrain_pure,
+        eigenstrain.check_declarations,
+    ),
+    "geometry": (geometry.check_separation_arrays, geometry.check_separation_pure),
+}
+_BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
+    (
+        HasPotentials,
+        (
+            arrays.check_potential_arrays,
+            arrays.check_potentials_pure,
+            arrays.check_potentials_finite,
+            identities.check_phi_laplacian,
+            identities.check_psi_laplacian,
+            identities.check_phi_derivatives,
+            identities.check_psi_derivatives,
+            identities.check_parity,
+            boundary.check_continuity,
+            boundary.check_face_means,
+            boundary.check_flush_face,
+            integrals.check_quadrature,
+            integrals.check_volume,
+            integrals.check_decay,
+        ),
+    ),
+    (HasMirrorPotential, (integrals.check_chi,)),
+    (HasFarField, (integrals.check_far_field,)),
+)
+
+
+def checks_for(component: Any) -> tuple[Check, ...]:
+    """Checks that apply to a component: those of every kind, of its kind, and of each ability it offers.
+
+    Parameters
+    ----------
+    component : Component
+        An instance of a plugin class.
+
+    Returns
+    -------
+    tuple of callables
+        Each takes the component, returns nothing, and raises `ConformanceError` with its name, what was expected, what
+        was found and what to do.
+
+    Examples
+    --------
+    In a notebook, without pytest:
+
+    >>> import eigencontact
+    >>> ball = eigencontact.make("sphere", center=(0.0, 0.0, 2.0), radius=1.0)
+    >>> for check in checks_for(ball):
+    ...     check(ball)
+    """
+    checks = [*_EVERY, *_BY_KIND.get(component.kind, ())]
+    if component.kind == "inclusion-shape":
+        for ability, more in _BY_ABILITY:
+            if isinstance(component, ability):
+                checks += more
+    return tuple(checks)
+
+
+def parametrize_with_checks(components: Iterable[Any], *, waive: Mapping[str, str] | None = None) -> Any:
+    """Decorate a test of (component, check): one test for every component and every check that applies to it.
+
+    Parameters
+    ----------
+    components : iterable of Component
+        Instances; for a shape, several: deep, off the axes, elongated, touching the surface if it can.
+    waive : mapping of str to str, optional
+        Names of checks that these components are known to fail, and why. A waived check must fail: when it passes, the
+        test fails until the waiver is taken away.
+
+    Returns
+    -------
+    pytest mark
+        The only use of pytest in the kit.
+
+    Raises
+    ------
+    ValueError
+        A waiver without a reason, or of a check that does not apply.
+
+    Examples
+    --------
+    A whole ``tests/test_conformance.py``:
+
+    >>> import eigencontact
+    >>> from eigencontact_verification.conformance import parametrize_with_checks
+    >>> @parametrize_with_checks([eigencontact.make("sphere", center=(0.0, 0.0, 2.0), radius=1.0)])
+    ... def test_conformance(component, check):
+    ...     check(component)
+    """
+    import pytest
+
+    waive, components = dict(waive or {}), list(components)
+    applicable = {check.__name__ for component in components for check in checks_for(component)}
+    for name, reason in waive.items():
+        if name not in applicable:
+            raise ValueError(f"waive must name a check that applies (got {name!r}){nearest(name, applicable)}")
+        if not (isinstance(reason, str) and reason.strip()):
+            raise ValueError(f"waive[{name!r}] must be the reason (got {reason!r})")
+    cases = []
+    for number, component in enumerate(components):
+        for check in checks_for(component):
+            known = waive.get(check.__name__)
+            marks = [pytest.mark.xfail(reason=known, strict=True)] if known else []
+            cases.append(pytest.param(component, check, id=f"{component.key}{number}-{check.__name__}", marks=marks))
+    return pytest.mark.parametrize(("component", "check"), cases)

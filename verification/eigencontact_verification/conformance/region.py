@@ -1,0 +1,102 @@
+"""What every inclusion shape promises: bounds that enclose it, in the body; an indicator that broadcasts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from eigencontact_verification.conformance.report import check, ensure, place_of
+from eigencontact_verification.conformance.sampling import evenly, inside, region, sample
+
+__all__ = ["check_bounds", "check_contains_arrays", "check_contains_pure", "check_in_body"]
+
+
+@check
+def check_bounds(shape: Any) -> None:
+    """Bounds are two corners, low below high, and no point outside them is inside the shape."""
+    given = np.asarray(shape.bounds, dtype=float)
+    ordered = given.shape == (2, 3) and np.all(np.isfinite(given)) and np.all(given[0] < given[1])
+    ensure(
+        ordered,
+        "bounds",
+        "((x, y, z) lowest, (x, y, z) highest), finite, in this order",
+        shape.bounds,
+        "return two tuples of three lengths [m]",
+    )
+    box = region(shape)
+    around = box.center + 2 * (box.half + 0.05 * box.size) * evenly(4096)
+    slack = 1e-9 * box.size
+    out = np.any((around < box.low - slack) | (around > box.high + slack), axis=1)
+    lost = around[out & inside(shape, around)]
+    ensure(
+        len(lost) == 0,
+        "bounds",
+        "around every point that contains accepts",
+        f"{len(lost)} points outside them, the first at {place_of(lost)}",
+        "widen bounds, or compare its centre with that of contains",
+    )
+    sample(shape)  # says so where contains is true nowhere
+
+
+@check
+def check_in_body(shape: Any) -> None:
+    """The shape lies in the body, z >= 0: z points into it, the surface is z = 0."""
+    lowest = region(shape).low[2]
+    ensure(
+        lowest >= 0,
+        "the lowest z of bounds",
+        "0 or more [m]",
+        f"{lowest:.6g}",
+        "give the component a deeper centre; a shape refuses what sticks out of the body in __post_init__",
+    )
+
+
+@check
+def check_contains_arrays(shape: Any) -> None:
+    """Answers are booleans of the broadcast shape: scalars, vectors, (nz, ny, nx), mixed, empty."""
+    box = region(shape)
+    x, y, z = (np.linspace(low, high, n) for low, high, n in zip(box.low, box.high, (5, 4, 3), strict=True))
+    cases = {
+        "numbers": (x[2], y[2], z[1]),
+        "0-d arrays": (np.array(x[2]), np.array(y[2]), np.array(z[1])),
+        "(1,)": (x[:1], y[:1], z[:1]),
+        "(3,)": (x[:3], y[:3], z),
+        "(1, 1, 5), (1, 4, 1), (3, 1, 1)": (x[None, None, :], y[None, :, None], z[:, None, None]),
+        "(5,) and two numbers": (x, y[1], z[1]),
+        "(0,)": (x[:0], y[:0], z[:0]),
+    }
+    whole = np.zeros(0, bool)
+    for case, arguments in cases.items():
+        answer = np.asarray(shape.contains(*arguments))
+        expected = np.broadcast_shapes(*(np.shape(part) for part in arguments))
+        ensure(
+            answer.shape == expected and answer.dtype == bool,
+            f"contains of {case}",
+            f"booleans of shape {expected}",
+            f"{answer.dtype} of shape {answer.shape}",
+            "write it with numpy functions of whole arrays that broadcast",
+        )
+        if answer.ndim == 3:
+            whole = answer
+    single = np.array([[[bool(shape.contains(a, b, c)) for a in x] for b in y] for c in z])
+    ensure(
+        np.array_equal(whole, single),
+        "contains of a grid",
+        "what it says of each of its points alone",
+        f"{int(np.sum(whole != single))} of {single.size} points that differ",
+        "do not reduce over the points",
+    )
+
+
+@check
+def check_contains_pure(shape: Any) -> None:
+    """Same answer twice; inputs stay as they were, and may be read-only."""
+    box = region(shape)
+    points = np.ascontiguousarray((box.center + box.half * evenly(64)).T)
+    kept = points.copy()
+    points.flags.writeable = False
+    first = np.asarray(shape.contains(*points)).copy()
+    second = np.asarray(shape.contains(*points))
+    ensure(np.array_equal(points, kept), "the arrays given", "unchanged", "changed", "write to copies only")
+    ensure(np.array_equal(first, second), "contains asked twice", "the same", "different", "keep no state")

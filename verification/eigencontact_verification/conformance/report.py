@@ -1,0 +1,85 @@
+"""How a check says no: its name, what was expected, what was found and where, and what to do."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from functools import wraps
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "place_of"]
+
+FloatArray = NDArray[np.float64]
+Check = Callable[[Any], None]
+
+
+class ConformanceError(AssertionError):
+    """A component that breaks a promise of its kind."""
+
+
+def check(function: Check) -> Check:
+    """Turn a function of one component into a check.
+
+    Its name goes in front of every message; what the component itself raises, warnings of numpy included, becomes a
+    `ConformanceError` too.
+    """
+
+    @wraps(function)
+    def run(component: Any) -> None:
+        where = f"{function.__name__} of {component.kind} {component.key!r}"
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", RuntimeWarning)
+                function(component)
+        except ConformanceError as problem:
+            raise ConformanceError(f"{where}: {problem}") from None
+        except Exception as problem:
+            raise ConformanceError(
+                f"{where}: it must answer without an error or warning (got {type(problem).__name__}: {problem}); "
+                f"the traceback above shows the line"
+            ) from problem
+
+    return run
+
+
+def ensure(condition: object, what: str, rule: str, got: object, advice: str) -> None:
+    """Raise `ConformanceError` worded ``<what> must be <rule> (got <value>); <what to do>`` unless `condition`."""
+    if not condition:
+        raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
+
+
+def place_of(points: FloatArray) -> str:
+    """Words for the first of some points ``(n, 3)``."""
+    return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in points[:1]) or "nowhere"
+
+
+def agree(
+    names: Sequence[str],
+    got: FloatArray,
+    expected: FloatArray,
+    *,
+    scale: FloatArray | float,
+    tolerance: FloatArray | float,
+    points: FloatArray,
+    rule: str,
+    advice: str,
+) -> None:
+    """Compare rows `got` and `expected`, ``(len(names), n)``, at `points` ``(n, 3)``; the worst is reported.
+
+    `tolerance` is relative to `scale`; both broadcast to the rows. NaN never agrees.
+    """
+    error = np.abs(got - expected) / np.broadcast_to(scale, got.shape)
+    excess = error / np.broadcast_to(tolerance, got.shape)
+    excess = np.where(np.isnan(excess), np.inf, excess)
+    row, column = divmod(int(np.argmax(excess)), got.shape[1])
+    limit = np.broadcast_to(tolerance, got.shape)[row, column]
+    ensure(
+        excess[row, column] <= 1.0,
+        f"{names[row]} at {place_of(points[column:])}",
+        f"{rule}, {expected[row, column]:.10g}",
+        f"{got[row, column]:.10g}, relative error {error[row, column]:.1e}, allowed {limit:.1e}",
+        advice,
+    )

@@ -1,0 +1,164 @@
+"""Where a shape is asked: points inside, outside and on its boundary, found with `bounds` and `contains` alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import wraps
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.conformance.orders import Order, of_total
+from eigencontact_verification.conformance.report import ensure
+
+__all__ = [
+    "Points",
+    "Region",
+    "evenly",
+    "inside",
+    "natural_scale",
+    "on_boundary",
+    "potential",
+    "region",
+    "remembered",
+    "sample",
+]
+
+FloatArray = NDArray[np.float64]
+T = TypeVar("T")
+
+_GENERATOR = 1.2207440846057596  # the root of g^4 = g + 1: powers of 1/g fill the cube evenly
+_DIRECTIONS = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
+_DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1, keepdims=True)
+
+
+def remembered(function: Callable[[Any], T]) -> Callable[[Any], T]:
+    """Keep the answers for the last components asked about (by identity: fields need not be hashable)."""
+    answers: list[tuple[Any, T]] = []
+
+    @wraps(function)
+    def ask(component: Any) -> T:
+        for known, answer in answers:
+            if known is component:
+                return answer
+        answers.append((component, function(component)))
+        del answers[:-16]
+        return answers[-1][1]
+
+    return ask
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """The bounds of a shape as arrays ``(3,)``: corners, centre, half edges; `size`, the longest edge [m]."""
+
+    low: FloatArray
+    high: FloatArray
+    center: FloatArray
+    half: FloatArray
+    size: float
+
+    @property
+    def step(self) -> float:
+        """A step that is small for the shape and far above rounding [m]."""
+        return 1e-7 * float(np.min(self.half))
+
+    @property
+    def radius(self) -> float:
+        """Radius of the ball around the bounds [m]."""
+        return float(np.linalg.norm(self.half))
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Points ``(n, 3)``, and how far each is from the boundary at least, roughly ``(n,)`` [m]."""
+
+    places: FloatArray
+    clearance: FloatArray
+
+
+def region(shape: Any) -> Region:
+    """Read the bounds of a shape."""
+    low, high = np.asarray(shape.bounds, dtype=float)
+    return Region(low, high, (low + high) / 2, (high - low) / 2, float(np.max(high - low)))
+
+
+def inside(shape: Any, places: FloatArray) -> NDArray[np.bool_]:
+    """``contains`` at points ``(..., 3)``."""
+    x, y, z = np.moveaxis(np.asarray(places), -1, 0)
+    return np.asarray(shape.contains(x, y, z))
+
+
+def potential(shape: Any, which: str, orders: Sequence[Order], places: FloatArray) -> FloatArray:
+    """Derivatives of ``"phi"``, ``"psi"`` or ``"chi"`` at points ``(..., 3)``."""
+    x, y, z = (np.array(part) for part in np.moveaxis(np.asarray(places), -1, 0))
+    return np.asarray(getattr(shape, which)(orders, x, y, z))
+
+
+def natural_scale(shape: Any, which: str, total: int, places: FloatArray) -> FloatArray:
+    """Size of derivatives of this total order at points ``(n, 3)``, never zero.
+
+    The largest derivative of the order, or of a lower one over powers of the longest edge.
+    """
+    size = region(shape).size
+    lowest = 1 if which == "phi" else 3
+    parts = [
+        np.max(np.abs(potential(shape, which, of_total(m), places)), axis=0) / size ** (total - m)
+        for m in range(lowest, total + 1)
+    ]
+    scale: FloatArray = np.max(parts, axis=0)
+    return scale
+
+
+def evenly(count: int) -> FloatArray:
+    """Evenly spread points of the cube (-1, 1)³, ``(count, 3)``, always the same ones."""
+    steps = np.arange(1, count + 1)[:, None] / _GENERATOR ** np.arange(1, 4)
+    return 2.0 * ((steps + 0.5) % 1.0) - 1.0
+
+
+@remembered
+def sample(shape: Any) -> tuple[Points, Points]:
+    """A few points well inside and a few around the shape, away from its boundary."""
+    box = region(shape)
+    near = box.center + box.half * evenly(4096)
+    found = near[inside(shape, near)][:256]
+    ensure(
+        len(found),
+        "contains",
+        "true somewhere between the corners of bounds",
+        "false at 4096 points spread there",
+        "compare the two: both are in scene coordinates, z into the body",
+    )
+    around = box.center + (box.half + box.size / 2) * evenly(256)
+    return _clearest(shape, found, box.size), _clearest(shape, around[~inside(shape, around)], box.size)
+
+
+def _clearest(shape: Any, places: FloatArray, size: float) -> Points:
+    """Eight of the points that are not close to the boundary."""
+    state = inside(shape, places)
+    clearance = np.zeros(len(places))
+    free = np.ones(len(places), bool)
+    for radius in size * 2.0 ** -np.arange(18, 0, -1.0):
+        probes = places[:, None, :] + radius * _DIRECTIONS
+        free &= np.all(inside(shape, probes) == state[:, None], axis=1)
+        clearance[free] = radius
+    chosen = np.flatnonzero(clearance >= np.max(clearance) / 4)[:8]
+    return Points(places[chosen], clearance[chosen])
+
+
+@remembered
+def on_boundary(shape: Any) -> tuple[FloatArray, FloatArray]:
+    """Points on the boundary ``(n, 3)``, found by bisection, and unit directions ``(n, 3)`` that leave the shape."""
+    within, without = sample(shape)
+    start = np.repeat(within.places, 4, axis=0)
+    stop = np.tile(without.places, (len(start) // len(without.places) + 1, 1))[: len(start)]
+    direction = stop - start
+    low, high = np.zeros(len(start)), np.ones(len(start))
+    for _ in range(52):
+        middle = (low + high) / 2
+        held = inside(shape, start + middle[:, None] * direction)
+        low, high = np.where(held, middle, low), np.where(held, high, middle)
+    crossing = start + ((low + high) / 2)[:, None] * direction
+    return crossing, direction / np.linalg.norm(direction, axis=1, keepdims=True)
