@@ -18,6 +18,9 @@ __all__ = ["point_derivatives", "source_derivatives"]
 
 FloatArray = NDArray[np.float64]
 
+# Pairs of a source and a field point taken at a time.
+_PAIRS = 16_384
+
 # Exponents (i, j, k, m, n) of x^i y^j z^k R^-m (R + Z)^-n, and the coefficient.
 Monomials = dict[tuple[int, int, int, int, int], float]
 
@@ -106,9 +109,14 @@ def source_derivatives(
 ) -> FloatArray:
     """Sum over point sources at field points of one shape; ``chi`` takes them as mirrored, z + z'."""
     out = np.zeros((len(orders), *x.shape))
-    for (px, py, pz), volume, spread in zip(sources.positions, sources.volumes, sources.spreads, strict=True):
-        offsets = x - px, y - py, z + pz if potential == "chi" else z - pz
-        out += volume * point_derivatives(potential, orders, *offsets)
-        if potential == "psi" and spread:
-            out += volume * spread * point_derivatives("phi", orders, *offsets)
+    mirror = 1.0 if potential == "chi" else -1.0
+    step = max(1, _PAIRS // max(1, x.size))
+    for first in range(0, len(sources.volumes), step):
+        part = slice(first, first + step)
+        px, py, pz = (values.reshape(-1, *[1] * x.ndim) for values in sources.positions[part].T)
+        offsets = x - px, y - py, z + mirror * pz
+        out += np.einsum("s,ks...->k...", sources.volumes[part], point_derivatives(potential, orders, *offsets))
+        if potential == "psi" and np.any(sources.spreads[part]):
+            weights = sources.volumes[part] * sources.spreads[part]
+            out += np.einsum("s,ks...->k...", weights, point_derivatives("phi", orders, *offsets))
     return out
