@@ -295,6 +295,11 @@ def _run_info(planned: Plan) -> RunInfo:
     for component in planned.components:
         entry = planned.registry.get(component.kind, component.key)
         versions[f"plugin {entry.kind} {entry.key}"] = entry.origin
+    outlines = {}
+    if planned.sources:
+        from eigencontact.planning.outlines import outlines as outlines_of
+
+        outlines = outlines_of(planned)
     return RunInfo(
         title=planned.scene.title,
         name=planned.name,
@@ -305,6 +310,7 @@ def _run_info(planned: Plan) -> RunInfo:
         references=references(planned),
         contact_modulus=contact_modulus(*planned.bodies) if planned.geometries else None,
         steps=planned.steps,
+        outlines=outlines,
     )
 
 

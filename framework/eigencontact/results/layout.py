@@ -112,7 +112,7 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
     ResultsError
         When two results would bear one name, a name holds a slash, or a field does not fit its grid.
     """
-    listed = [*_coordinates(info, record), *_surface(info, record), *_scalars(record)]
+    listed = [*_coordinates(info, record), *_outlines(info), *_surface(info, record), *_scalars(record)]
     for name, region in record.regions.items():
         listed.extend(_region(name, region))
     seen: set[str] = set()
@@ -151,6 +151,18 @@ def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     if "principal" in fields:
         attrs = {"role": "coordinate", "units": "1", "long_name": "principal stress, 1 is the largest"}
         yield Variable(name="principal", dims=("principal",), values=np.array([1, 2, 3]), attrs=attrs)
+
+
+def _outlines(info: RunInfo) -> Iterator[Variable]:
+    for region, segments in info.outlines.items():
+        name = f"{region}_outline" if region else "outline"
+        words = f"outline of inclusions on {region}" if region else "outline of inclusions seen from above"
+        yield Variable(
+            name=name,
+            dims=(f"{name}_segment", "end", "place"),
+            values=np.asarray(segments, dtype=float),
+            attrs={"role": "outline", "units": "m", "long_name": words},
+        )
 
 
 def _surface(info: RunInfo, record: StepRecord) -> Iterator[Variable]:

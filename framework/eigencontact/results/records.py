@@ -100,6 +100,9 @@ class RunInfo:
         E* [Pa]; None without a contact.
     steps : int
         Number of load steps of the whole history.
+    outlines : mapping of str to (n, 2, 2) array
+        Line segments [m] around the inclusions for pictures: ``""`` as seen from above, others on the plane region of
+        their name.
     """
 
     title: str
@@ -111,3 +114,4 @@ class RunInfo:
     references: tuple[str, ...]
     contact_modulus: float | None
     steps: int
+    outlines: dict[str, FloatArray] = field(default_factory=dict)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eigencontact.viz.history import load_history
+from eigencontact.viz.residual import displacement_profiles, uplift_map
 from eigencontact.viz.section import drawable, stress_profile, stress_section
 from eigencontact.viz.style import save
 from eigencontact.viz.surface import pressure_map, pressure_profiles
@@ -50,6 +51,19 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
                 "pressure-profiles.png",
                 f"Contact pressure along x and y{beside}; markers are computed cells.",
                 lambda: pressure_profiles(dataset, step),
+            ),
+        ]
+    if "residual_displacement_z" in dataset:
+        wanted += [
+            (
+                "uplift.png",
+                "Uplift of the surface by eigenstrain; lines are outlines of the inclusions from above.",
+                lambda: uplift_map(dataset, step),
+            ),
+            (
+                "uplift-profiles.png",
+                "Surface displacement by eigenstrain along x and y through the largest uplift.",
+                lambda: displacement_profiles(dataset, step),
             ),
         ]
     for region, how in drawable(dataset).items():

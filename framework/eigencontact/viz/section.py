@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
+from eigencontact.viz.outline import draw_outline
 from eigencontact.viz.style import (
     COLOURS,
     box_size,
@@ -94,6 +95,8 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         filled = _contours(axes, length(h), length(v), stress(values))
+        if len(described["dims"]) == 2:
+            draw_outline(axes, dataset, f"{region}_outline", length)
         axes.set_xlim(length(h[[0, -1]]))
         axes.set_ylim(length(v[[-1, 0]] if vertical == "z" else v[[0, -1]]))
         label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")

@@ -1,0 +1,144 @@
+"""Pictures of what eigenstrain does to the surface: the uplift as a map, the displacement along two lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.outline import draw_outline
+from eigencontact.viz.style import (
+    COLOURS,
+    box_size,
+    colour_range,
+    heading,
+    label_plane,
+    new_figure,
+    paper_style,
+    place,
+    scale_for,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+__all__ = ["displacement_profiles", "uplift_map"]
+
+_NAMES = {"z": "uplift $-u_z$", "x": "$u_x$", "y": "$u_y$"}
+_STYLES = {"z": "-", "x": "--", "y": ":"}
+
+
+def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Uplift of the surface by eigenstrain, out of the body, with the outlines of the inclusions from above.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    step : int
+        Position along ``step``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The whole window; a cross at the largest value (in magnitude).
+    """
+    uplift, x, y = _uplift(dataset, step)
+    dx, dy = (float(edge) for edge in np.atleast_1d(dataset.attrs["cell_size"]))
+    extent = (x[0] - 0.5 * dx, x[-1] + 0.5 * dx, y[0] - 0.5 * dy, y[-1] + 0.5 * dy)
+    length, rise = scale_for(extent, "m"), scale_for(uplift, "m")
+    width, height = box_size(extent[1] - extent[0], extent[3] - extent[2])
+    with paper_style():
+        wide = width > 2.2 * height
+        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
+        axes = figure.add_subplot()
+        colours, low, high = colour_range(uplift)
+        image = axes.imshow(
+            rise(uplift),
+            origin="lower",
+            extent=tuple(length(extent)),
+            cmap=colours,
+            vmin=low * rise.factor,
+            vmax=(high or 1.0) * rise.factor,
+        )
+        draw_outline(axes, dataset, "outline", length)
+        label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
+        row, column = _largest(uplift)
+        title = heading(dataset, step, "Uplift of the surface by eigenstrain")
+        axes.set_title(f"{title}\n{rise.text(uplift[row, column])} at the cross")
+        axes.plot(length(x[column]), length(y[row]), "+", color="black", markersize=8, markeredgewidth=2.4)
+        axes.plot(length(x[column]), length(y[row]), "+", color="white", markersize=7, markeredgewidth=1.1)
+        bar = figure.colorbar(
+            image,
+            ax=axes,
+            location="bottom" if wide else "right",
+            shrink=0.6 if wide else 1.0,
+            aspect=30 if wide else 22,
+            pad=0.03,
+        )
+        bar.set_label(f"Uplift [{rise.unit}]")
+    return figure
+
+
+def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Uplift and in-plane displacement along x and along y through the largest uplift (in magnitude).
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    step : int
+        Position along ``step``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel along x, one along y; only one where the other direction has a single cell.
+    """
+    uplift, x, y = _uplift(dataset, step)
+    row, column = _largest(uplift)
+    values = {"z": uplift}
+    for component in "xy":
+        name = f"residual_displacement_{component}"
+        if name in dataset:
+            values[component] = np.asarray(dataset[name][step].values, dtype=float)
+    panels: list[tuple[str, str, NDArray[Any], tuple[Any, Any]]] = [
+        ("x", place("y", y[row]), x, (row, slice(None))),
+        ("y", place("x", x[column]), y, (slice(None), column)),
+    ]
+    panels = [panel for panel in panels if panel[2].size > 1] or panels[:1]
+    rise = scale_for(np.stack([field[where] for field in values.values() for *_, where in panels[:1]]), "m")
+    with paper_style():
+        figure = new_figure(3.3 * len(panels) + (0.3 if len(panels) > 1 else 1.2), 2.9)
+        drawn = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+        for axes, (along, across, at, where) in zip(drawn, panels, strict=True):
+            length = scale_for(at, "m")
+            for n, (component, field) in enumerate(values.items()):
+                style = {"color": COLOURS[n], "linestyle": _STYLES[component], "linewidth": 1.6 if n == 0 else 1.2}
+                axes.plot(length(at), rise(field[where]), label=_NAMES[component], **style)
+            axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+            axes.set_xlabel(f"{along} [{length.unit}]")
+            axes.margins(x=0)
+            axes.set_title(f"along {along} at {across}")
+        drawn[0].set_ylabel(f"Displacement [{rise.unit}]")
+        handles, labels = drawn[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        figure.suptitle(heading(dataset, step, "Surface displacement by eigenstrain"), fontsize=9.5)
+    return figure
+
+
+def _uplift(dataset: xr.Dataset, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    lifted = -np.asarray(dataset["residual_displacement_z"][step].values, dtype=float)
+    x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
+    return lifted + 0.0, x, y
+
+
+def _largest(uplift: NDArray[Any]) -> tuple[int, int]:
+    """Row and column of the largest magnitude; of several alike, the one nearest the middle of the window."""
+    size = np.abs(uplift)
+    rows, columns = np.nonzero(size >= (1.0 - 1e-9) * size.max())
+    middle = [(n - 1) / 2 for n in uplift.shape]
+    best = int(np.argmin((rows - middle[0]) ** 2 + (columns - middle[1]) ** 2))
+    return int(rows[best]), int(columns[best])
