@@ -1,0 +1,218 @@
+"""Approximate half-space: full space, plus the mirror image, minus the pressure they leave on the surface.
+
+In an infinite body the eigenstrain and its image ``s_i s_j e_ij``, s = (1, 1, -1), leave no shear on the plane z = 0
+but twice the normal traction of the eigenstrain alone. That traction is sampled at the middles of the surface's cells and
+taken off with the exact field of uniformly loaded cells. The scheme is a reference to compare the half-space theorem
+with: its error is that of the sampling near the surface, and that of the cut-off pressure outside the window.
+
+The field of the image is the mirrored field of the source, ``u_i(x, y, z) -> s_i u_i(x, y, -z)``, so only fields of the
+source in full space are needed.
+
+References
+----------
+Y. P. Chiu 1978, doi:10.1115/1.3424424 (image and residual traction); C. Jacq, D. Nélias, G. Lormand, D. Girodin 2002,
+doi:10.1115/1.1467920 (the scheme, for plastic strain).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Convolver, Layout
+from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.core.parallel import available_threads, in_parallel
+from eigencontact.core.symmetry import parity
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.errors import require
+from eigencontact.halfspace.theorem import QUANTITIES
+
+__all__ = ["FullSpaceField", "ImagePressure", "PressureKernel"]
+
+FloatArray = NDArray[np.float64]
+Points = tuple[FloatArray, FloatArray, FloatArray]
+
+_AXES = ("x", "y", "z")
+#: Sign of each component under reflection in the surface: displacement, and Mandel tensors.
+_SIGNS = {
+    "displacement": np.array([1.0, 1.0, -1.0]),
+    "strain": np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0]),
+    "stress": np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0]),
+}
+
+
+class FullSpaceField(Protocol):
+    """Field of an eigenstrain in an infinite body."""
+
+    def __call__(self, quantity: str, points: Points) -> FloatArray:
+        """Displacement [m], strain [-] or stress [Pa] (Mandel), ``(3, n)`` or ``(6, n)``.
+
+        Asked at z >= 0, and at z <= 0 for the image. On a face of the source that lies in z = 0 return the limit from
+        the side of z's sign, -0.0 included.
+        """
+        ...
+
+
+class PressureKernel(Protocol):
+    """Field of a uniform pressure on a rectangle of the surface: the installed surface influence of ``"p"``."""
+
+    def sample(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        x: FloatArray,
+        y: FloatArray,
+        z: float,
+        half_widths: tuple[float, float],
+        material: Material,
+    ) -> FloatArray:
+        """Displacement or Mandel stress per unit pressure on a lattice of offsets, ``(n, ny, nx)``."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ImagePressure:
+    """Half-space field from the field in full space.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the surface that carry the pressure; beyond it the traction is not removed.
+    kernel : PressureKernel
+        Field of one loaded cell.
+    material : Material
+        The body.
+    threads : int, optional
+        Cores to use; by default all this process may use.
+    """
+
+    grid: Grid
+    kernel: PressureKernel
+    material: Material
+    threads: int | None = None
+
+    def pressure(self, field: FullSpaceField) -> FloatArray:
+        """Pressure that frees the surface, ``(ny, nx)`` [Pa]: the doubled normal traction at the cells' middles."""
+        y, x = np.broadcast_arrays(*self.grid.axes())
+        traction = field("stress", (x.ravel(), y.ravel(), np.zeros(x.size)))[2]
+        return np.asarray(2.0 * traction.reshape(self.grid.shape))
+
+    def surface(self, field: FullSpaceField, pressure: FloatArray | None = None) -> FloatArray:
+        """Displacement of the surface at the cells' middles, ``(3, ny, nx)`` [m]."""
+        planes = self.on_lattice(
+            field, "displacement", target=self.grid.shape, origin=(0.0, 0.0), depths=np.zeros(1), pressure=pressure
+        )
+        return planes[:, 0]
+
+    def on_lattice(
+        self,
+        field: FullSpaceField,
+        quantity: str,
+        *,
+        target: tuple[int, int],
+        origin: tuple[float, float],
+        depths: FloatArray,
+        pressure: FloatArray | None = None,
+    ) -> FloatArray:
+        """Field on planes of points of the grid's pitch.
+
+        Parameters
+        ----------
+        field : FullSpaceField
+            The eigenstrain in an infinite body.
+        quantity : {"displacement", "strain", "stress"}
+            [m], [-] or [Pa]; tensors are Mandel vectors.
+        target : (int, int)
+            Points along (y, x).
+        origin : (float, float)
+            First point relative to the grid's first cell, in cells along (y, x).
+        depths : (nz,) [m]
+            Depths of the planes.
+        pressure : (ny, nx) [Pa], optional
+            What `pressure` returned, where it is at hand.
+
+        Returns
+        -------
+        (3 or 6, nz, *target)
+        """
+        self._check(quantity)
+        load = self.pressure(field) if pressure is None else pressure
+        x = self.grid.x[0] + (origin[1] + np.arange(target[1])) * self.grid.dx
+        y = self.grid.y[0] + (origin[0] + np.arange(target[0])) * self.grid.dy
+        z, y, x = (axis.ravel() for axis in np.meshgrid(np.abs(depths), y, x, indexing="ij"))
+        out = self._pair(field, quantity, (x, y, z)).reshape(-1, len(depths), *target)
+        if load.any():
+            self._add_planes(out, quantity, load, origin, depths)
+        return out
+
+    def at_points(
+        self, field: FullSpaceField, quantity: str, points: Points, pressure: FloatArray | None = None
+    ) -> FloatArray:
+        """Field at scattered points, ``(3 or 6, n)``; the cells' contributions are summed one by one."""
+        self._check(quantity)
+        load = self.pressure(field) if pressure is None else pressure
+        x, y, z = points
+        z = np.abs(z)
+        out = self._pair(field, quantity, (x, y, z))
+        grid, widths = self.grid, (0.5 * self.grid.dx, 0.5 * self.grid.dy)
+        turned, names = load[::-1, ::-1], self._names(quantity)
+
+        def superpose(numbers: range) -> None:
+            for n in numbers:
+                # Offsets (point minus cell) ascend when the cells are taken in descending order.
+                offsets = x[n] - grid.x[::-1], y[n] - grid.y[::-1]
+                table = self.kernel.sample(_kernel_of(quantity), names, *offsets, float(z[n]), widths, self.material)
+                out[:, n] += self._as(quantity, np.einsum("kij,ij->k", table, turned))
+
+        if load.any():
+            workers = self.threads or available_threads()
+            in_parallel(workers, [partial(superpose, range(k, x.size, workers)) for k in range(workers)])
+        return out
+
+    def _check(self, quantity: str) -> None:
+        rule = f"one of {', '.join(map(repr, QUANTITIES))}"
+        require(quantity in QUANTITIES, "image-pressure", "quantity", quantity, rule)
+
+    def _pair(self, field: FullSpaceField, quantity: str, points: Points) -> FloatArray:
+        """Source and image in the infinite body; `points` at z >= 0, of which the image takes -0.0."""
+        x, y, z = points
+        return field(quantity, points) + _SIGNS[quantity][:, None] * field(quantity, (x, y, -z))
+
+    def _names(self, quantity: str) -> list[str]:
+        return list(_AXES if quantity == "displacement" else COMPONENTS)
+
+    def _add_planes(
+        self, out: FloatArray, quantity: str, load: FloatArray, origin: tuple[float, float], depths: FloatArray
+    ) -> None:
+        """Add the field of the pressure, plane by plane, so that no spectra are held."""
+        grid, names = self.grid, self._names(quantity)
+        layout = Layout(grid.shape, out.shape[2:], origin)
+        convolver = Convolver(layout, threads=self.threads)
+        x, y, widths = layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
+        for k, depth in enumerate(depths):
+            tables = self.kernel.sample(_kernel_of(quantity), names, x, y, abs(float(depth)), widths, self.material)
+            unit = float(np.abs(tables).max())
+            spectra = [
+                [layout.spectrum(table, parity(name, "z"), scale=1.0 / unit)]
+                for name, table in zip(names, tables, strict=True)
+            ]
+            out[:, k] += self._as(quantity, unit * convolver.apply(load[None], spectra))
+
+    def _as(self, quantity: str, values: FloatArray) -> FloatArray:
+        """Strain from stress by Hooke's law where strain is asked for: the pressure's part is elastic."""
+        if quantity != "strain":
+            return values
+        nu, mu = self.material.poisson_ratio, self.material.shear_modulus
+        strain = values / (2.0 * mu)
+        strain[:3] -= nu / (1.0 + nu) * strain[:3].sum(axis=0)
+        return strain
+
+
+def _kernel_of(quantity: str) -> str:
+    return "displacement" if quantity == "displacement" else "stress"
