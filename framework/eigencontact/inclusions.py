@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import to_mandel, to_matrix
 from eigencontact.errors import SceneError, require
-from eigencontact.halfspace.points import field_at_points
+from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.halfspace.voxels import VoxelisedShape
@@ -25,7 +25,7 @@ _HERE = "inclusion_field"
 
 
 def inclusion_field(
-    shape: InclusionShape,
+    shape: InclusionShape | list[InclusionShape] | tuple[InclusionShape, ...],
     eigenstrain: ArrayLike,
     points: ArrayLike,
     *,
@@ -39,10 +39,11 @@ def inclusion_field(
 
     Parameters
     ----------
-    shape : InclusionShape
-        The region, of `eigencontact.make` or your own. In a half-space it must lie in z >= 0; it may touch the surface.
-    eigenstrain : (3, 3) [-]
-        Symmetric stress-free strain; expansion is positive, any trace.
+    shape : InclusionShape or list of them
+        The region, of `eigencontact.make` or your own; of several regions the fields add up (hundreds of them are
+        summed in one compiled loop). In a half-space they must lie in z >= 0; they may touch the surface.
+    eigenstrain : (3, 3) or (number of shapes, 3, 3) [-]
+        Symmetric stress-free strain, of all shapes or of each; expansion is positive, any trace.
     points : (n, 3) [m]
         Field points, z >= 0 in a half-space.
     young_modulus, poisson_ratio : float
@@ -81,12 +82,15 @@ def inclusion_field(
     >>> f"{u[0, 2]:.6e}"
     '-4.333333e-04'
     """
+    shapes = list(shape) if isinstance(shape, list | tuple) else [shape]
     strain = np.asarray(eigenstrain, dtype=float)
     at = np.asarray(points, dtype=float)
-    require(isinstance(shape, InclusionShape), _HERE, "shape", shape, "an inclusion shape, as make() returns")
-    require(strain.shape == (3, 3), _HERE, "eigenstrain", strain.shape, "of shape (3, 3) [-]")
+    for item in shapes:
+        require(isinstance(item, InclusionShape), _HERE, "shape", item, "an inclusion shape, as make() returns")
+    allowed = strain.shape in ((3, 3), (len(shapes), 3, 3))
+    require(allowed, _HERE, "eigenstrain", strain.shape, f"of shape (3, 3) or ({len(shapes)}, 3, 3) [-]")
     require(np.all(np.isfinite(strain)), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
-    require(np.array_equal(strain, strain.T), _HERE, "eigenstrain", strain.tolist(), "symmetric")
+    require(np.array_equal(strain, strain.swapaxes(-1, -2)), _HERE, "eigenstrain", strain.tolist(), "symmetric")
     require(at.ndim == 2 and at.shape[1] == 3, _HERE, "points", at.shape, "of shape (n, 3) [m]")
     if not np.all(np.isfinite(at)):
         raise SceneError(f"{_HERE}.points must be finite [m] (got NaN or infinity)")
@@ -95,11 +99,12 @@ def inclusion_field(
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     if space == "half":
         require(np.all(at[:, 2] >= 0), _HERE, "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
-        check_below_surface(shape, _HERE)
-    mandel = to_mandel([strain[0, 0], strain[1, 1], strain[2, 2], strain[1, 2], strain[0, 2], strain[0, 1]])
-    field = field_at_points(
-        with_potentials(shape, cells),
-        mandel,
+        for item in shapes:
+            check_below_surface(item, _HERE)
+    tensors = np.broadcast_to(strain, (len(shapes), 3, 3))
+    field = field_of_cloud(
+        [with_potentials(item, cells) for item in shapes],
+        to_mandel([tensors[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]).T,
         (at[:, 0], at[:, 1], at[:, 2]),
         poisson_ratio=material.poisson_ratio,
         quantity=quantity,
@@ -111,7 +116,7 @@ def inclusion_field(
 
 
 def with_potentials(shape: InclusionShape, cells: int) -> Any:
-    """Return the shape itself where it has potentials, else cut into cells."""
+    """Return the shape itself where it has potentials, else the shape cut into cells."""
     if isinstance(shape, HasPotentials):
         return shape
     return VoxelisedShape(shape, installed_cell(installed_plugins()), cells)

@@ -81,3 +81,16 @@ def test_work_grows_with_the_cloud_not_with_a_loop_over_points():
         field_of_cloud([shape], np.ones((1, 6)), points, poisson_ratio=0.3, quantity="stress", threads=1)
         counts.append(len(calls))
     assert counts[0] == counts[1] > 0
+
+
+def test_inclusion_field_takes_several_shapes():
+    shapes = _spheres()[:3]
+    tensors = RNG.normal(size=(3, 3, 3))
+    tensors += tensors.swapaxes(1, 2)
+    points = np.column_stack(_lattice())
+    given = {"young_modulus": 2.0, "poisson_ratio": 0.3, "quantity": "stress"}
+    together = ec.inclusion_field(shapes, tensors, points, **given)
+    singly = sum(ec.inclusion_field(s, e, points, **given) for s, e in zip(shapes, tensors, strict=True))
+    assert np.abs(together - singly).max() < 1e-13 * np.abs(singly).max()
+    alike = ec.inclusion_field(shapes, tensors[0], points, **given)
+    assert np.abs(alike - ec.inclusion_field(shapes, [tensors[0]] * 3, points, **given)).max() == 0.0

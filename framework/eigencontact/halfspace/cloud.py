@@ -69,6 +69,8 @@ def field_of_cloud(
     x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
     out = np.zeros((QUANTITIES[quantity], x.size))
     given: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": quantity, "threads": threads}
+    if len(shapes) == 1:
+        return field_at_points(shapes[0], eigenstrains[0], (x, y, z), space=space, **given)
     distant: dict[int, PointSources] = {}
     groups: dict[Hashable, list[int]] = {}
     for number, shape in enumerate(shapes):

@@ -60,6 +60,7 @@ def field_at_points(
         Faces of the region take the mean of both sides; edges, where strain and stress are infinite, large values.
     """
     x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
+    z = z + 0.0  # a surface point is seen from inside: no -0.0
     forms = _weighted(response(quantity, poisson_ratio, space), eigenstrain)
     out = np.zeros((QUANTITIES[quantity], x.size))
     far = shape.far_field() if isinstance(shape, HasFarField) else None
