@@ -136,6 +136,10 @@ class Jet:
             return np.zeros_like(self.value)
         return np.asarray(self.coefficients[place] * float(factorial(i) * factorial(j) * factorial(k)))
 
+    def truncated(self, order: int) -> Jet:
+        """The same series, cut after a lower order."""
+        return Jet(self.coefficients[: len(monomials(order))], min(order, self.order))
+
     def compose(self, series: Sequence[ArrayLike]) -> Jet:
         """Function of this jet from the Taylor coefficients ``f, f', f''/2!, ...`` at `value`, order + 1 terms."""
         terms = [np.asarray(term, dtype=float) for term in series]

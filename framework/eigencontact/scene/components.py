@@ -68,6 +68,8 @@ def _convert(adapter: Any, value: Any, where: str) -> Any:
 
     if isinstance(value, Path):
         value = str(value)
+    if hasattr(value, "tolist"):  # numpy arrays and numbers, given from Python
+        value = value.tolist()
     try:
         return adapter.validate_python(value)
     except ValidationError as problem:
