@@ -106,7 +106,7 @@ class VolumeLayout:
 class VolumeKernels:
     """Spectra of several kernels of one layout, ``values[kx, kernel, ky, part, kz]``, parts real and imaginary.
 
-    Where the layout is folded, a spectrum is ``1j**odd * (values[..., 0, :] + 1j * values[..., 1, :])`` with ``odd`` = 1
+    Where the layout is folded, a spectrum is ``1j**odd * (values[..., 0, :] + 1j * values[..., 1, :])``, ``odd`` = 1
     if exactly one of the parities along x and y is odd; what multiplies ``1j**odd`` is the conjugate at -kz, and at -ky
     the same times the parity.
 

@@ -1,0 +1,208 @@
+"""Fields of an eigenstrain that is constant in each cell of a box, at the points of a lattice, by FFT in space.
+
+The field at target k of the eigenstrain in cell k' is a sum of kernels of the offset k - k' (the cell itself), and of
+kernels that depend on k + k' along z (its mirror image above the surface), times powers 0, 1, 2 of the target's depth.
+
+References
+----------
+R. D. Mindlin 1936, doi:10.1063/1.1745385; R. D. Mindlin and D. H. Cheng 1950, doi:10.1063/1.1699785; Y. P. Chiu 1978,
+doi:10.1115/1.3424424; S. Liu and Q. Wang 2005, doi:10.1115/1.1985429 (FFT over cuboids); S. Liu, X. Jin, Z. Wang,
+L. M. Keer and Q. Wang 2012, doi:10.1016/j.ijplas.2012.03.003 (half-space by convolution and correlation).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.convolution.volume import VolumeConvolver
+from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
+from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.parallel import available_threads, in_parallel
+from eigencontact.errors import require
+from eigencontact.halfspace.forms import INSIDE
+from eigencontact.halfspace.potentials import HasCornerPotentials
+from eigencontact.halfspace.theorem import QUANTITIES
+from eigencontact.solvers.cells import Cells, offset_in_cells, snapped
+from eigencontact.solvers.potential_tables import (
+    Forms,
+    cell_kernels,
+    kernel_groups,
+    nodes_around,
+    parity_of,
+    reduced_response,
+    sample_tables,
+    symmetry,
+    unit_of_length,
+)
+
+__all__ = ["VolumeField", "check_request", "local_matrix"]
+
+FloatArray = NDArray[np.float64]
+
+
+class VolumeField:
+    """Stress, strain or displacement in a box from the eigenstrain in a box of cells, spectra made once.
+
+    Parameters
+    ----------
+    cell : HasCornerPotentials
+        Shape of the cells: the cuboid.
+    source, target : Cells
+        Cells that carry the eigenstrain, and points of the same pitch, anywhere in z >= 0. Where the points lie off the
+        cell centres along x or y, memory is four times larger.
+    poisson_ratio : float
+        In (-1, 0.5].
+    quantity : {"stress", "strain", "displacement"}
+        Stress [Pa] and total strain as Mandel vectors, displacement (x, y, z) [m].
+    space : {"half", "full"}
+        With or without the free surface z = 0.
+    shear_modulus : float
+        [Pa]; for stress.
+    precision : {"double", "single"}
+        Single halves memory; its price is a relative error near 1e-6 of the largest value.
+    threads : int, optional
+        Cores to use; by default all this process may use.
+
+    Notes
+    -----
+    Memory: 58 complex kernels for stress in a half-space (15 in full space) on an octant of the padded box, about
+    ``58 * 16 * (nx + 1) * (ny + 1) * (nz + 1)`` bytes. One application makes 6 + 17 transforms along z, and 6 + 6 along
+    y and x. On a face between cells stress and strain are the means of both sides.
+    """
+
+    def __init__(
+        self,
+        cell: HasCornerPotentials,
+        source: Cells,
+        target: Cells,
+        *,
+        poisson_ratio: float,
+        quantity: str = "stress",
+        space: str = "half",
+        shear_modulus: float = 1.0,
+        precision: str = "double",
+        threads: int | None = None,
+    ) -> None:
+        check_request(source, target, quantity, space)
+        flush = space == "half" and source.flush and abs(target.first[2]) <= 1e-9 * target.pitch[2]
+        rule = "below the surface where cells reach it (ask for the plane z = 0 by PlaneFields)"
+        require(not flush or quantity == "displacement", "volume", "first target depth", target.first[2], rule)
+        self.source, self.target, self.quantity = source, target, quantity
+        self.layout = VolumeLayout(source.shape, target.shape, offset_in_cells(source, target))
+        self._scale, self._unit = scale_of(quantity, shear_modulus, source), unit_of_length(source.pitch)
+        self._threads = threads or available_threads()
+        forms = reduced_response(quantity, poisson_ratio, space)
+        self._local = self._scale * local_matrix(forms)
+        self._kernels = self._sampled(cell, forms, precision)
+        depths = target.centres(2) / self._unit
+        self._convolver = VolumeConvolver(self._sums(forms), depths, threads=threads)
+
+    def _sampled(self, cell: HasCornerPotentials, forms: Forms, precision: str) -> VolumeKernels:
+        layout, unit, pitch = self.layout, self._unit, self.source.pitch
+        kernels = cell_kernels(forms)
+        images = [whose == "image" for whose, *_ in kernels]
+        store = VolumeKernels(layout, [parity_of(kernel) for kernel in kernels], images, precision=precision)
+        x, y = nodes_around(layout.lattice_x, pitch[0], unit), nodes_around(layout.lattice_y, pitch[1], unit)
+        real = nodes_around(layout.lattice_z, pitch[2], unit)
+        lowest = snapped((self.source.first[2] + self.target.first[2]) / pitch[2])
+        image = nodes_around(lowest + layout.lattice_sum, pitch[2], unit)
+        numbers = {kernel: number for number, kernel in enumerate(kernels)}
+        for group in kernel_groups(kernels, 8 * x.size * y.size * max(real.size, image.size)):
+            nodes = x, y, (image if group[0][0] == "image" else real)
+            tables = sample_tables(cell, group, nodes, threads=self._threads)
+            tasks = [
+                partial(store.fill, numbers[kernel], table, self._scale)
+                for kernel, table in zip(group, tables, strict=True)
+            ]
+            in_parallel(self._threads, tasks)
+        return store
+
+    def _sums(self, forms: Forms) -> WeightedSums:
+        numbers = {kernel: number for number, kernel in enumerate(cell_kernels(forms))}
+        table: dict[tuple[int, int], dict[tuple[int, int], float]] = {}
+        for output, row in enumerate(forms):
+            for source, form in enumerate(row):
+                for power, kernel, value in form:
+                    if kernel != INSIDE:
+                        table.setdefault((output, power), {})[numbers[kernel], source] = value
+        return WeightedSums(
+            self._kernels,
+            table,
+            sources=[symmetry("strain", component) for component in range(6)],
+            outputs=[symmetry(self.quantity, component) for component in range(QUANTITIES[self.quantity])],
+        )
+
+    @property
+    def kernels(self) -> int:
+        """Number of spectra held."""
+        return len(self._kernels)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of spectra and buffers."""
+        return self._kernels.nbytes + self._convolver.nbytes
+
+    def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
+        """Field of the Mandel eigenstrain ``(6, nz, ny, nx)`` [-], ``(3 or 6, tz, ty, tx)``."""
+        strain = np.asarray(eigenstrain)
+        expected = (6, *self.source.shape)
+        require(strain.shape == expected, "volume", "eigenstrain", strain.shape, f"of shape {expected}")
+        out = self._convolver.apply(strain)
+        if self._local.any():
+            add_local(out, self._local, strain, self.layout.origin)
+        return out
+
+
+def check_request(source: Cells, target: Cells, quantity: str, space: str) -> None:
+    """Refuse what has no meaning."""
+    require(quantity in QUANTITIES, "volume", "quantity", quantity, f"one of {', '.join(QUANTITIES)}")
+    require(space in ("half", "full"), "volume", "space", space, "'half' or 'full'")
+    if space == "half":
+        top = source.first[2] - 0.5 * source.pitch[2]
+        require(top >= -1e-9 * source.pitch[2], "volume", "source", top, "in z >= 0 [m]")
+        require(target.first[2] >= -1e-9 * target.pitch[2], "volume", "target", target.first[2], "in z >= 0 [m]")
+
+
+def scale_of(quantity: str, shear_modulus: float, cells: Cells) -> float:
+    """Factor from the kernels' units."""
+    return {"stress": shear_modulus, "strain": 1.0, "displacement": unit_of_length(cells.pitch)}[quantity]
+
+
+def local_matrix(forms: Forms) -> FloatArray:
+    """Coefficients of the eigenstrain at the point itself, ``(outputs, 6)``: -C of the stress."""
+    return np.array([[sum(value for _, kernel, value in form if kernel == INSIDE) for form in row] for row in forms])
+
+
+def add_local(
+    out: NDArray[np.floating], local: FloatArray, strain: NDArray[np.floating], origin: FloatArray | tuple[float, ...]
+) -> None:
+    """Add what the eigenstrain at the points themselves contributes; half of it on a face, from either side."""
+    taps = [
+        _taps(points, cells, start)
+        for points, cells, start in zip(out.shape[1:], strain.shape[1:], origin, strict=True)
+    ]
+    for z, source_z, weight_z in taps[0]:
+        for y, source_y, weight_y in taps[1]:
+            for x, source_x, weight_x in taps[2]:
+                weight = weight_z * weight_y * weight_x
+                values = np.tensordot(weight * local, strain[:, source_z, source_y, source_x], 1)
+                out[:, z, y, x] += values
+
+
+def _taps(points: int, cells: int, start: float) -> list[tuple[slice, slice, float]]:
+    """Targets, the cells they lie in and the weight: one cell, or two halves where targets lie on faces."""
+    fraction = start - np.floor(start)
+    lower = int(np.floor(start))
+    if fraction == 0.5:  # noqa: SIM108
+        shifts = [(lower, 0.5), (lower + 1, 0.5)]
+    else:
+        shifts = [(lower if fraction < 0.5 else lower + 1, 1.0)]
+    found = []
+    for shift, weight in shifts:
+        first, stop = max(0, -shift), min(points, cells - shift)
+        if first < stop:
+            found.append((slice(first, stop), slice(first + shift, stop + shift), weight))
+    return found

@@ -1,0 +1,121 @@
+"""Derivatives of the potentials of one cell at many offsets: corner functions at lattice nodes, differenced."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.parallel import in_parallel
+from eigencontact.halfspace.forms import INSIDE, Form, Kernel, reduced
+from eigencontact.halfspace.potentials import HasCornerPotentials
+from eigencontact.halfspace.theorem import QUANTITIES, response
+
+__all__ = ["Forms", "cell_kernels", "kernel_groups", "parity_of", "reduced_response", "sample_tables", "unit_of_length"]
+
+FloatArray = NDArray[np.float64]
+Forms = tuple[tuple[Form, ...], ...]
+
+# Nodes evaluated at a time.
+_SLAB_NODES = 60_000
+# Bytes of tables held at a time.
+_GROUP_BYTES = 300_000_000
+# A node in the surface is seen from inside the body.
+_BELOW_SURFACE = 1e-30
+
+
+def unit_of_length(pitch: Sequence[float]) -> float:
+    """Power of two near the longest edge of a cell [m]; in this unit all kernels are numbers of order one."""
+    return float(2.0 ** np.round(np.log2(max(pitch))))
+
+
+def reduced_response(quantity: str, nu: float, space: str) -> Forms:
+    """Forms of `eigencontact.halfspace.theorem.response` in the fewest kernels."""
+    return tuple(tuple(form.replaced(reduced) for form in row) for row in response(quantity, nu, space))
+
+
+def cell_kernels(forms: Forms) -> list[Kernel]:
+    """Kernels that forms need, without the indicator of the source."""
+    return sorted({kernel for row in forms for form in row for _, kernel, _ in form if kernel != INSIDE})
+
+
+def kernel_groups(kernels: Iterable[Kernel], table_bytes: int) -> Iterator[list[Kernel]]:
+    """Kernels of one potential that are sampled together, as many as memory for their tables allows."""
+    most = max(1, _GROUP_BYTES // table_bytes)
+    by_potential: dict[tuple[str, str], list[Kernel]] = {}
+    for kernel in kernels:
+        by_potential.setdefault(kernel[:2], []).append(kernel)
+    for group in by_potential.values():
+        count = -(-len(group) // most)
+        size = -(-len(group) // count)
+        for first in range(0, len(group), size):
+            yield group[first : first + size]
+
+
+def parity_of(kernel: Kernel) -> tuple[int, int, int]:
+    """Parity along (z, y, x)."""
+    x, y, z = (-1 if n % 2 else 1 for n in kernel[2])
+    return z, y, x
+
+
+def symmetry(quantity: str, component: int) -> tuple[int, int]:
+    """Parity along (y, x) of a component: displacement x, y, z or Mandel tensor xx, yy, zz, yz, xz, xy."""
+    if QUANTITIES[quantity] == 3:
+        return ((1, -1), (-1, 1), (1, 1))[component]
+    return ((1, 1), (1, 1), (1, 1), (-1, 1), (1, -1), (-1, -1))[component]
+
+
+def sample_tables(
+    cell: HasCornerPotentials,
+    group: Sequence[Kernel],
+    nodes: tuple[FloatArray, FloatArray, FloatArray],
+    *,
+    threads: int,
+) -> FloatArray:
+    """Tables of kernels of one potential between neighbouring nodes.
+
+    Parameters
+    ----------
+    cell : HasCornerPotentials
+        Whose corner function is used.
+    group : sequence of Kernel
+        Kernels of one potential.
+    nodes : three arrays
+        Offsets of field point from corner along x, y, z, ascending, in a unit of the order of the cell; one more than
+        the tables have along each axis.
+    threads : int
+        Slabs are sampled in parallel.
+
+    Returns
+    -------
+    (len(group), nx, ny, nz)
+        Offsets as between the nodes.
+    """
+    x, y, z = nodes
+    name, orders = group[0][1], [kernel[2] for kernel in group]
+    out = np.empty((len(group), x.size - 1, y.size - 1, z.size - 1))
+    planes = max(4, _SLAB_NODES // (y.size * z.size))
+
+    def slab(first: int) -> None:
+        stop = min(first + planes, x.size - 1)
+        values = cell.corner(name, orders, x[first : stop + 1, None, None], y[:, None], z)
+        values = values[..., 1:] - values[..., :-1]
+        values = values[:, :, 1:] - values[:, :, :-1]
+        np.subtract(values[:, 1:], values[:, :-1], out=out[:, first:stop])
+
+    in_parallel(threads, [partial(slab, first) for first in range(0, x.size - 1, planes)])
+    return out
+
+
+def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> FloatArray:
+    """Nodes between and around ascending offsets in cells, in units of length; one that is zero is exactly so."""
+    cells = np.append(offsets - 0.5, offsets[-1] + 0.5)
+    cells[np.abs(cells) < 1e-9] = 0.0
+    return np.asarray(cells * (pitch / unit))
+
+
+def seen_from_inside(nodes: FloatArray) -> FloatArray:
+    """Nodes along z with a zero replaced by the smallest depth."""
+    return np.where(nodes == 0.0, _BELOW_SURFACE, nodes)
