@@ -38,16 +38,17 @@ def power(p, order, x, known=None):
     return known[order]
 
 
-def _inverse(order, x):
-    """Derivative of 1/(R + Z) from (R + Z) v = 1."""
-    w = power(1, (0, 0, 0), x) + x[2]
-    total = 1.0 if sum(order) == 0 else 0.0
-    for part in product(*(range(n + 1) for n in order)):
-        if sum(part) > 0:
-            rest = tuple(n - m for n, m in zip(order, part, strict=True))
-            derivative = power(1, part, x) + (part == (0, 0, 1))
-            total -= prod(map(comb, order, part)) * derivative * _inverse(rest, x)
-    return total / w
+def _inverse(order, x, known):
+    """Derivative of v from (R + Z) v = 1."""
+    if ("v", order) not in known:
+        total = 1.0 if sum(order) == 0 else 0.0
+        for part in product(*(range(n + 1) for n in order)):
+            if sum(part) > 0:
+                rest = tuple(n - m for n, m in zip(order, part, strict=True))
+                derivative = power(1, part, x, known) + (part == (0, 0, 1))
+                total -= prod(map(comb, order, part)) * derivative * _inverse(rest, x, known)
+        known["v", order] = total / (power(1, (0, 0, 0), x, known) + x[2])
+    return known["v", order]
 
 
 def kernel(potential, order, x, known=None):
@@ -55,14 +56,15 @@ def kernel(potential, order, x, known=None):
 
     A dictionary `known` keeps what derivatives of one potential at one x have in common.
     """
+    known = {} if known is None else known
     if potential != "chi":
         return power(1 if potential == "psi" else -1, order, x, known)
     if order[2] >= 2:
         return power(-1, _less(order, 2, 2), x)
     i = 0 if order[0] else 1
     m = _less(order, i, 1)  # Chi,x = -x/(R + Z)
-    value = -x[i] * _inverse(m, x)
-    return value - m[i] * _inverse(_less(m, i, 1), x) if m[i] else value
+    value = -x[i] * _inverse(m, x, known)
+    return value - m[i] * _inverse(_less(m, i, 1), x, known) if m[i] else value
 
 
 def integrated(potential, chosen, center, edges, point, counts=(24, 24, 24), pieces=(1, 1, 1)):

@@ -25,7 +25,7 @@ def evaluate(shape, potential, order, points):
 
 def ball_integral(potential, chosen, point):
     """Gauss-Legendre in radius and height, trapezoidal around the axis."""
-    nodes, weights = np.polynomial.legendre.leggauss(24)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
     radius, height = RADIUS * (nodes + 1) / 2, nodes
     turn = 2 * np.pi * np.arange(48) / 48
     r, h, t = np.meshgrid(radius, height, turn, indexing="ij")
