@@ -27,9 +27,9 @@ def ball_integral(potential, chosen, point):
     """Gauss-Legendre in radius and height, trapezoidal around the axis."""
     nodes, weights = np.polynomial.legendre.leggauss(40)
     radius, height = RADIUS * (nodes + 1) / 2, nodes
-    turn = 2 * np.pi * np.arange(48) / 48
+    turn = 2 * np.pi * np.arange(72) / 72
     r, h, t = np.meshgrid(radius, height, turn, indexing="ij")
-    volume = r**2 * np.einsum("i,j->ij", RADIUS / 2 * weights, weights)[:, :, None] * (2 * np.pi / 48)
+    volume = r**2 * np.einsum("i,j->ij", RADIUS / 2 * weights, weights)[:, :, None] * (2 * np.pi / 72)
     across = r * np.sqrt(1 - h * h)
     x, y, z = point
     depth = z + CENTER[2] + r * h if potential == "chi" else z - CENTER[2] - r * h
