@@ -201,7 +201,7 @@ def check_chi(shape: Any) -> None:
     """
     box = region(shape)
     within, without = sample(shape)
-    places = np.concatenate([within.places, without.places])
+    places = np.concatenate([within.places, without.places])[::2]
     places[:, 2] = np.linspace(0.05, 1.5, len(places)) * box.size
     for total in (3, 4):
         orders = mirror_orders(total)

@@ -63,6 +63,7 @@ _BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
             integrals.check_quadrature,
             integrals.check_volume,
             integrals.check_decay,
+            surface.check_equilibrium,
         ),
     ),
     (HasMirrorPotential, (integrals.check_chi,)),

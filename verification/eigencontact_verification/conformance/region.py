@@ -56,7 +56,8 @@ def check_in_body(shape: Any) -> None:
 def check_contains_arrays(shape: Any) -> None:
     """Answers are booleans of the broadcast shape: scalars, vectors, (nz, ny, nx), mixed, empty."""
     box = region(shape)
-    x, y, z = (np.linspace(low, high, n) for low, high, n in zip(box.low, box.high, (5, 4, 3), strict=True))
+    ends = zip(box.center - 1.2 * box.half, box.center + 1.2 * box.half, (5, 4, 3), strict=True)
+    x, y, z = (np.linspace(low, high, n) for low, high, n in ends)
     cases = {
         "numbers": (x[2], y[2], z[1]),
         "0-d arrays": (np.array(x[2]), np.array(y[2]), np.array(z[1])),
