@@ -70,6 +70,10 @@ def field_at_points(
         out[:, part] = _evaluate(shape, far, forms, x[part], y[part], z[part])
 
     in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, _CHUNK)])
+    plane = np.flatnonzero(z == 0.0) if space == "full" else np.empty(0, dtype=int)
+    if plane.size:  # no surface there: a face in z = 0 is like any other, the mean of both sides
+        above = _evaluate(shape, far, forms, x[plane], y[plane], np.full(plane.size, -0.0))
+        out[:, plane] = 0.5 * (out[:, plane] + above)
     return out
 
 
