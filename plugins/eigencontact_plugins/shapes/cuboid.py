@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, require
-from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivatives
+from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivative
 from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, distant_from, gauss_rule
 
 __all__ = ["Cuboid"]
@@ -108,7 +108,11 @@ class Cuboid(InclusionShape):
         Does not depend on the fields of the cuboid. Lengths should be of order one, say in cells.
         """
         x, y, z = (np.asarray(t, dtype=float) for t in (x, y, z))
-        return corner_derivatives(potential, orders, Corner(x, y, z))
+        corner = Corner(x, y, z)
+        out = np.empty((len(orders), *corner.R.shape))
+        for row, order in enumerate(orders):
+            out[row] = corner_derivative(potential, order, corner)
+        return out
 
     def far_field(self) -> PointSources:
         """Gauss-Legendre points; the worst relative error is 5e-13 (see the notes of the class)."""
@@ -197,12 +201,14 @@ def _corner_sum(
         low[np.abs(low) <= SNAP * h] = 0.0
         axes.append(np.stack([low, offset + h]))
     x, y, z = axes
-    values = corner_derivatives(
-        potential, orders, Corner(x[:, None, None], y[:, None], z, 0.0 if side is None else side)
-    )
-    for _ in range(3):
-        values = values[:, 1] - values[:, 0]
-    return values
+    corner = Corner(x[:, None, None], y[:, None], z, 0.0 if side is None else side)
+    out = np.empty((len(orders), offsets[0].size))
+    for row, order in enumerate(orders):
+        values = corner_derivative(potential, order, corner)
+        values = values[1] - values[0]
+        values = values[1] - values[0]
+        np.subtract(values[1], values[0], out=out[row])
+    return out
 
 
 @hookimpl

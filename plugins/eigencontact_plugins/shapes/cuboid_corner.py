@@ -22,14 +22,14 @@ References: Chiu 1978, doi:10.1115/1.3424424 (mirror cuboid, plane potentials); 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import Order
 
-__all__ = ["Corner", "corner_derivatives"]
+__all__ = ["Corner", "corner_derivative"]
 
 FloatArray = NDArray[np.float64]
 
@@ -167,10 +167,7 @@ def _formula(potential: str, order: Order) -> tuple[Formula, tuple[int, int, int
     return {"phi": PHI, "psi": PSI}[potential][order[i], order[j], order[k]], (i, j, k)
 
 
-def corner_derivatives(potential: str, orders: Sequence[Order], corner: Corner) -> FloatArray:
-    """Corner functions of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``."""
-    out = np.empty((len(orders), *corner.R.shape))
-    for row, order in enumerate(orders):
-        formula, axes = _formula(potential, order)
-        out[row] = formula(corner, *axes)
-    return out
+def corner_derivative(potential: str, order: Order, corner: Corner) -> FloatArray:
+    """Corner function of one derivative of ``"phi"``, ``"psi"`` or ``"chi"``."""
+    formula, axes = _formula(potential, order)
+    return formula(corner, *axes)
