@@ -50,8 +50,8 @@ class SphericalInclusion(InclusionShape):
     -----
     Outside, with the volume V and the distance R from the centre: Phi = V/R, Psi = V (R + a²/(5R)) and, as the
     mirror sphere never meets its own singular ray, Chi = V (Z ln(R + Z) - R), by the mean value property. Inside,
-    Phi = 2π (a² - R²/3) and Psi = π (a⁴ + 2a²R²/3 - R⁴/15). On the boundary it is the mean of both, at a touching point
-    with z = 0 the limit from the side of z's sign. Exact to round-off everywhere.
+    Phi = 2π (a² - R²/3) and Psi = π (a⁴ + 2a²R²/3 - R⁴/15). On the boundary it is the mean of both; at a
+    point that touches the surface it is the limit along the surface, from outside. Exact to round-off everywhere.
 
     Examples
     --------
@@ -112,7 +112,7 @@ class SphericalInclusion(InclusionShape):
         center = np.array(self.center, dtype=float)
         return PointSources(
             center=center,
-            distance=self.radius,
+            distance=self.radius * (1.0 + FLUSH),  # the boundary itself takes the mean of both sides
             positions=center[None],
             volumes=np.array([4 * np.pi / 3 * self.radius**3]),
             spreads=np.array([self.radius**2 / 5]),
@@ -124,7 +124,7 @@ class SphericalInclusion(InclusionShape):
         """Mean of the closed forms of both sides, in units of the radius, weighted by the part that is inside."""
         a, shape = self.radius, np.shape(points[0])
         x, y, z = (np.ravel((t - center) / a) for t, center in zip(points, self.center, strict=True))
-        inside = self._inside(np.sqrt(x * x + y * y + z * z), z, np.ravel(points[2]))
+        inside = self._inside(np.sqrt(x * x + y * y + z * z), np.ravel(points[2]))
         outer, inner = np.flatnonzero(inside < 1), np.flatnonzero(inside > 0)
         kernels = PointKernels(x[outer], y[outer], z[outer])
         volume, power = 4 * np.pi / 3, 2 if potential == "phi" else 4
@@ -142,14 +142,13 @@ class SphericalInclusion(InclusionShape):
             out[row] *= a ** (power - sum(order))
         return out.reshape(len(orders), *shape)
 
-    def _inside(self, distance: FloatArray, height: FloatArray, depth: FloatArray) -> FloatArray:
-        """1 inside, 0 outside, 1/2 on the boundary; where it touches the surface, the side of the sign of the depth."""
+    def _inside(self, distance: FloatArray, depth: FloatArray) -> FloatArray:
+        """1 inside, 0 outside and at a point that touches the surface, 1/2 elsewhere on the boundary."""
         part: FloatArray = np.where(distance < 1.0, 1.0, 0.0)
         boundary = np.abs(distance - 1.0) <= SNAP
         part[boundary] = 0.5
         if abs(self.center[2] - self.radius) <= FLUSH * self.radius:
-            touching = boundary & (np.abs(depth) <= SNAP * self.radius) & (height < 0)
-            part[touching] = np.where(np.signbit(depth[touching]), 0.0, 1.0)
+            part[boundary & (np.abs(depth) <= SNAP * self.radius)] = 0.0
         return part
 
 
