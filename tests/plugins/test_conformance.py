@@ -14,6 +14,8 @@ SHAPES = [
     shape("cuboid", center=(1e-4, 0.0, 2e-6), edges=(1e-3, 2e-6, 3e-6)),
     shape("sphere", center=(1e-6, 2e-6, 3e-6), radius=2e-6),
     shape("sphere", center=(0.1, 0.2, 1.3), radius=1.3),  # tangent to the surface
+    shape("ellipsoid", center=(0.0, 1e-6, 5e-6), semi_axes=(1e-6, 2e-6, 3e-6), rotation=(0.3, 0.5, 0.7)),
+    shape("ellipsoid", center=(0.0, 0.0, 0.02), semi_axes=(1.0, 0.5, 0.02)),  # a disc that touches the surface
 ]
 
 
