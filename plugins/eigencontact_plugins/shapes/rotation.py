@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import Order, require
 
-__all__ = ["Matrix", "as_tuple", "rotation_matrix", "turned_derivatives"]
+__all__ = ["Matrix", "Row", "as_tuple", "rotation_matrix", "turned_derivatives"]
 
 FloatArray = NDArray[np.float64]
 Row = tuple[float, float, float]

@@ -1,0 +1,103 @@
+"""Polyhedron whose surface is a closed mesh read from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Angle, InclusionShape, Length, hookimpl, require
+from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
+from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
+
+__all__ = ["Polyhedron"]
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+#: Pairs of point and triangle worked on together.
+PAIRS = 1 << 17
+
+
+@dataclass(frozen=True, kw_only=True)
+class Polyhedron(InclusionShape):
+    """Region inside a closed surface of triangles (quadrilaterals and polygons are cut into triangles).
+
+    Parameters
+    ----------
+    file : str
+        Surface mesh: STL, PLY, OBJ, OFF, VTK or VTU. Every edge must belong to two faces of opposite sense; faces that
+        all look inwards are turned over. Several closed parts, and cavities, are allowed.
+    scale : float
+        Metres per unit of the coordinates in the file.
+    rotation : (3, 3) or (3,), optional
+        Matrix whose columns are the directions of the mesh's axes in the scene, or three angles [rad] yaw, pitch, roll:
+        ``Rz(yaw) Ry(pitch) Rx(roll)``.
+    offset : (float, float, float)
+        Where the origin of the mesh lies (x, y, z) [m], after scaling and turning.
+
+    Notes
+    -----
+    Offers no potentials: the framework cuts it into cuboids with volume fractions. A point is inside where the solid
+    angle of the surface exceeds half a full one, which needs no ray and has no special directions; the work is points
+    times triangles.
+    """
+
+    key: ClassVar[str] = "polyhedron"
+    references: ClassVar[tuple[str, ...]] = (
+        "A. Van Oosterom & J. Strackee 1983, doi:10.1109/TBME.1983.325207 (solid angle of a triangle)",
+        "S. Liu & Q. Wang 2005, doi:10.1115/1.1985429 (sum over cuboids)",
+    )
+
+    file: str
+    scale: Length = 1.0
+    rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
+    offset: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("rotation", "offset"):
+            object.__setattr__(self, name, as_tuple(getattr(self, name)))
+        require(0 < self.scale < np.inf, self.key, "scale", self.scale, "positive and finite [m]")
+        good = np.shape(self.offset) == (3,) and bool(np.isfinite(self.offset).all())
+        require(good, self.key, "offset", self.offset, "three finite lengths (x, y, z) [m]")
+        _ = self.surface  # read and checked now, not in the middle of a run
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Vertices in scene coordinates [m] and triangles that look outwards."""
+        mesh = read_surface(self.key, self.file)
+        turn = rotation_matrix(self.key, self.rotation)
+        return Surface(mesh.vertices * self.scale @ turn.T + np.array(self.offset), mesh.triangles)
+
+    @property
+    def volume(self) -> float:
+        """Volume [m³], by the divergence theorem."""
+        return self.surface.volume
+
+    @property
+    def bounds(self) -> tuple[Point, Point]:
+        """Corners of lowest and of highest coordinates [m]."""
+        vertices = self.surface.vertices[np.unique(self.surface.triangles)]
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
+
+    def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether points lie inside; on the surface either answer."""
+        points = np.broadcast_arrays(*(np.asarray(t, dtype=float) for t in (x, y, z)))
+        low, high = self.bounds
+        near = np.ones(points[0].shape, dtype=bool)
+        for t, a, b in zip(points, low, high, strict=True):
+            near &= (t >= a) & (t <= b)
+        inside = np.zeros_like(near)
+        inside[near] = self.surface.winding_number(*(t[near] for t in points), pairs=PAIRS) > 0.5
+        return inside
+
+
+@hookimpl
+def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+    """Register the polyhedron."""
+    return [Polyhedron]

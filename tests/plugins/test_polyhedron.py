@@ -1,0 +1,179 @@
+"""Polyhedron as an inclusion: mesh files, winding number, volume, refusals."""
+
+import meshio
+import numpy as np
+import pytest
+
+import eigencontact
+from eigencontact.plugin import SceneError
+from eigencontact_plugins.shapes.polyhedron import Polyhedron
+
+CUBE = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+SIDES = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+TRIANGLES = np.concatenate([SIDES[:, [0, 1, 2]], SIDES[:, [0, 2, 3]]])
+LETTER = np.array([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3.0)])  # an L, not convex
+
+
+@pytest.fixture
+def mesh_file(tmp_path):
+    """Write a surface mesh."""
+
+    def write(suffix=".ply", points=CUBE, cells=(("triangle", TRIANGLES),), **options):
+        path = tmp_path / f"body{suffix}"
+        meshio.Mesh(points, list(cells)).write(path, **options)
+        return str(path)
+
+    return write
+
+
+def bipyramid(n):
+    """Two cones of n sides each: volume n/3 sin(2π/n) for unit radius and height."""
+    turn = 2 * np.pi * np.arange(n) / n
+    points = np.concatenate([np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1), [(0, 0, 1.0), (0, 0, -1.0)]])
+    i, j = np.arange(n), (np.arange(n) + 1) % n
+    return points, np.concatenate([np.stack([i, j, 0 * i + n], axis=1), np.stack([j, i, 0 * i + n + 1], axis=1)])
+
+
+def prism(outline, height):
+    """Walls as quadrilaterals, bottom and top as one polygon each, cut by hand for the L."""
+    n = len(outline)
+    points = np.concatenate([np.c_[outline, np.zeros(n)], np.c_[outline, np.full(n, height)]])
+    i, j = np.arange(n), (np.arange(n) + 1) % n
+    walls = np.stack([i, j, j + n, i + n], axis=1)
+    fan = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)])
+    return points, [("quad", walls), ("triangle", np.concatenate([fan[:, ::-1], fan + n]))]
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".ply", ".obj", ".off", ".vtk", ".vtu"])
+def test_every_format_gives_the_same_body(mesh_file, suffix):
+    shape = Polyhedron(file=mesh_file(suffix))
+    assert len(shape.surface.vertices) == 8
+    assert len(shape.surface.triangles) == 12
+    assert shape.volume == pytest.approx(1.0, rel=1e-14)
+    assert shape.bounds == ((0, 0, 0), (1, 1, 1))
+
+
+def test_contains_agrees_with_the_cuboid(mesh_file):
+    points = np.random.default_rng(2).uniform(-0.3, 1.3, (3, 3000))
+    body = Polyhedron(file=mesh_file(), scale=2e-6, offset=(0, 1e-6, 3e-6))
+    cuboid = eigencontact.make("cuboid", center=(1e-6, 2e-6, 4e-6), edges=(2e-6, 2e-6, 2e-6))
+    points = points * 2e-6 + np.array([[0], [1e-6], [3e-6]])
+    assert np.array_equal(body.contains(*points), cuboid.contains(*points))
+    assert 0 < body.contains(*points).sum() < 3000
+
+
+@pytest.mark.parametrize("extra", ["edges", "vertices"])
+def test_points_in_line_with_edges_and_vertices_are_decided(mesh_file, extra):
+    """Rays would pass through edges and corners here; the solid angle knows no direction."""
+    axis = np.array([-0.5, 0.0, 0.25, 0.5, 1.0, 1.5]) if extra == "edges" else np.array([-1.0, 0.5, 2.0])
+    x, y, z = np.meshgrid(axis, axis, axis)
+    inside = Polyhedron(file=mesh_file()).contains(x, y, z)
+    strictly = (x > 0) & (x < 1) & (y > 0) & (y < 1) & (z > 0) & (z < 1)
+    border = ~strictly & (x >= 0) & (x <= 1) & (y >= 0) & (y <= 1) & (z >= 0) & (z <= 1)
+    assert inside.shape == x.shape
+    assert np.array_equal(inside[~border], strictly[~border])
+
+
+def test_a_body_that_is_not_convex_and_has_polygons(mesh_file):
+    points, cells = prism(LETTER, 2.0)
+    shape = Polyhedron(file=mesh_file(".vtu", points, cells))
+    assert shape.volume == pytest.approx(10.0, rel=1e-14)
+    x, y = np.array([0.5, 2.5, 0.5, 2.0, 1.5]), np.array([0.5, 0.5, 2.5, 2.0, 1.5])
+    assert shape.contains(x, y, np.ones(5)).tolist() == [True, True, True, False, False]
+
+
+@pytest.mark.parametrize("n", [3, 7, 200])
+def test_volume_is_that_of_the_points_inside(mesh_file, n):
+    shape = Polyhedron(file=mesh_file(".obj", *[bipyramid(n)[0]], [("triangle", bipyramid(n)[1])]))
+    assert shape.volume == pytest.approx(n / 3 * np.sin(2 * np.pi / n), rel=1e-5)  # OBJ holds few digits
+    low, high = (np.array(corner) for corner in shape.bounds)
+    x, y, z = (low[:, None] + (high - low)[:, None] * (np.arange(31) + 0.5) / 31).reshape(3, 31)
+    share = shape.contains(x[:, None, None], y[:, None], z).mean() * np.prod(high - low)
+    assert share == pytest.approx(shape.volume, rel=2e-2)
+
+
+def test_winding_number_is_one_inside_and_zero_outside(mesh_file):
+    surface = Polyhedron(file=mesh_file()).surface
+    points = np.random.default_rng(3).uniform(-1, 2, (3, 200))
+    inside = np.all((points > 0) & (points < 1), axis=0)
+    for pairs in (1, 100, 10**6):  # in parts of any size
+        assert surface.winding_number(*points, pairs=pairs) == pytest.approx(inside.astype(float), abs=1e-13)
+
+
+def test_faces_that_look_inwards_are_turned(mesh_file):
+    shape = Polyhedron(file=mesh_file(cells=[("triangle", TRIANGLES[:, ::-1])]))
+    assert shape.volume == pytest.approx(1.0)
+    assert shape.contains(np.array(0.5), np.array(0.5), np.array(0.5))
+
+
+def test_a_cavity_is_outside(mesh_file):
+    points = np.concatenate([CUBE, 0.25 + 0.5 * CUBE])
+    shape = Polyhedron(
+        file=mesh_file(points=points, cells=[("triangle", np.concatenate([TRIANGLES, TRIANGLES[:, ::-1] + 8]))])
+    )
+    assert shape.volume == pytest.approx(0.875)
+    assert shape.contains(np.array([0.5, 0.1]), np.array([0.5, 0.1]), np.array([0.5, 0.1])).tolist() == [False, True]
+
+
+def test_rotation_turns_about_the_origin_of_the_mesh(mesh_file):
+    shape = Polyhedron(file=mesh_file(), rotation=(np.pi / 2, 0, 0), scale=2.0, offset=(5.0, 0.0, 1.0))
+    assert np.allclose(shape.bounds, ((3, 0, 1), (5, 2, 3)), atol=1e-14)
+
+
+def test_used_by_the_field_like_any_other_shape(mesh_file):
+    """A cube from a mesh equals the cuboid when its cells do: exact, not only close."""
+    body = eigencontact.make("polyhedron", file=mesh_file(), offset=(0.0, 0.0, 0.5))
+    cuboid = eigencontact.make("cuboid", center=(0.5, 0.5, 1.0), edges=(1.0, 1.0, 1.0))
+    at = np.array([[0.3, 0.1, 0.0], [2.0, -1.0, 1.0]])
+    fields = [
+        eigencontact.inclusion_field(
+            s, np.diag([1e-3, 0, 0]), at, young_modulus=1.0, poisson_ratio=0.3, quantity="stress"
+        )
+        for s in (body, cuboid)
+    ]
+    assert fields[0] == pytest.approx(fields[1], rel=1e-9, abs=1e-15)
+
+
+# refusals -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        ([("triangle", TRIANGLES[1:])], r"closed surface: 3 of its 18 edges have no second face; close its holes"),
+        (
+            [("triangle", np.concatenate([TRIANGLES[:1, ::-1], TRIANGLES[1:]]))],
+            r"surface of one sense: the faces at 3 of its 18 edges look to opposite sides",
+        ),
+        ([("line", np.array([[0, 1]]))], r"a mesh with triangles; it holds none"),
+        ([("tetra", np.array([[0, 1, 2, 4]]))], r"surface mesh without tetra cells; extract its surface"),
+        ([("triangle", np.array([[0, 1, 2], [2, 1, 0]]))], r"surface that encloses a volume"),
+    ],
+)
+def test_unusable_meshes_are_refused(mesh_file, cells, message):
+    with pytest.raises(SceneError, match=message):
+        Polyhedron(file=mesh_file(".vtu", cells=cells))
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"file": "nowhere.stl"}, r"polyhedron.file must be an existing file; .* \(got 'nowhere.stl'\)"),
+        ({"scale": 0.0}, r"polyhedron.scale must be positive and finite \[m\] \(got 0.0\)"),
+        ({"offset": (0.0, 1.0)}, r"polyhedron.offset must be three finite"),
+        ({"rotation": (1.0, np.nan, 0.0)}, r"polyhedron.rotation must be"),
+    ],
+)
+def test_refusals(mesh_file, table, message):
+    with pytest.raises(SceneError, match=message):
+        Polyhedron(**({"file": mesh_file()} | table))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("body.xyz", "of one of the types .stl"), ("body.vtu", "readable mesh"), ("body.ply", "readable mesh")],
+)
+def test_files_of_other_kinds_are_refused(tmp_path, name, message):
+    (tmp_path / name).write_text("no mesh\n", encoding="utf-8")
+    with pytest.raises(SceneError, match=message):
+        Polyhedron(file=str(tmp_path / name))
