@@ -58,8 +58,8 @@ class Cuboid(InclusionShape):
 
     key: ClassVar[str] = "cuboid"
     references: ClassVar[tuple[str, ...]] = (
-        "Y. P. Chiu 1978, doi:10.1115/1.3424424",
-        "S. Liu & Q. Wang 2005, doi:10.1115/1.1985429",
+        "Y. P. Chiu 1978, J. Appl. Mech. 45, 302-306",
+        "S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871-878",
     )
 
     center: tuple[Length, Length, Length]

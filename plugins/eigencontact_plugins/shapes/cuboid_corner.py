@@ -14,8 +14,8 @@ What would be 0/0 or infinite has a limit or a bound: R + x_i of negative x_i is
 x_i = 0 is the mean of both sides, 0, or the limit from a given side; quotients are floored at `FLOOR`, so that the true
 singularities of edges and corners come out large, finite and with their sign.
 
-References: Chiu 1978, doi:10.1115/1.3424424 (mirror cuboid, plane potentials); Liu & Wang 2005, doi:10.1115/1.1985429
-(corner sums of Psi and Phi); MacMillan, The theory of the potential, 1930 (potential of the cuboid).
+References: Chiu 1978, J. Appl. Mech. 45, 302-306 (cuboid in a half-space); Liu & Wang 2005, J. Appl. Mech. 72, 871-878
+(corner sums of Psi and Phi); MacMillan 1930, The theory of the potential (potential of the cuboid).
 """
 
 # ruff: noqa: N802 - symbols of the table above

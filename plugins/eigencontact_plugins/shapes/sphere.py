@@ -64,7 +64,7 @@ class SphericalInclusion(InclusionShape):
     key: ClassVar[str] = "sphere"
     references: ClassVar[tuple[str, ...]] = (
         "J. D. Eshelby 1957, doi:10.1098/rspa.1957.0133",
-        "R. D. Mindlin & D. H. Cheng 1950, doi:10.1063/1.1699786",
+        "R. D. Mindlin & D. H. Cheng 1950, J. Appl. Phys. 21, 926-930 and 931-933",
         "T. Mura 1987, Micromechanics of defects in solids, sec. 11",
     )
 
