@@ -1,4 +1,4 @@
-"""Loops of the volume sums that numba compiles; plain Python otherwise, and never called uncompiled.
+"""Loops of the volume sums that numba compiles; they are never called uncompiled.
 
 On one core the contraction of stress (17 rows, 138 products for each wavenumber) takes a third of the time of numpy
 calls on blocks of the same size, and compiled loops run in threads without waiting for the interpreter.
@@ -17,9 +17,7 @@ __all__ = ["available", "compiled_loops"]
 
 Array = NDArray[Any]
 
-# Wavenumbers kz taken at a time, so that the columns of one block stay in the first-level cache.
-BLOCK = 40
-# Products added at a time; rows have a multiple of this many entries.
+# Products added at a time; rows have a multiple of this many entries, of neighbouring columns.
 GROUP = 3
 
 
@@ -34,113 +32,99 @@ def compiled_loops() -> tuple[Callable[..., None], Callable[..., None]]:
     import numba
 
     decorate = numba.njit(cache=True, nogil=True, fastmath={"contract"})
+    scaled, add_scaled, add_products = decorate(_scaled), decorate(_add_scaled), decorate(_add_products)
+
+    def contract(
+        waves: Array, kernels: Array, start: int, entries: Array, columns: Array, terms: Array, numbers: Array,
+        coefficients: Array, sums: Array, column: Array, weight: Array, total: Array, size: int,
+    ) -> None:  # fmt: skip
+        """Sum kernels times sources for the wavenumbers of one piece.
+
+        Parameters
+        ----------
+        waves : (n, signs, size, Fz + 1) complex
+            Spectra of the sources, the value at kz = 0 repeated behind the last.
+        kernels : (n_kernels, 2, ky * kz)
+            Real and imaginary parts.
+        start : int
+            Where the piece begins in the last axis of `kernels`.
+        entries : (rows + 1,) int
+            Entries of each row; a multiple of `GROUP`.
+        columns : (n_entries,) int
+            Source of each entry; from n on the source at -kz.
+        terms : (n_entries + 1,) int
+            Terms of each entry.
+        numbers, coefficients : (n_terms,)
+            Kernel and coefficient of each term.
+        sums : (rows, signs, size, Fz) complex
+            The answer.
+        column, weight, total : work space
+            ``(2 or 4, 2 n, 2, size * kz)``, ``(GROUP, 2, size * kz)``, ``(2 or 4, 2, size * kz)``.
+        size : int
+            Wavenumbers ky of the piece.
+        """
+        n, signs, length = waves.shape[0], waves.shape[1], waves.shape[3] - 1
+        kz = column.shape[3] // waves.shape[2]
+        m = size * kz
+        for i in range(n):
+            for s in range(signs):
+                for b in range(size):
+                    for k in range(kz):
+                        j = b * kz + k
+                        upper, lower = waves[i, s, b, k], waves[i, s, b, length - k]
+                        column[2 * s, i, 0, j], column[2 * s, i, 1, j] = upper.real, upper.imag
+                        column[2 * s, n + i, 0, j], column[2 * s, n + i, 1, j] = lower.real, lower.imag
+                        column[2 * s + 1, i, 0, j], column[2 * s + 1, i, 1, j] = lower.real, -lower.imag
+                        column[2 * s + 1, n + i, 0, j], column[2 * s + 1, n + i, 1, j] = upper.real, -upper.imag
+        for r in range(sums.shape[0]):
+            total[:] = 0.0
+            for first in range(entries[r], entries[r + 1], GROUP):
+                for g in range(GROUP):
+                    begin, end = terms[first + g], terms[first + g + 1]
+                    if begin == end:
+                        weight[g] = 0.0
+                    for t in range(begin, end):
+                        for part in range(2):
+                            kernel = kernels[numbers[t], part, start : start + m]
+                            if t == begin:
+                                scaled(weight[g, part], kernel, coefficients[t], m)
+                            else:
+                                add_scaled(weight[g, part], kernel, coefficients[t], m)
+                at = columns[first]
+                for q in range(2 * signs):
+                    add_products(total[q], weight, column[q, at : at + GROUP], m)
+            for s in range(signs):
+                for b in range(size):
+                    for k in range(kz):
+                        j = b * kz + k
+                        sums[r, s, b, k] = complex(total[2 * s, 0, j], total[2 * s, 1, j])
+                    if signs == 2:
+                        for k in range(1, length - kz + 1):
+                            j = b * kz + k
+                            sums[r, s, b, length - k] = complex(total[2 * s + 1, 0, j], -total[2 * s + 1, 1, j])
+
     return decorate(contract), decorate(collect)
 
 
-def contract(
-    waves: Array, kernels: Array, piece: int, size: int, entries: Array, columns: Array, terms: Array, numbers: Array,
-    coefficients: Array, sums: Array, column: Array, weight: Array, total: Array,
-) -> None:  # fmt: skip
-    """Sum kernels times sources for the wavenumbers of one piece.
+def _scaled(out: Array, values: Array, factor: float, m: int) -> None:
+    """Write ``factor * values``."""
+    for k in range(m):
+        out[k] = factor * values[k]
 
-    Parameters
-    ----------
-    waves : (n, signs, size, Fz + 1) complex
-        Spectra of the sources, the value at kz = 0 repeated behind the last.
-    kernels : (n_kernels, ky, 2, kz)
-        Real and imaginary parts.
-    piece, size : int
-        First wavenumber ky of the piece, and their number.
-    entries : (rows + 1,) int
-        Entries of each row; a multiple of `GROUP`.
-    columns : (n_entries,) int
-        Source of each entry; from n on the source at -kz.
-    terms : (n_entries + 1,) int
-        Terms of each entry.
-    numbers, coefficients : (n_terms,)
-        Kernel and coefficient of each term.
-    sums : (rows, signs, size, Fz) complex
-        The answer.
-    column, weight, total : work space
-        ``(2 n, 2 or 4, 2, BLOCK)``, ``(GROUP, 2, BLOCK)`` and ``(2 or 4, 2, BLOCK)``.
-    """
-    n, signs, length = waves.shape[0], waves.shape[1], waves.shape[3] - 1
-    kz, rows = kernels.shape[3], sums.shape[0]
-    for b in range(size):
-        for start in range(0, kz, BLOCK):
-            stop = min(start + BLOCK, kz)
-            m = stop - start
-            for i in range(n):
-                for s in range(signs):
-                    wave = waves[i, s, b]
-                    same, turned = column[i, 2 * s], column[n + i, 2 * s]
-                    same_lower, turned_lower = column[i, 2 * s + 1], column[n + i, 2 * s + 1]
-                    for k in range(m):
-                        upper, lower = wave[start + k], wave[length - start - k]
-                        same[0, k], same[1, k] = upper.real, upper.imag
-                        turned[0, k], turned[1, k] = lower.real, lower.imag
-                        same_lower[0, k], same_lower[1, k] = lower.real, -lower.imag
-                        turned_lower[0, k], turned_lower[1, k] = upper.real, -upper.imag
-            for r in range(rows):
-                total[:] = 0.0
-                for first in range(entries[r], entries[r + 1], GROUP):
-                    weight[:] = 0.0
-                    for g in range(GROUP):
-                        real, imaginary = weight[g, 0], weight[g, 1]
-                        for t in range(terms[first + g], terms[first + g + 1]):
-                            c = coefficients[t]
-                            kernel = kernels[numbers[t], piece + b]
-                            for k in range(m):
-                                real[k] += c * kernel[0, start + k]
-                                imaginary[k] += c * kernel[1, start + k]
-                    for q in range(0, 2 * signs, 2):
-                        c0, c1, c2 = columns[first], columns[first + 1], columns[first + 2]
-                        a0, a1, a2 = column[c0, q], column[c1, q], column[c2, q]
-                        b0, b1, b2 = column[c0, q + 1], column[c1, q + 1], column[c2, q + 1]
-                        ta, tb = total[q], total[q + 1]
-                        for k in range(m):
-                            x0, y0 = weight[0, 0, k], weight[0, 1, k]
-                            x1, y1 = weight[1, 0, k], weight[1, 1, k]
-                            x2, y2 = weight[2, 0, k], weight[2, 1, k]
-                            ta[0, k] += (
-                                x0 * a0[0, k]
-                                - y0 * a0[1, k]
-                                + x1 * a1[0, k]
-                                - y1 * a1[1, k]
-                                + x2 * a2[0, k]
-                                - y2 * a2[1, k]
-                            )
-                            ta[1, k] += (
-                                x0 * a0[1, k]
-                                + y0 * a0[0, k]
-                                + x1 * a1[1, k]
-                                + y1 * a1[0, k]
-                                + x2 * a2[1, k]
-                                + y2 * a2[0, k]
-                            )
-                            tb[0, k] += (
-                                x0 * b0[0, k]
-                                - y0 * b0[1, k]
-                                + x1 * b1[0, k]
-                                - y1 * b1[1, k]
-                                + x2 * b2[0, k]
-                                - y2 * b2[1, k]
-                            )
-                            tb[1, k] += (
-                                x0 * b0[1, k]
-                                + y0 * b0[0, k]
-                                + x1 * b1[1, k]
-                                + y1 * b1[0, k]
-                                + x2 * b2[1, k]
-                                + y2 * b2[0, k]
-                            )
-                for s in range(signs):
-                    out, upper_part, lower_part = sums[r, s, b], total[2 * s], total[2 * s + 1]
-                    for k in range(m):
-                        out[start + k] = complex(upper_part[0, k], upper_part[1, k])
-                    if signs == 2:
-                        for k in range(max(0, 1 - start), min(m, length - kz + 1 - start)):
-                            out[length - start - k] = complex(lower_part[0, k], -lower_part[1, k])
+
+def _add_scaled(out: Array, values: Array, factor: float, m: int) -> None:
+    """Add ``factor * values``."""
+    for k in range(m):
+        out[k] += factor * values[k]
+
+
+def _add_products(total: Array, w: Array, c: Array, m: int) -> None:
+    """Add `GROUP` complex products, real and imaginary parts apart."""
+    for k in range(m):
+        x0, y0, x1, y1, x2, y2 = w[0, 0, k], w[0, 1, k], w[1, 0, k], w[1, 1, k], w[2, 0, k], w[2, 1, k]
+        a0, b0, a1, b1, a2, b2 = c[0, 0, k], c[0, 1, k], c[1, 0, k], c[1, 1, k], c[2, 0, k], c[2, 1, k]
+        total[0, k] += x0 * a0 - y0 * b0 + x1 * a1 - y1 * b1 + x2 * a2 - y2 * b2
+        total[1, k] += x0 * b0 + y0 * a0 + x1 * b1 + y1 * a1 + x2 * b2 + y2 * a2
 
 
 def collect(

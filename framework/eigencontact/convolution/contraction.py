@@ -58,7 +58,7 @@ class BlockContraction(_Contraction):
         self._columns = self._empty(2 * n, signs, signs, size, kz)
         self._product = self._empty(max(last - first for first, last, _ in self._matrices), signs, signs, size, kz)
         self._lower = self._empty(signs, size, kz)
-        self._parts = self._empty(len(self._matrix), size * 2 * kz, dtype=self._real)
+        self._parts = self._empty(len(self._matrix), size * kz, dtype=self._real)
         self._assembled = self._empty(len(self._matrix), 1, 1, size, kz)
         self._sum, self._part = self._empty(signs, size, self._targets), self._empty(signs, size, self._targets)
 
@@ -69,7 +69,7 @@ class BlockContraction(_Contraction):
         ----------
         waves : (n, signs, size, Fz + 1) complex
             Spectra of the sources; the value at kz = 0 is repeated behind the last.
-        kernels : (n_kernels, ky, 2, kz)
+        kernels : (n_kernels, 2, ky, kz)
             Real and imaginary parts.
         piece : slice
             Wavenumbers ky of the piece.
@@ -83,11 +83,10 @@ class BlockContraction(_Contraction):
         if self._signs == 2:
             np.conjugate(mirrored, out=columns[:n, 1])
             np.conjugate(waves[..., :kz], out=columns[n:, 1])
-        parts = self._parts[:, : size * 2 * kz]
-        np.matmul(self._matrix, kernels[:, piece].reshape(len(kernels), -1), out=parts)
-        parts = parts.reshape(-1, 1, 1, size, 2, kz)
-        self._assembled[..., :size, :].real = parts[..., 0, :]
-        self._assembled[..., :size, :].imag = parts[..., 1, :]
+        parts = self._parts[:, : size * kz]
+        for part, values in enumerate((self._assembled.real, self._assembled.imag)):
+            np.matmul(self._matrix, kernels[:, part, piece].reshape(len(kernels), -1), out=parts)
+            values[..., :size, :] = parts.reshape(-1, 1, 1, size, kz)
         upper, position = slice(1, out.shape[-1] - kz + 1), 0
         for row, (first, last, matrix) in enumerate(self._matrices):
             weights = self._assembled[position : position + len(matrix), :, :, :size]
@@ -122,33 +121,34 @@ class CompiledContraction(_Contraction):
         columns: list[int] = []
         numbers: list[int] = []
         coefficients: list[float] = []
-        for first, _, matrix in self._matrices:
-            for column, row in enumerate(matrix):
+        for first, last, matrix in self._matrices:
+            # The columns of a group are neighbours; where they would pass the last one, some before are taken at zero.
+            count = -(-(last - first) // compiled.GROUP) * compiled.GROUP
+            begin = min(first, max(0, 2 * len(active) - count))
+            for column in range(begin, begin + count):
+                row = matrix[column - first] if first <= column < last else np.zeros(matrix.shape[1])
                 used = np.flatnonzero(row)
-                columns.append(first + column)
+                columns.append(column)
                 numbers.extend(used)
                 coefficients.extend(row[used])
-                terms.append(len(numbers))
-            while len(columns) % compiled.GROUP:
-                columns.append(0)
                 terms.append(len(numbers))
             entries.append(len(columns))
         self._tables = [np.array(table, np.int64) for table in (entries, columns, terms, numbers)]
         self._tables.append(np.array(coefficients, self._real))
-        pairs = 2 * self._signs
+        pairs, values, held = 2 * self._signs, size * self._kz, max(2 * len(active), *columns) + 1
         self._work = [
-            self._empty(2 * len(active), pairs, 2, compiled.BLOCK, dtype=self._real),
-            self._empty(compiled.GROUP, 2, compiled.BLOCK, dtype=self._real),
-            self._empty(pairs, 2, compiled.BLOCK, dtype=self._real),
+            self._empty(pairs, held, 2, values, dtype=self._real),
+            self._empty(compiled.GROUP, 2, values, dtype=self._real),
+            self._empty(pairs, 2, values, dtype=self._real),
         ]
         self._depth = self._empty(self._targets)
         self._contract, self._collect = compiled.compiled_loops()
 
     def multiply(self, waves: Array, kernels: Array, piece: slice, out: Array) -> None:
         """See `BlockContraction.multiply`."""
-        entries, columns, terms, numbers, coefficients = self._tables
-        first, size = piece.start, piece.stop - piece.start
-        self._contract(waves, kernels, first, size, entries, columns, terms, numbers, coefficients, out, *self._work)
+        flat = kernels.reshape(len(kernels), 2, -1)
+        size = piece.stop - piece.start
+        self._contract(waves, flat, piece.start * self._kz, *self._tables, out, *self._work, size)
 
     def collect(self, back: Array, piece: slice, out: Array) -> None:
         """See `BlockContraction.collect`."""

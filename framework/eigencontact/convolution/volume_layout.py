@@ -104,9 +104,9 @@ class VolumeLayout:
 
 
 class VolumeKernels:
-    """Spectra of several kernels of one layout, ``values[kx, kernel, ky, part, kz]``, parts real and imaginary.
+    """Spectra of several kernels of one layout, ``values[kx, kernel, part, ky, kz]``, parts real and imaginary.
 
-    Where the layout is folded, a spectrum is ``1j**odd * (values[..., 0, :] + 1j * values[..., 1, :])``, ``odd`` = 1
+    Where the layout is folded, a spectrum is ``1j**odd * (values[:, :, 0] + 1j * values[:, :, 1])`` with ``odd`` = 1
     if exactly one of the parities along x and y is odd; what multiplies ``1j**odd`` is the conjugate at -kz, and at -ky
     the same times the parity.
 
@@ -138,7 +138,7 @@ class VolumeKernels:
         self.parities, self.correlations = tuple(parities), tuple(correlations)
         kx, ky, kz = layout.spectrum_shape
         dtype = np.float64 if precision == "double" else np.float32
-        self.values: NDArray[Any] = np.empty((kx, len(parities), ky, 2, kz), dtype)
+        self.values: NDArray[Any] = np.empty((kx, len(parities), 2, ky, kz), dtype)
 
     def __len__(self) -> int:
         return len(self.parities)
@@ -163,8 +163,8 @@ class VolumeKernels:
         else:
             spectrum = _whole(layout, table, parity, correlation=correlation)
         out = self.values[:, number]
-        np.multiply(spectrum.real, factor, out=out[:, :, 0], casting="same_kind")
-        np.multiply(spectrum.imag, factor, out=out[:, :, 1], casting="same_kind")
+        np.multiply(spectrum.real, factor, out=out[:, 0], casting="same_kind")
+        np.multiply(spectrum.imag, factor, out=out[:, 1], casting="same_kind")
 
 
 def _along_z(layout: VolumeLayout, values: FloatArray, parity: int, *, correlation: bool) -> NDArray[Any]:
