@@ -40,7 +40,7 @@ def distant_from(edges: Sequence[float]) -> float:
 def gauss_rule(half: float, distance: float) -> tuple[FloatArray, FloatArray]:
     """Gauss-Legendre nodes and weights on [-half, half] for fields at `distance` from it, beside it or in line."""
     e = distance / half
-    n = int(np.ceil(17.0 / (2 * np.log10(e + np.sqrt(e * e + 1)))))
+    n = int(np.ceil(15.0 / (2 * np.log10(e + np.sqrt(e * e + 1)))))
     nodes, weights = np.polynomial.legendre.leggauss(n)
     return half * nodes, half * weights
 
