@@ -1,7 +1,7 @@
 """Approximate half-space: full space, plus the mirror image, minus the pressure they leave on the surface.
 
 In an infinite body the eigenstrain and its image ``s_i s_j e_ij``, s = (1, 1, -1), leave no shear on the plane z = 0
-but twice the normal traction of the eigenstrain alone. That traction is sampled at the middles of the surface's cells and
+but twice the normal traction of the eigenstrain alone. That traction is sampled at the middles of the cells and
 taken off with the exact field of uniformly loaded cells. The scheme is a reference to compare the half-space theorem
 with: its error is that of the sampling near the surface, and that of the cut-off pressure outside the window.
 

@@ -1,0 +1,413 @@
+"""Periodic half-space: eigenstrain in layers of cells, by Fourier series in the plane and exponentials in depth.
+
+For one wave ``exp(i k.x)`` in the plane the potentials of a source layer are exponentials of depth,
+
+    Phi -> (2 pi/k) e^-t    Chi -> (2 pi/k^3) e^-t    Psi -> -(2 pi/k^3) (1 + t) e^-t,    t = k |z - z'| or k (z + z'),
+
+so a field at depth z needs only four sums over the layers: of e^-t and t e^-t over those above and over those below.
+They are carried from layer to layer and never grow; the image takes the sums over the layers as seen from the surface.
+In axes along and across the wave the coefficients are the same numbers for all waves: the linear forms of the theorem
+at the wave vector (1, 0). Cost N^3 log N for N^3 cells, no padding in depth, layers of any thickness.
+
+References
+----------
+R. D. Mindlin and D. H. Cheng 1950, doi:10.1063/1.1699785 (the half-space); S. Liu and Q. Wang 2005,
+doi:10.1115/1.1985429 (eigenstrain and Fourier transforms); W. W. Chen, S. Liu and Q. Wang 2008, doi:10.1115/1.2755165
+(periodic surfaces by convolution).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.layout import fast_even
+from eigencontact.core.grid import Grid
+from eigencontact.core.parallel import available_threads, in_parallel
+from eigencontact.core.tensors import SQRT2
+from eigencontact.errors import require
+from eigencontact.halfspace.forms import Kernel
+from eigencontact.halfspace.theorem import QUANTITIES, response
+
+__all__ = ["PeriodicHalfSpace"]
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_HERE = "periodic half-space"
+#: Waves finished together: the sums of all layers of a batch stay in the second-level cache.
+_BATCH = 2048
+#: Whether an odd number of a component's indices lies along the wave: such are carried times 1j, and all is real.
+_ALONG = {"displacement": (1, 0, 0), "strain": (0, 0, 0, 0, 1, 1), "stress": (0, 0, 0, 0, 1, 1)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeriodicHalfSpace:
+    """Fields of eigenstrain that repeats in the plane, below a free surface.
+
+    Parameters
+    ----------
+    grid : Grid
+        Columns of cells; the window repeats along x and y.
+    interfaces : (nz + 1,) [m]
+        Depths of the layers' boundaries, ascending, of 0 or more.
+    poisson_ratio : float
+        In (-1, 0.5], the end included.
+    padding : float
+        Period over window, 1 or more. Empty columns keep the copies away where a single window is meant: their
+        influence falls with the third power of the period.
+    aliases : int
+        0 takes the eigenstrain as samples of a smooth field (exact where no wave is shorter than two cells). M > 0
+        takes it as uniform in each cell and sums (2M + 1)² waves for each one of the grid, at as many times the cost.
+    threads : int, optional
+        Cores to use; by default all this process may use.
+
+    Notes
+    -----
+    The mean of the plane (k = 0) is a laterally uniform layer in a body that cannot widen: no mean strain in the plane,
+    ``sigma_xx = -E/(1-nu²) (e_xx + nu e_yy)`` in the layer, nothing outside, and displacement measured from the body at
+    great depth, ``u_z = -∫ (e_zz + nu/(1-nu) (e_xx + e_yy)) dz`` over the layers below. A single inclusion differs from
+    one of many copies by a constant displacement, which does not fade with the padding as the rest does.
+
+    Examples
+    --------
+    A heated film of thickness 1, free on top, rises by (1+ν)/(1-ν) ε:
+
+    >>> space = PeriodicHalfSpace(grid=Grid(nx=4, ny=4, dx=1.0, dy=1.0), interfaces=np.array([0.0, 1.0]),
+    ...                           poisson_ratio=0.25)
+    >>> film = np.zeros((6, 1, 4, 4))
+    >>> film[:3] = 3e-3
+    >>> float(space.apply(film, "displacement", depths=np.zeros(1))[2, 0, 0, 0].round(12))
+    -0.005
+    """
+
+    grid: Grid
+    interfaces: FloatArray
+    poisson_ratio: float
+    padding: float = 1.0
+    aliases: int = 0
+    threads: int | None = None
+
+    def __post_init__(self) -> None:
+        edges = np.asarray(self.interfaces, dtype=float)
+        rule = "two or more ascending depths of 0 or more [m]"
+        good = edges.ndim == 1 and edges.size >= 2 and edges[0] >= 0 and bool((np.diff(edges) > 0).all())
+        require(good, _HERE, "interfaces", self.interfaces, rule)
+        require(1 <= self.padding < np.inf, _HERE, "padding", self.padding, "1 or more")
+        require(self.aliases >= 0, _HERE, "aliases", self.aliases, "0 or more")
+        require(-1 < self.poisson_ratio <= 0.5, _HERE, "poisson_ratio", self.poisson_ratio, "in (-1, 0.5]")
+        object.__setattr__(self, "interfaces", edges)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells (ny, nx) of a period."""
+        if self.padding == 1:
+            return self.grid.shape
+        return fast_even(round(self.padding * self.grid.ny)), fast_even(round(self.padding * self.grid.nx))
+
+    def apply(
+        self,
+        eigenstrain: FloatArray,
+        quantity: str,
+        *,
+        depths: FloatArray,
+        target: tuple[int, int] | None = None,
+        origin: tuple[float, float] = (0.0, 0.0),
+    ) -> FloatArray:
+        """Field of an eigenstrain on planes.
+
+        Parameters
+        ----------
+        eigenstrain : (6, nz, ny, nx) [-]
+            Mandel eigenstrain of the cells.
+        quantity : {"displacement", "strain", "stress"}
+            Displacement [m], total strain, or stress in units of the shear modulus; tensors are Mandel vectors.
+        depths : (nd,) [m]
+            0 or more, anywhere. Between two layers strain and stress are the mean of both sides, in the surface the
+            limit from inside.
+        target : (int, int), optional
+            Points along (y, x), of the grid's pitch; by default the grid's.
+        origin : (float, float)
+            First point relative to the grid's first cell, in cells along (y, x); need not be whole.
+
+        Returns
+        -------
+        (3 or 6, nd, *target)
+        """
+        require(quantity in QUANTITIES, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
+        values, at = np.asarray(eigenstrain, dtype=float), np.asarray(depths, dtype=float)
+        expected = (6, self.interfaces.size - 1, *self.grid.shape)
+        require(values.shape == expected, _HERE, "eigenstrain", values.shape, f"of shape {expected}")
+        require(at.ndim == 1 and bool((at >= 0).all()), _HERE, "depths", depths, "0 or more [m]")
+        from scipy import fft
+
+        workers = self.threads or available_threads()
+        ny, nx = self.shape
+        waves = fft.rfft2(values, s=(ny, nx), workers=workers)
+        out = np.zeros((QUANTITIES[quantity], at.size, *waves.shape[2:]), dtype=complex)
+        planes = [_plane(self.interfaces, float(depth)) for depth in at]
+        fractions = (origin[0] - float(np.floor(origin[0])), origin[1] - float(np.floor(origin[1])))
+        count = max(1, _BATCH // waves.shape[3])
+
+        def fill(first: int) -> None:
+            batch = slice(first, first + count)
+            for rows, columns, ky, kx, weight in self._waves(np.arange(ny)[batch], fractions):
+                found = self._sum(waves[:, :, batch][:, :, rows[:, None], columns], quantity, planes, ky, kx)
+                out[:, :, batch][:, :, rows[:, None], columns] += weight * found
+
+        in_parallel(workers, [partial(fill, first) for first in range(0, ny, count)])
+        out[:, :, 0, 0] += _uniform(waves[:, :, 0, 0].real, quantity, planes, self.interfaces, self.poisson_ratio)
+        fields = fft.irfft2(out, s=(ny, nx), workers=workers)
+        wanted_y, wanted_x = target or self.grid.shape
+        rows = (int(np.floor(origin[0])) + np.arange(wanted_y)) % ny
+        columns = (int(np.floor(origin[1])) + np.arange(wanted_x)) % nx
+        return np.asarray(fields[:, :, rows[:, None], columns])
+
+    def _waves(
+        self, rows: NDArray[np.intp], fractions: tuple[float, float]
+    ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], FloatArray, FloatArray, ComplexArray]]:
+        """Waves that look alike on the grid as `rows` do: which rows and columns, ky, kx and their weights."""
+        ny, nx = self.shape
+        for shift_y in self._shifts:
+            there, ky, weight_y = self._axis(rows, shift_y, ny, self.grid.dy, fractions[0])
+            for shift_x in self._shifts if there.size else ():
+                columns, kx, weight_x = self._axis(np.arange(nx // 2 + 1), shift_x, nx, self.grid.dx, fractions[1])
+                if columns.size:
+                    yield there, columns, ky[:, None], kx[None, :], weight_y[:, None] * weight_x
+
+    @property
+    def _shifts(self) -> range:
+        return range(-self.aliases - 1, self.aliases + 2)
+
+    def _axis(
+        self, numbers: NDArray[np.intp], shift: int, n: int, pitch: float, fraction: float
+    ) -> tuple[NDArray[np.intp], FloatArray, ComplexArray]:
+        """Waves of one axis moved by whole sampling rates: which of `numbers` remain, wavenumbers, weights.
+
+        The set of all is symmetric: of the two shortest waves, which look alike, each gets half.
+        """
+        moved = np.where(numbers > n // 2, numbers - n, numbers) + shift * n
+        most = (2 * self.aliases + 1) * n
+        kept = np.flatnonzero(2 * np.abs(moved) <= most)
+        moved = moved[kept]
+        weight = np.where(2 * np.abs(moved) == most, 0.5, 1.0) * np.exp(2j * np.pi * fraction / n * moved)
+        if self.aliases:
+            weight = weight * np.sinc(moved / n)
+        return kept, 2.0 * np.pi / (n * pitch) * moved, weight
+
+    def _sum(
+        self, eigenstrain: ComplexArray, quantity: str, planes: list[_Plane], ky: FloatArray, kx: FloatArray
+    ) -> ComplexArray:
+        """Amplitudes ``(3 or 6, nd, rows, columns)`` of waves from those of the eigenstrain; 0 where k = 0."""
+        k = np.hypot(ky, kx).ravel()
+        mean = k == 0.0
+        k[mean] = 1.0
+        cos, sin = (kx + 0.0 * ky).ravel() / k, (ky + 0.0 * kx).ravel() / k
+        source = _turned(eigenstrain.reshape(*eigenstrain.shape[:2], -1), cos, sin)
+        source[[4, 5]] *= 1j
+        out = _Layers(self.interfaces, k, source, planes, _coefficients(quantity, self.poisson_ratio)).field()
+        out[[row for row, along in enumerate(_ALONG[quantity]) if along]] *= -1j
+        if quantity == "displacement":
+            across, along = out[1].copy(), out[0].copy()
+            out[0], out[1] = cos * along - sin * across, sin * along + cos * across
+            out /= k
+        else:
+            out = _turned(out, cos, -sin)
+        out[..., mean] = 0.0
+        return out.reshape(*out.shape[:2], ky.shape[0], kx.shape[1])
+
+
+@dataclass(frozen=True, slots=True)
+class _Plane:
+    """Where a depth lies among the interfaces.
+
+    ``above`` is the last interface at or above it, ``below`` the first at or below it, with the distances; None where
+    there is none. ``inside`` are the layers at this depth and their shares.
+    """
+
+    depth: float
+    above: tuple[int, float] | None
+    below: tuple[int, float] | None
+    inside: tuple[tuple[int, float], ...]
+
+
+def _plane(interfaces: FloatArray, depth: float) -> _Plane:
+    layers = interfaces.size - 1
+    last = int(np.searchsorted(interfaces, depth, side="right")) - 1
+    first = int(np.searchsorted(interfaces, depth, side="left"))
+    surface = depth == 0.0
+    inside: dict[int, float] = {}
+    for layer in [last] if surface else [last, first - 1]:
+        if 0 <= layer < layers:
+            inside[layer] = inside.get(layer, 0.0) + (1.0 if surface else 0.5)
+    return _Plane(
+        depth,
+        (last, depth - float(interfaces[last])) if last >= 0 else None,
+        (first, float(interfaces[first]) - depth) if first <= layers else None,
+        tuple(inside.items()),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Coefficients:
+    """Real matrices from the sums over layers to the field, in axes along and across a wave, lengths in 1/k."""
+
+    above: FloatArray
+    below: FloatArray
+    local: FloatArray
+    image: tuple[FloatArray, ...]
+
+
+@cache
+def _coefficients(quantity: str, nu: float) -> _Coefficients:
+    """Forms of the half-space theorem at the wave vector (1, 0)."""
+    forms = response(quantity, nu, "half")
+    rows = len(forms)
+    above, below, local = np.zeros((rows, 12)), np.zeros((rows, 12)), np.zeros((rows, 6))
+    image = [np.zeros((rows, 12)) for _ in range(4)]
+    for row, by_source in enumerate(forms):
+        for source, form in enumerate(by_source):
+            turn = _ALONG[quantity][row] - _ALONG["strain"][source]
+            for power, kernel, value in form:
+                if kernel[2][1]:
+                    continue  # a derivative across the wave
+                value *= (1j ** (kernel[2][0] + turn)).real  # noqa: PLW2901
+                if kernel[0] == "image":
+                    zeroth, first = _decay(kernel, upward=False)
+                    image[power][row, source] += value * zeroth
+                    image[power][row, source + 6] += value * first
+                    image[power + 1][row, source] += value * first
+                    continue
+                local[row, source] += value * _local(kernel)
+                for matrix, upward in ((above, False), (below, True)):
+                    zeroth, first = _decay(kernel, upward=upward)
+                    matrix[row, source] += value * zeroth
+                    matrix[row, source + 6] += value * first
+    return _Coefficients(above, below, local, tuple(matrix for matrix in image if matrix.any()))
+
+
+def _decay(kernel: Kernel, *, upward: bool) -> tuple[float, float]:
+    """Factors of e^-t and t e^-t in a derivative of a potential of a layer at distance t, for k = 1."""
+    _, name, (_, _, n) = kernel
+    sign = 1.0 if upward else (-1.0) ** n
+    if name == "psi":
+        return -2.0 * np.pi * sign * (1 - n), -2.0 * np.pi * sign
+    return (2.0 * np.pi * sign, 0.0) if name else (0.0, 0.0)
+
+
+def _local(kernel: Kernel) -> float:
+    """Factor of the eigenstrain at the point itself: Psi,zzzz and Phi,zz of a layer have a delta function there."""
+    _, name, order = kernel
+    return {("psi", 4): -8.0 * np.pi, ("phi", 2): -4.0 * np.pi, ("", 0): 1.0}.get((name, order[2]), 0.0)
+
+
+class _Layers:
+    """Sums over the layers for one batch of waves."""
+
+    def __init__(
+        self, interfaces: FloatArray, k: FloatArray, source: ComplexArray, planes: list[_Plane], weights: _Coefficients
+    ) -> None:
+        self._interfaces, self._k, self._source, self._planes, self._weights = interfaces, k, source, planes, weights
+        self._out = np.zeros((len(weights.local), len(planes), k.size), dtype=complex)
+
+    def field(self) -> ComplexArray:
+        """Amplitudes ``(3 or 6, nd, waves)``."""
+        count = self._source.shape[1]
+        sums = np.zeros((2, 6, self._k.size), dtype=complex)
+        for node in range(count, -1, -1):  # from below
+            for number, plane in enumerate(self._planes):
+                if plane.below is not None and plane.below[0] == node:
+                    self._add(number, self._weights.below, self._stepped(sums, plane.below[1], node - 1))
+            if node:
+                sums = self._stepped(sums, float(self._interfaces[node] - self._interfaces[node - 1]), node - 1)
+        self._image(self._stepped(sums, float(self._interfaces[0]), -1))
+        sums = np.zeros_like(sums)
+        for node in range(count + 1):  # from above
+            for number, plane in enumerate(self._planes):
+                if plane.above is not None and plane.above[0] == node:
+                    self._add(number, self._weights.above, self._stepped(sums, plane.above[1], node))
+            if node < count:
+                sums = self._stepped(sums, float(self._interfaces[node + 1] - self._interfaces[node]), node)
+        for number, plane in enumerate(self._planes):
+            for layer, share in plane.inside:
+                self._out[:, number] += _product(share * self._weights.local, self._source[:, layer])
+        return self._out
+
+    def _add(self, number: int, matrix: FloatArray, sums: ComplexArray) -> None:
+        self._out[:, number] += _product(matrix, sums.reshape(12, -1))
+
+    def _stepped(self, sums: ComplexArray, distance: float, layer: int) -> ComplexArray:
+        """Sums of k e^-t and k t e^-t (times dz) a distance further on, through one layer or (-1, nz) through none."""
+        if distance == 0.0:
+            return sums
+        path = self._k * distance
+        decay = np.exp(-path)
+        out = np.empty_like(sums)
+        np.multiply(sums[0], path, out=out[1])
+        out[1] += sums[1]
+        out[1] *= decay
+        np.multiply(sums[0], decay, out=out[0])
+        if 0 <= layer < self._source.shape[1]:
+            zeroth = -np.expm1(-path)
+            out[0] += zeroth * self._source[:, layer]
+            out[1] += (zeroth - path * decay) * self._source[:, layer]
+        return out
+
+    def _image(self, sums: ComplexArray) -> None:
+        """Field of the image from the sums as seen from the surface: a polynomial in k z times e^-kz."""
+        powers = [_product(matrix, sums.reshape(12, -1)) for matrix in self._weights.image]
+        for number, plane in enumerate(self._planes):
+            path = self._k * plane.depth
+            total = powers[-1]
+            for term in powers[-2::-1]:
+                total = total * path + term
+            self._out[:, number] += np.exp(-path) * total
+
+
+def _product(matrix: FloatArray, values: ComplexArray) -> ComplexArray:
+    """Real matrix times complex columns."""
+    columns = np.ascontiguousarray(values)
+    product: FloatArray = matrix @ columns.view(float)
+    return product.view(complex)
+
+
+def _turned(tensor: ComplexArray, cos: FloatArray, sin: FloatArray) -> ComplexArray:
+    """Mandel components ``(6, n, waves)`` in axes turned about z by the angle of each wave."""
+    xx, yy, zz, yz, xz, xy = tensor
+    out = np.empty_like(tensor)
+    cc, ss, cs = cos * cos, sin * sin, cos * sin
+    out[0] = cc * xx + ss * yy + SQRT2 * cs * xy
+    out[1] = ss * xx + cc * yy - SQRT2 * cs * xy
+    out[2] = zz
+    out[3] = cos * yz - sin * xz
+    out[4] = cos * xz + sin * yz
+    out[5] = (cc - ss) * xy + SQRT2 * cs * (yy - xx)
+    return out
+
+
+def _uniform(
+    eigenstrain: FloatArray, quantity: str, planes: list[_Plane], interfaces: FloatArray, nu: float
+) -> FloatArray:
+    """Field of laterally uniform layers ``(6, nz)`` in a body that cannot widen, ``(3 or 6, nd)``."""
+    xx, yy, zz, yz, xz, xy = eigenstrain
+    stretch = zz + nu / (1.0 - nu) * (xx + yy)  # free normal and shear tractions
+    none = np.zeros_like(xx)
+    if quantity == "displacement":
+        slopes = np.array([SQRT2 * xz, SQRT2 * yz, stretch])
+        depths = np.array([plane.depth for plane in planes])
+        thickness = interfaces[1:] - np.clip(depths[:, None], interfaces[:-1], interfaces[1:])
+        return np.asarray(-slopes @ thickness.T)
+    if quantity == "strain":
+        values = np.array([none, none, stretch, yz, xz, none])
+    else:
+        plane_stress = 2.0 / (1.0 - nu)
+        values = np.array([-plane_stress * (xx + nu * yy), -plane_stress * (yy + nu * xx), none, none, none, -2.0 * xy])
+    shares = np.zeros((len(planes), xx.size))
+    for number, plane in enumerate(planes):
+        for layer, share in plane.inside:
+            shares[number, layer] = share
+    return np.asarray(values @ shares.T)
