@@ -58,8 +58,9 @@ def read(folder):
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
 
-def test_every_bundled_scene_is_tested():
-    assert bundled_names() == sorted(COARSER) == sorted(PINS)
+def test_every_bundled_contact_is_tested():
+    """The others are in test_gallery_eigenstrain.py."""
+    assert [name for name in bundled_names() if ec.load_scene(name).geometry] == sorted(COARSER) == sorted(PINS)
 
 
 @pytest.mark.parametrize("name", COARSER)

@@ -83,7 +83,7 @@ def readable(value: float, unit: str) -> str:
     ('6.05 um', '8.47 GPa', '115 um^2')
     """
     power = 2 if unit.endswith("^2") else 1
-    for exponent, prefix in ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "u"), (-9, "n")):
+    for exponent, prefix in ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "u"), (-9, "n"), (-12, "p")):
         scaled = value / 10.0 ** (exponent * power)
         if abs(scaled) >= 1.0 and not (unit.startswith("m") and exponent > 3):
             return f"{scaled:.5g} {prefix}{unit}"

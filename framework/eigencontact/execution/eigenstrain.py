@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.material import Material
 from eigencontact.execution.runners import State
+from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.planning.blocks import Block
-from eigencontact.planning.eigenstrain import space_of
+from eigencontact.planning.eigenstrain import CLOUD, space_of
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.regions import RegionLattice
 from eigencontact.planning.sources import Source
@@ -77,11 +77,17 @@ class Sum:
 
     def __init__(self, plan: Plan, sources: Sequence[Source], quantity: str, lattice: RegionLattice) -> None:
         self._shape = (3 if quantity == "displacement" else 6, *lattice.shape)
-        self._still = [_part(plan, source, quantity, lattice) for source in sources if not source.field.varies]
-        self._moving = [_part(plan, source, quantity, lattice) for source in sources if source.field.varies]
+        groups: dict[bool, list[Part]] = {False: [], True: []}
+        for moving, parts in groups.items():
+            chosen = [source for source in sources if source.field.varies is moving]
+            exact = [source for source in chosen if source.exact]
+            if exact:
+                parts.append(ClosedForms(plan, exact, quantity, lattice))
+        self._still, self._moving = groups[False], groups[True]
         self._once: FloatArray | None = None
 
     def __call__(self, time: float) -> FloatArray:
+        """Sum of the fields at one time."""
         if self._once is None:
             self._once = np.zeros(self._shape)
             for part in self._still:
@@ -95,49 +101,50 @@ class Sum:
         return total
 
 
-def _part(plan: Plan, source: Source, quantity: str, lattice: RegionLattice) -> Part:
-    body = plan.bodies[source.body - 1]
-    assert body is not None
-    if source.exact:
-        return ClosedForm(plan, source, quantity, lattice, body)
-    raise NotImplementedError
+class ClosedForms:
+    """Shapes with potentials and uniform eigenstrain, all in one body.
 
+    Their field is linear in the eigenstrain: where all of it only changes by one factor, the field at the end of the
+    first step is scaled (always that one, so that a resumed run gives the same numbers to the last digit).
+    """
 
-class ClosedForm:
-    """A shape with potentials and a uniform eigenstrain; linear in it, so a changed factor only scales the field."""
-
-    def __init__(self, plan: Plan, source: Source, quantity: str, lattice: RegionLattice, body: Material) -> None:
-        self._plan, self._source, self._quantity = plan, source, quantity
+    def __init__(self, plan: Plan, sources: Sequence[Source], quantity: str, lattice: RegionLattice) -> None:
+        body = plan.bodies[sources[0].body - 1]
+        assert body is not None
+        self._numerics, self._sources, self._quantity = plan.scene.numerics, sources, quantity
         self._lattice, self._body = lattice, body
-        self._known: tuple[FloatArray, FloatArray] | None = None
+        self._end = np.array([source.uniform_eigenstrain(1.0) for source in sources])
+        self._at_end: FloatArray | None = None
 
     def __call__(self, time: float) -> FloatArray:
-        eigenstrain = self._source.uniform_eigenstrain(time)
-        if self._known is not None:
-            before, values = self._known
-            factor = float(eigenstrain @ before) / float(before @ before)
-            if np.allclose(factor * before, eigenstrain, rtol=1e-14, atol=0.0):
-                return factor * values
-        values = self._evaluate(eigenstrain)
-        if self._source.field.varies and eigenstrain.any():
-            self._known = eigenstrain, values
-        return values
+        """Field at one time; see `Part`."""
+        eigenstrain = np.array([source.uniform_eigenstrain(time) for source in self._sources])
+        size = float(np.sum(self._end * self._end))
+        factor = float(np.sum(eigenstrain * self._end)) / size if size else 0.0
+        if not np.allclose(factor * self._end, eigenstrain, rtol=1e-14, atol=0.0):
+            return self._evaluate(eigenstrain)
+        if self._at_end is None:
+            self._at_end = self._evaluate(self._end)
+        return factor * self._at_end
 
     def _evaluate(self, eigenstrain: FloatArray) -> FloatArray:
-        from eigencontact.halfspace.points import field_at_points
-        from eigencontact.halfspace.potentials import HasPotentials
+        shapes = [cast("HasPotentials", source.shape) for source in self._sources]
+        points, quantity, nu = self._lattice.flat_points(), self._quantity, self._body.poisson_ratio
+        space, threads = space_of(self._numerics), self._numerics.threads
+        if len(shapes) >= CLOUD:
+            from eigencontact.halfspace.cloud import field_of_cloud
 
-        numerics, shape = self._plan.scene.numerics, self._source.shape
-        assert isinstance(shape, HasPotentials)
-        values = field_at_points(
-            shape,
-            eigenstrain,
-            self._lattice.flat_points(),
-            poisson_ratio=self._body.poisson_ratio,
-            quantity=self._quantity,
-            space=space_of(numerics),
-            threads=numerics.threads,
-        )
-        if self._quantity == "stress":
+            values = field_of_cloud(
+                shapes, eigenstrain, points, poisson_ratio=nu, quantity=quantity, space=space, threads=threads
+            )
+        else:
+            from eigencontact.halfspace.points import field_at_points
+
+            values = np.zeros((3 if quantity == "displacement" else 6, points[0].size))
+            for shape, strain in zip(shapes, eigenstrain, strict=True):
+                values += field_at_points(
+                    shape, strain, points, poisson_ratio=nu, quantity=quantity, space=space, threads=threads
+                )
+        if quantity == "stress":
             values *= self._body.shear_modulus
         return values.reshape(-1, *self._lattice.shape)

@@ -21,10 +21,12 @@ from eigencontact.planning.regions import RegionLattice, region_lattice, surface
 from eigencontact.planning.sources import Source
 from eigencontact.scene.schema import Numerics, Scene, StressRequest
 
-__all__ = ["EigenstrainDeclaration", "space_of"]
+__all__ = ["CLOUD", "EigenstrainDeclaration", "space_of"]
 
 FloatArray = NDArray[np.float64]
 
+#: From so many closed forms on they are summed as a cloud of point sources where that is exact.
+CLOUD = 16
 #: Points on which the closed form of a shape is timed, spread over those wanted.
 _SAMPLE = 1024
 

@@ -147,12 +147,14 @@ def build_sources(scene: Scene, registry: Registry, grid: Grid | None) -> tuple[
     sources = []
     for number, item in enumerate(scene.inclusions):
         where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
-        shape = build_component(registry, "inclusion-shape", item.component, where)
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
-        name = item.name or f"{item.type} {number + 1}"
-        sources.append(Source(name=name, where=where, key=item.type, body=item.body, shape=shape, field=field))
-        if not full:
-            _refuse_above(sources[-1])
+        for copy, table in enumerate(item.components):
+            shape = build_component(registry, "inclusion-shape", table, where)
+            name = item.name or f"{item.type} {number + 1}"
+            name += f", {copy + 1}" if item.centers is not None else ""
+            sources.append(Source(name=name, where=where, key=item.type, body=item.body, shape=shape, field=field))
+            if not full:
+                _refuse_above(sources[-1])
     for number, patch in enumerate(scene.eigenstrain):
         where = "eigenstrain" if len(scene.eigenstrain) == 1 else f"eigenstrain.{number}"
         sources.append(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, field_validator
+from pydantic import AfterValidator, ConfigDict, Field, field_validator, model_validator
 
 from eigencontact.scene.checks import at_least
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
@@ -41,6 +41,8 @@ class Inclusion(_Component):
     eigenstrain : number, three numbers, 3 x 3 matrix or table
         Expansion positive, tensor components: one number is isotropic, three are (xx, yy, zz). A table names an
         eigenstrain field: ``{ type = "thermal", ... }``.
+    centers : list of (x, y, z), optional
+        For many of a kind: an inclusion at each of these centres [m], in place of ``center``.
     name : str, optional
         For pictures and `explain`; by default the shape and its number.
     body : {1, 2}
@@ -48,6 +50,14 @@ class Inclusion(_Component):
     """
 
     eigenstrain: Any
+    centers: Annotated[list[tuple[FiniteLength, FiniteLength, FiniteLength]], Field(min_length=1)] | None = None
+
+    @property
+    def components(self) -> list[dict[str, Any]]:
+        """Tables of the shape plugin, one for each centre."""
+        if self.centers is None:
+            return [self.component]
+        return [{**self.component, "center": center} for center in self.centers]
 
     @field_validator("eigenstrain")
     @classmethod
@@ -57,6 +67,12 @@ class Inclusion(_Component):
         if not good:
             raise ValueError(rule)
         return value
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Inclusion:
+        if self.centers is not None and "center" in self.component:
+            raise ValueError("at a center, or at centers: give one of them")
+        return self
 
 
 class EigenstrainPatch(_Component):

@@ -2,8 +2,8 @@
 
 Coordinates are those of the results, in metres and unchanged: the surface is z = 0 and z **increases into the body**.
 In a viewer whose z points up the body therefore lies above the surface; rotate the camera, not the data. Surface
-fields are cell values (a cell of the grid is a cell of the image), sub-surface fields are point values. Stress is
-stored as VTK orders symmetric tensors: xx, yy, zz, xy, yz, xz.
+fields are cell values (a cell of the grid is a cell of the image), sub-surface fields are point values. Stress and
+strain are stored as VTK orders symmetric tensors: xx, yy, zz, xy, yz, xz.
 """
 
 from __future__ import annotations
@@ -93,6 +93,9 @@ def _surface(dataset: xr.Dataset, at: int) -> Any:
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("role") == "field":
             mesh.cell_data[str(name)] = np.ascontiguousarray(variable[at].values).ravel()
+    parts = [f"residual_displacement_{axis}" for axis in "xyz"]
+    if all(part in mesh.cell_data for part in parts):
+        mesh.cell_data["residual_displacement"] = np.column_stack([mesh.cell_data[part] for part in parts])
     return mesh
 
 
@@ -112,10 +115,11 @@ def _region(dataset: xr.Dataset, name: str, described: dict[str, Any], at: int) 
     # VTK counts x fastest, then y, then z: the C order of arrays (z, y, x), whichever of them are single.
     for quantity in described["fields"]:
         values = np.asarray(dataset[f"{name}_{quantity}"][at].values)
-        if quantity in ("stress", "principal"):
-            values = values.reshape(values.shape[0], -1).T
-            mesh.point_data[quantity] = np.ascontiguousarray(values[:, _REORDER] if quantity == "stress" else values)
-            if quantity == "stress":
+        tensor = quantity in ("stress", "strain")
+        if tensor or quantity in ("principal", "displacement"):
+            rows = values.reshape(values.shape[0], -1).T
+            mesh.point_data[quantity] = np.ascontiguousarray(rows[:, _REORDER] if tensor else rows)
+            if tensor:
                 _name_components(mesh.point_data[quantity])
         else:
             mesh.point_data[quantity] = np.ascontiguousarray(values).ravel()

@@ -1,0 +1,138 @@
+"""Every bundled scene without a contact runs, agrees with something independent, and leaves files that open."""
+
+import json
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.scene.loader import bundled_names
+
+#: Changes that make a scene quick where that matters; regions keep a point where they are compared.
+CHANGES = {
+    "sphere-near-surface": ["grid.cells=65", "grid.size=[32.5e-6, 32.5e-6]", "stress.0.depth-cells=40"],
+    "buried-cuboid": ["stress.0.depth-cells=16"],
+}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """Run a bundled scene once for all tests of this module; gives its folder."""
+    folders = {}
+
+    def run(name):
+        if name not in folders:
+            folder = tmp_path_factory.mktemp("gallery") / name
+            ec.run(ec.load_scene(name, CHANGES[name]), folder).dataset.close()
+            folders[name] = folder
+        return folders[name]
+
+    return run
+
+
+def read(folder):
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+
+def test_every_bundled_scene_without_contact_is_tested():
+    assert [name for name in bundled_names() if not ec.load_scene(name).geometry] == sorted(CHANGES) == sorted(PINS)
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_summary_and_results(name, finished):
+    folder = finished(name)
+    summary = read(folder)
+    assert summary["converged"] is True
+    assert summary["max_von_mises"] > 0
+    assert summary["max_uplift"] > 0
+    assert summary["normal_load"] is None
+    assert summary["max_pressure"] is None
+    assert set(summary["files"]) == {path.name for path in folder.iterdir()}
+    with ec.open_results(folder) as data:
+        assert data.sizes["step"] == summary["load_steps"]
+        assert "pressure" not in data
+        for axis in "xyz":
+            variable = data[f"residual_displacement_{axis}"]
+            assert variable.dims == ("step", "y", "x")
+            assert variable.attrs["units"] == "m"
+            assert np.isfinite(variable).all()
+        assert -float(data.residual_displacement_z[-1].min()) == summary["max_uplift"]
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_pictures_open_and_show_something(name, finished):
+    from matplotlib.image import imread
+
+    pictures = {path.name: path for path in finished(name).glob("*.png")}
+    expected = {f"{request.label}.png" for request in ec.load_scene(name).stress if request.shape != "points"}
+    assert set(pictures) == {"uplift.png", "uplift-profiles.png"} | expected
+    for path in pictures.values():
+        image = imread(path)
+        assert min(image.shape[:2]) > 200, path.name
+        assert image[..., :3].std() > 0.01, path.name
+
+
+def test_vtk_files_open(finished):
+    import pyvista
+
+    folder = finished("sphere-near-surface")
+    surface = pyvista.read(folder / "surface_0001.vti")
+    assert surface["residual_displacement"].shape == (65 * 65, 3)
+    assert -surface["residual_displacement"][:, 2].min() == pytest.approx(read(folder)["max_uplift"], rel=1e-6, abs=0)
+    section = pyvista.read(folder / "section_0001.vti")
+    assert section["strain"].shape == section["stress"].shape == (section.n_points, 6)
+    assert section["displacement"].shape == (section.n_points, 3)
+
+
+# ---------------------------------------------------------------- one pinned number each, beside an independent one
+
+PINS = {
+    "sphere-near-surface": ("max_uplift", 1.7333333e-8),
+    "buried-cuboid": ("max_uplift", 3.1385e-12),
+}
+
+
+@pytest.mark.parametrize("name", PINS)
+def test_pins(name, finished):
+    key, value = PINS[name]
+    assert read(finished(name))[key] == pytest.approx(value, rel=1e-4, abs=0)
+
+
+def test_the_sphere_is_case_dl_1(finished):
+    """Stress at the touching point just outside, uplift above the centre; no traction on the surface."""
+    E, nu, e, a = 210e9, 0.3, 1e-3, 10e-6
+    assert read(finished("sphere-near-surface"))["max_uplift"] == pytest.approx(
+        4 / 3 * (1 + nu) * e * a, rel=1e-12, abs=0
+    )
+    with ec.open_results(finished("sphere-near-surface")) as data:
+        z, stress = data.axis_z.values, data.axis_stress[0].values
+        surface = data.section_stress[0].sel(section_z=0.0).values
+    touching = 4 / 3 * E * e * (1 + nu) / (1 - nu)
+    assert stress[0, 0] == pytest.approx(touching, rel=1e-12)
+    np.testing.assert_allclose(surface[[2, 3, 4]], 0.0, atol=1e-12 * touching)
+    # theory of the tangent sphere in units E e/(1 - nu), nu = 0.3: (xx, zz) on the axis
+    unit, printed = (
+        E * e / (1 - nu),
+        {0.5: (-0.449383, -0.074074), 1.0: (-0.616667, -0.333333), 2.5: (0.098099, -0.115343)},
+    )
+    for depth, values in printed.items():
+        at = int(np.argmin(np.abs(z - depth * a)))
+        np.testing.assert_allclose(stress[[0, 2], at] / unit, values, atol=2e-6)
+
+
+def test_the_cuboid_is_case_cb_2(finished):
+    """Displacement per unit eigenstrain, in edges, at (-2, -1, -5) edges from the middle (six printed columns)."""
+    columns = {
+        (0, 0): (-6.1503e-4, -7.949e-5, -8.9707e-4),
+        (2, 2): (-4.79138e-3, -2.39557e-3, -1.206067e-2),
+        (0, 1): (-9.3376e-4, -8.0886e-4, -1.68445e-3),
+        (0, 2): (-3.90016e-3, -1.90961e-3, -9.58275e-3),
+        (1, 2): (-1.90961e-3, -1.03598e-3, -4.79113e-3),
+    }
+    strain = ec.load_scene("buried-cuboid").inclusions[0].eigenstrain
+    expected = 1e-6 * sum(strain[i][j] * np.array(column) for (i, j), column in columns.items())
+    with ec.open_results(finished("buried-cuboid")) as data:
+        found = [
+            float(data[f"residual_displacement_{axis}"][0].sel(x=-2e-6, y=-1e-6, method="nearest")) for axis in "xyz"
+        ]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-17)  # printed to 1e-8 edges, times the eigenstrain
