@@ -6,14 +6,14 @@ Relative to the largest value, at worst 8e-16 in double precision and 2.9e-7 in 
 import numpy as np
 import pytest
 
-from eigencontact.convolution import compiled
+from eigencontact.convolution.contraction import can_compile
 from eigencontact.convolution.volume import VolumeConvolver
 from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
 from eigencontact.convolution.weighted_sums import WeightedSums
 from eigencontact.errors import SceneError
 
 BOUND = {"double": 4e-15, "single": 1.5e-6}
-LOOPS = ["numpy", pytest.param("compiled", marks=pytest.mark.skipif(not compiled.available(), reason="no numba"))]
+LOOPS = ["numpy", pytest.param("compiled", marks=pytest.mark.skipif(not can_compile(), reason="no numba"))]
 
 # source cells (z, y, x), target cells, position of target 0 relative to source 0 in cells
 LAYOUTS = {

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.convolution import compiled
 from eigencontact.convolution.weighted_sums import WeightedSums
 
-__all__ = ["BlockContraction", "CompiledContraction"]
+__all__ = ["BlockContraction", "CompiledContraction", "can_compile"]
 
 Array = NDArray[Any]
+
+
+def can_compile() -> bool:
+    """Whether numba is installed."""
+    return find_spec("numba") is not None
 
 
 class _Contraction:
@@ -117,6 +122,8 @@ class CompiledContraction(_Contraction):
 
     def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
         super().__init__(sums, active, depths, size, dtype)
+        from eigencontact.convolution import compiled
+
         entries, terms = [0], [0]
         columns: list[int] = []
         numbers: list[int] = []
@@ -142,7 +149,7 @@ class CompiledContraction(_Contraction):
             self._empty(pairs, 2, values, dtype=self._real),
         ]
         self._depth = self._empty(self._targets)
-        self._contract, self._collect = compiled.compiled_loops()
+        self._contract, self._collect = compiled.contract, compiled.collect
 
     def multiply(self, waves: Array, kernels: Array, piece: slice, out: Array) -> None:
         """See `BlockContraction.multiply`."""

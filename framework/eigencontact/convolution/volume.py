@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.convolution import compiled
 from eigencontact.convolution.backends import available_threads, backend, in_parallel
-from eigencontact.convolution.contraction import BlockContraction, CompiledContraction
+from eigencontact.convolution.contraction import BlockContraction, CompiledContraction, can_compile
 from eigencontact.convolution.weighted_sums import WeightedSums
 from eigencontact.errors import require
 
@@ -74,7 +73,7 @@ class VolumeConvolver:
         self.fft = backend(library)
         points = layout.x.length * layout.y.length * layout.z.length
         require(loops in ("auto", "compiled", "numpy"), "numerics", "loops", loops, "'auto', 'compiled' or 'numpy'")
-        self.compiled = compiled.available() and points >= _WORTH_COMPILING if loops == "auto" else loops == "compiled"
+        self.compiled = can_compile() and points >= _WORTH_COMPILING if loops == "auto" else loops == "compiled"
         self.threads = min(threads or available_threads(), max(1, points // 16_384))
         self._half: Array = np.empty(0, self.complex)
         self._workers: dict[tuple[int, ...], list[_Worker]] = {}
