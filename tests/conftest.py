@@ -8,6 +8,9 @@ from textwrap import dedent
 
 import pytest
 
+#: A package of its own: `test_third_party` installs it and runs its tests.
+collect_ignore = ["sample_package"]
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -58,7 +58,7 @@ def check_potential_arrays(shape: Any) -> None:
             expected = np.resize(places, (12, 3))[:count]
             alone = potential(shape, which, some, expected).reshape(answer.shape)
             ensure(
-                np.allclose(answer, alone, rtol=1e-9, atol=1e-12 * float(np.max(np.abs(flat)))),
+                np.allclose(answer, alone, rtol=1e-9, atol=1e-12 * float(np.nanmax(np.abs(flat))), equal_nan=True),
                 f"{which} at points of shape {form}",
                 "what it is at the same points in a row",
                 "something else",
@@ -66,7 +66,7 @@ def check_potential_arrays(shape: Any) -> None:
             )
         backwards = potential(shape, which, some[::-1], places)[::-1]
         ensure(
-            np.array_equal(backwards, flat),
+            np.array_equal(backwards, flat, equal_nan=True),
             f"{which} of orders in reverse",
             "the same rows in reverse",
             "different rows",
@@ -88,7 +88,13 @@ def check_potentials_pure(shape: Any) -> None:
         ensure(
             np.array_equal(points, kept), f"the arrays given to {which}", "unchanged", "changed", "write to copies only"
         )
-        ensure(np.array_equal(first, second), f"{which} asked twice", "the same", "different", "keep no state")
+        ensure(
+            np.array_equal(first, second, equal_nan=True),
+            f"{which} asked twice",
+            "the same",
+            "different",
+            "keep no state",
+        )
 
 
 @check

@@ -17,6 +17,7 @@ from eigencontact_verification.conformance.sampling import (
     natural_scale,
     potential,
     region,
+    row_scales,
     sample,
 )
 
@@ -133,16 +134,15 @@ def check_parity(shape: Any) -> None:
             continue
         mirrored = box.center + flip * offset
         for which, totals in (("phi", (1, 2, 3, 4)), ("psi", (3, 4, 5))):
-            for total in totals:
-                orders = of_total(total)
-                sign = np.array([(-1.0) ** order[axis] for order in orders])[:, None]
-                agree(
-                    [name(which, order) for order in orders],
-                    potential(shape, which, orders, mirrored),
-                    sign * potential(shape, which, orders, places),
-                    scale=natural_scale(shape, which, total, places),
-                    tolerance=1e-9,
-                    points=mirrored,
-                    rule=f"even or odd about the middle {'xyz'[axis]}-plane, where contains is symmetric",
-                    advice="check signs of offsets from the centre",
-                )
+            orders = [order for total in totals for order in of_total(total)]
+            values = potential(shape, which, orders, places)
+            agree(
+                [name(which, order) for order in orders],
+                potential(shape, which, orders, mirrored),
+                np.array([(-1.0) ** order[axis] for order in orders])[:, None] * values,
+                scale=row_scales(box.size, orders, values),
+                tolerance=1e-9,
+                points=mirrored,
+                rule=f"even or odd about the middle {'xyz'[axis]}-plane, where contains is symmetric",
+                advice="check signs of offsets from the centre",
+            )

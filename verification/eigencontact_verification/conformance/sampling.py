@@ -24,6 +24,7 @@ __all__ = [
     "potential",
     "region",
     "remembered",
+    "row_scales",
     "sample",
 ]
 
@@ -102,19 +103,24 @@ def potential(shape: Any, which: str, orders: Sequence[Order], places: FloatArra
     return np.asarray(getattr(shape, which)(orders, x, y, z))
 
 
-def natural_scale(shape: Any, which: str, total: int, places: FloatArray) -> FloatArray:
-    """Size of derivatives of this total order at points ``(n, 3)``, never zero.
+def row_scales(size: float, orders: Sequence[Order], values: FloatArray) -> FloatArray:
+    """Size of each row of `values` ``(len(orders), n)``, never zero.
 
-    The largest derivative of the order, or of a lower one over powers of the longest edge.
+    The largest derivative of the same total order at the point, or of a lower one over powers of the length `size`.
+    `orders` begin with the lowest that the framework asks for: those do not vanish together.
     """
-    size = region(shape).size
-    lowest = 1 if which == "phi" else 3
-    parts = [
-        np.max(np.abs(potential(shape, which, of_total(m), places)), axis=0) / size ** (total - m)
-        for m in range(lowest, total + 1)
-    ]
-    scale: FloatArray = np.max(parts, axis=0)
-    return scale
+    totals = np.array([sum(order) for order in orders])
+    known: dict[int, FloatArray] = {}
+    for total in range(int(totals.min()), int(totals.max()) + 1):
+        largest = np.max(np.abs(values[totals == total]), axis=0)
+        known[total] = np.maximum(largest, known[total - 1] / size) if known else largest
+    return np.array([known[total] for total in totals])
+
+
+def natural_scale(shape: Any, which: str, total: int, places: FloatArray) -> FloatArray:
+    """Size of derivatives of this total order at points ``(n, 3)``; see `row_scales`."""
+    orders = [order for part in range(1 if which == "phi" else 3, total + 1) for order in of_total(part)]
+    return np.asarray(row_scales(region(shape).size, orders, potential(shape, which, orders, places))[-1])
 
 
 def evenly(count: int) -> FloatArray:

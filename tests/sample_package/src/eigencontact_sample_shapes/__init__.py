@@ -1,0 +1,1 @@
+"""A torus and a spheroid for eigencontact."""

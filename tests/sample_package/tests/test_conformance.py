@@ -1,0 +1,21 @@
+"""Both shapes keep the promises of their kind."""
+
+from eigencontact_sample_shapes.spheroid import Spheroid
+from eigencontact_sample_shapes.torus import Torus
+
+from eigencontact_verification.conformance import parametrize_with_checks
+
+UM = 1e-6
+SHAPES = [
+    Torus(center=(0.0, 1 * UM, 20 * UM), ring_radius=8 * UM, tube_radius=3 * UM),
+    Spheroid(center=(1 * UM, 2 * UM, 20 * UM), equatorial_radius=10 * UM, polar_radius=4 * UM),
+    Spheroid(center=(0.1, 0.2, 3.0), equatorial_radius=1.0, polar_radius=3.0),  # touches the surface
+    Spheroid(center=(0.0, 0.0, 2.0), equatorial_radius=1.0, polar_radius=1.0),  # a sphere
+    Spheroid(center=(0.0, 0.0, 0.2), equatorial_radius=1.0, polar_radius=0.1),
+]
+
+
+@parametrize_with_checks(SHAPES)
+def test_conformance(component, check):
+    """One test for every shape and check."""
+    check(component)
