@@ -12,8 +12,10 @@ from eigencontact.core.tensors import from_mandel, to_mandel
 from eigencontact.errors import SceneError
 from eigencontact.halfspace.points import field_at_points
 from eigencontact.library import installed_plugins
+from eigencontact.planning.cells import installed_cell
 from eigencontact.planning.kernels import installed_influence
-from eigencontact.solvers.image_pressure import ImagePressure
+from eigencontact.solvers.cells import Cells
+from eigencontact.solvers.image_pressure import ImagePressure, ImagePressureVolume
 
 MATERIAL = Material(young_modulus=1.0, poisson_ratio=0.3)
 DIRECTIONS = {
@@ -129,6 +131,23 @@ def test_flush_source_takes_the_surface_from_inside():
     stress = case.scheme.at_points(case.field, "stress", (np.zeros(1), np.zeros(1), np.zeros(1)))
     below = case.scheme.at_points(case.field, "stress", (np.zeros(1), np.zeros(1), np.array([1e-7])))
     assert np.abs(stress - below).max() <= 1e-5 * np.abs(below).max()
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "strain", "stress"])
+@pytest.mark.parametrize("flush", [True, False])
+def test_cells_and_shapes_agree(quantity, flush):
+    """A block of 3 x 3 x 2 cells is a cuboid."""
+    depth = 0.0 if flush else 1.5
+    case = Case("general", depth + 1.0, n=9, edges=(3.0, 3.0, 2.0))
+    x, y = float(case.grid.x[3]), float(case.grid.y[3])
+    source = Cells(first=(x, y, depth + 0.5), pitch=(1.0, 1.0, 1.0), shape=(2, 3, 3))
+    target = Cells(first=(float(case.grid.x[0]), y - 0.25, 0.5), pitch=(1.0, 1.0, 1.0), shape=(5, 4, 9))
+    cell = installed_cell(installed_plugins())((0.0, 0.0, 2.0), (1.0, 1.0, 1.0))
+    operator = ImagePressureVolume(case.scheme, cell, source, target, quantity=quantity)
+    strain = np.broadcast_to(case.strain[:, None, None, None], (6, 2, 3, 3))
+    lattice = {"target": (4, 9), "origin": (2.75, 0.0), "depths": target.centres(2)}
+    wanted = case.scheme.on_lattice(case.field, quantity, **lattice)
+    assert np.abs(operator.apply(strain) - wanted).max() <= 1e-12 * np.abs(wanted).max()
 
 
 def test_unknown_quantity_is_refused():

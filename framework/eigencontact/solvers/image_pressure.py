@@ -17,7 +17,7 @@ doi:10.1115/1.1467920 (the scheme, for plastic strain).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
 
@@ -31,9 +31,12 @@ from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import require
+from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
+from eigencontact.solvers.cells import Cells, offset_in_cells
+from eigencontact.solvers.eigenstrain import VolumeField
 
-__all__ = ["FullSpaceField", "ImagePressure", "PressureKernel"]
+__all__ = ["FullSpaceField", "ImagePressure", "ImagePressureVolume", "PressureKernel"]
 
 FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
@@ -147,8 +150,7 @@ class ImagePressure:
         y = self.grid.y[0] + (origin[0] + np.arange(target[0])) * self.grid.dy
         z, y, x = (axis.ravel() for axis in np.meshgrid(np.abs(depths), y, x, indexing="ij"))
         out = self._pair(field, quantity, (x, y, z)).reshape(-1, len(depths), *target)
-        if load.any():
-            self._add_planes(out, quantity, load, origin, depths)
+        self.add_pressure(out, quantity, load, origin, depths)
         return out
 
     def at_points(
@@ -187,12 +189,14 @@ class ImagePressure:
     def _names(self, quantity: str) -> list[str]:
         return list(_AXES if quantity == "displacement" else COMPONENTS)
 
-    def _add_planes(
+    def add_pressure(
         self, out: FloatArray, quantity: str, load: FloatArray, origin: tuple[float, float], depths: FloatArray
     ) -> None:
-        """Add the field of the pressure, plane by plane, so that no spectra are held."""
+        """Add the field of the pressure ``(ny, nx)`` to ``(3 or 6, nz, ty, tx)``, one plane at a time."""
+        if not load.any():
+            return
         grid, names = self.grid, self._names(quantity)
-        layout = Layout(grid.shape, out.shape[2:], origin)
+        layout = Layout(grid.shape, (out.shape[2], out.shape[3]), origin)
         convolver = Convolver(layout, threads=self.threads)
         x, y, widths = layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
         for k, depth in enumerate(depths):
@@ -216,3 +220,60 @@ class ImagePressure:
 
 def _kernel_of(quantity: str) -> str:
     return "displacement" if quantity == "displacement" else "stress"
+
+
+class ImagePressureVolume:
+    """The scheme for eigenstrain that is constant in each cell of a box, at the points of a lattice.
+
+    Parameters
+    ----------
+    scheme : ImagePressure
+        Surface, loaded cell and body.
+    cell : HasCornerPotentials
+        Shape of the cells: the cuboid.
+    source, target : Cells
+        Cells that carry the eigenstrain, and points in z >= 0; columns of the scheme's grid, or points between them.
+    quantity : {"displacement", "strain", "stress"}
+        What `apply` returns.
+
+    Notes
+    -----
+    Three operators in full space: for the points, for their mirror images and for the traction on the surface.
+    """
+
+    def __init__(
+        self, scheme: ImagePressure, cell: HasCornerPotentials, source: Cells, target: Cells, *, quantity: str
+    ) -> None:
+        top = target.first[2]
+        reached = source.flush and abs(top) <= 1e-9 * target.pitch[2]
+        rule = "below the surface where cells reach it and strain is asked for"
+        require(not (reached and quantity == "strain"), "image-pressure", "first target depth", top, rule)
+        require(top >= -1e-9 * target.pitch[2], "image-pressure", "first target depth", top, "0 or more [m]")
+        body, grid = scheme.material, scheme.grid
+        mirrored = replace(target, first=(*target.first[:2], -float(target.centres(2)[-1])))
+        surface = Cells(first=(float(grid.x[0]), float(grid.y[0]), 0.0), pitch=source.pitch, shape=(1, *grid.shape))
+
+        def full_space(points: Cells, name: str) -> VolumeField:
+            return VolumeField(
+                cell, source, points, poisson_ratio=body.poisson_ratio, quantity=name, space="full",
+                shear_modulus=body.shear_modulus, threads=scheme.threads,
+            )  # fmt: skip
+
+        self._scheme, self._quantity, self._target = scheme, quantity, target
+        self._here, self._image = full_space(target, quantity), full_space(mirrored, quantity)
+        self._traction = full_space(surface, "stress")
+        _, y, x = offset_in_cells(surface, target)
+        self._origin = y, x
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of spectra and buffers."""
+        return self._here.nbytes + self._image.nbytes + self._traction.nbytes
+
+    def apply(self, eigenstrain: FloatArray) -> FloatArray:
+        """Field of the Mandel eigenstrain ``(6, nz, ny, nx)`` [-], ``(3 or 6, tz, ty, tx)``."""
+        load = np.asarray(2.0 * self._traction.apply(eigenstrain)[2, 0])
+        out = np.asarray(self._here.apply(eigenstrain), dtype=float)
+        out += _SIGNS[self._quantity][:, None, None, None] * self._image.apply(eigenstrain)[:, ::-1]
+        self._scheme.add_pressure(out, self._quantity, load, self._origin, self._target.centres(2))
+        return out
