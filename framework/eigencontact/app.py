@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import ResultsError
 from eigencontact.hooks.registry import Registry
-from eigencontact.inclusions import inclusion_field
 from eigencontact.library import installed_plugins, make, rectangle_field
 
 if TYPE_CHECKING:
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
 __all__ = [
     "RunResult",
     "explain",
-    "inclusion_field",
     "installed_plugins",
     "load_scene",
     "make",
