@@ -1,4 +1,4 @@
-"""The command line: run, explain, plugins, gallery, plot."""
+"""The command line: run, explain, plugins, gallery, plot, new-plugin."""
 
 from __future__ import annotations
 
@@ -214,6 +214,30 @@ def plot(
     elif not quiet:
         for path, text in files.items():
             typer.echo(f"{path}  {text}")
+
+
+@app.command("new-plugin")
+def new_plugin(
+    name: Annotated[str, typer.Argument(help="Name of the plugin in scenes: lower case, hyphens.", metavar="NAME")],
+    *,
+    kind: Annotated[
+        str, typer.Option("--kind", metavar="KIND", help="inclusion-shape, eigenstrain-field or geometry.")
+    ] = "inclusion-shape",
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder of the package; by default ./eigencontact-NAME."),
+    ] = None,
+) -> None:
+    """Write a plugin package of your own: it installs, registers and passes its tests as it is.
+
+    Example: `eigencontact new-plugin hollow-ball`
+    """
+    from eigencontact.skeleton import write_package
+
+    try:
+        typer.echo(write_package(name, kind=kind, folder=output).next_steps())
+    except EigencontactError as problem:
+        _fail(problem)
 
 
 def main() -> None:
