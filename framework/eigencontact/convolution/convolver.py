@@ -174,13 +174,14 @@ class _Worker:
         self._forward_plans: dict[tuple[int, int], Plan] = {}
         self._inverse_plans: dict[tuple[int, int], Plan] = {}
         self._sources: list[tuple[Array, Array, Plan]] = []
+        self._sums: list[Array] = []
         self._product = self._sum = self._back = np.empty((0, 0))
         self._inverse: Plan | None = None
 
     @property
     def nbytes(self) -> int:
         columns = sum(a.nbytes + b.nbytes for a, b, _ in self._sources)
-        own = (self._padded, self._full, self._product, self._sum, self._back)
+        own = (self._padded, self._full, self._product, self._sum, self._back, *self._sums)
         return int(columns + sum(array.nbytes for array in own))
 
     def rows_forward(self, sources: Array, half: Sequence[Array]) -> None:
@@ -201,17 +202,45 @@ class _Worker:
         y = self._layout.y
         source_rows = slice(y.source_start, y.source_start + y.sources)
         target_rows = slice(y.target_start, y.target_start + y.targets)
-        self._prepare(count)
+        # Spectra of few sources are kept for all targets; of many sources each is added to all targets at once.
+        gather = count > len(kernels)
+        self._prepare(1 if gather else count, len(kernels) if gather else 0)
         assert self._inverse is not None
         for columns in self._columns:
             n = columns.stop - columns.start
-            for field, (padded, _, forward) in zip(sources[:count], self._sources, strict=False):
+            if gather:
+                self._gather(sources[:count], kernels, columns)
+            for number, field in enumerate(() if gather else sources[:count]):
+                padded, _, forward = self._sources[number]
                 padded[:n, source_rows] = field[: y.sources, columns].T
                 forward()
-            for row, target in zip(kernels, targets, strict=False):
-                self._combine(row, columns, n)
+            for number, (row, target) in enumerate(zip(kernels, targets, strict=False)):
+                if gather:
+                    self._sum[:] = self._sums[number]
+                else:
+                    self._combine(row, columns, n)
                 self._inverse()
                 target[: y.targets, columns] = self._back[:n, target_rows].T
+
+    def _gather(self, sources: Sequence[Array], kernels: Kernels, columns: slice) -> None:
+        """Sums of all targets, source by source; without keeping the spectra of the sources."""
+        n, y = columns.stop - columns.start, self._layout.y
+        padded, spectrum, forward = self._sources[0]
+        fresh = [True] * len(kernels)
+        for number, field in enumerate(sources):
+            padded[:n, y.source_start : y.source_start + y.sources] = field[: y.sources, columns].T
+            forward()
+            for target, row in enumerate(kernels):
+                kernel = row[number]
+                if kernel is None:
+                    continue
+                kernel.multiply(spectrum[:n], columns, self._sums[target][:n] if fresh[target] else self._product[:n])
+                if not fresh[target]:
+                    self._sums[target][:n] += self._product[:n]
+                fresh[target] = False
+        for target, empty in enumerate(fresh):
+            if empty:
+                self._sums[target][:n] = 0.0
 
     def _combine(self, row: Sequence[Spectrum | None], columns: slice, n: int) -> None:
         """Sum of the sources' spectra times their kernels."""
@@ -226,7 +255,7 @@ class _Worker:
         if first:
             out[:] = 0.0
 
-    def _prepare(self, count: int) -> None:
+    def _prepare(self, count: int, sums: int) -> None:
         """Make the buffers and plans of the columns, once."""
 
         def empty() -> Array:
@@ -236,7 +265,9 @@ class _Worker:
             self._sum, self._back = empty(), empty()
             self._sum[:] = 0  # the last batch may be short, and what lies beyond it is transformed all the same
             self._inverse = self._fft.inverse(self._sum, self._back)
-        if count > 1 and self._product.size == 0:
+        while len(self._sums) < sums:
+            self._sums.append(np.zeros(self._shape, self._complex))
+        if (count > 1 or sums) and self._product.size == 0:
             self._product = empty()
         while len(self._sources) < count:
             padded, spectrum = empty(), empty()

@@ -1,0 +1,261 @@
+"""Fields of an eigenstrain in a box of cells on few planes: FFT in the plane, one kernel for each plane and layer.
+
+The layers are summed in Fourier space, so one plane costs six forward transforms for each layer and one inverse
+transform for each component. Depths are arbitrary. On the surface this is the residual displacement of a contact.
+
+References
+----------
+R. D. Mindlin and D. H. Cheng 1950, doi:10.1063/1.1699785; Y. P. Chiu 1978, doi:10.1115/1.3424424; S. Liu and Q. Wang
+2005, doi:10.1115/1.1985429.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.parallel import available_threads, in_parallel
+from eigencontact.errors import require
+from eigencontact.halfspace.forms import Form, Kernel, reduced
+from eigencontact.halfspace.potentials import HasCornerPotentials
+from eigencontact.halfspace.theorem import QUANTITIES
+from eigencontact.solvers.cells import Cells, snapped
+from eigencontact.solvers.eigenstrain import add_local, check_request, local_matrix, scale_of
+from eigencontact.solvers.potential_tables import (
+    Forms,
+    cell_kernels,
+    kernel_groups,
+    nodes_around,
+    reduced_response,
+    sample_tables,
+    seen_from_inside,
+    symmetry,
+    unit_of_length,
+)
+
+__all__ = ["PlaneFields", "SurfaceDisplacement"]
+
+FloatArray = NDArray[np.float64]
+
+# Layers sampled together, which share their corners.
+_LAYERS = 8
+
+
+class PlaneFields:
+    """Stress, strain or displacement on planes z = const from the eigenstrain in a box of cells, spectra made once.
+
+    Parameters
+    ----------
+    cell : HasCornerPotentials
+        Shape of the cells: the cuboid.
+    source : Cells
+        Cells that carry the eigenstrain.
+    target : (int, int)
+        Points along (y, x) of each plane, of the pitch of the cells.
+    origin : (float, float)
+        Position of target (0, 0) relative to the cell (0, 0), in cells along (y, x); need not be whole.
+    depths : (n_planes,) [m]
+        Any depths, 0 included; on a face between layers stress and strain are the means of both sides, on the surface
+        the limits from inside.
+    poisson_ratio : float
+        In (-1, 0.5].
+    quantity : {"stress", "strain", "displacement"}
+        Stress [Pa] and total strain as Mandel vectors, displacement (x, y, z) [m].
+    components : sequence of int, optional
+        Components wanted; by default all.
+    space : {"half", "full"}
+        With or without the free surface z = 0.
+    shear_modulus : float
+        [Pa]; for stress.
+    precision, threads
+        See `eigencontact.convolution.Convolver`.
+    """
+
+    def __init__(
+        self,
+        cell: HasCornerPotentials,
+        source: Cells,
+        *,
+        target: tuple[int, int],
+        origin: tuple[float, float] = (0.0, 0.0),
+        depths: ArrayLike,
+        poisson_ratio: float,
+        quantity: str = "stress",
+        components: Sequence[int] | None = None,
+        space: str = "half",
+        shear_modulus: float = 1.0,
+        precision: str = "double",
+        threads: int | None = None,
+    ) -> None:
+        self.depths = np.atleast_1d(np.asarray(depths, dtype=float))
+        lattice = Cells(first=(*source.first[:2], float(self.depths.min())), pitch=source.pitch, shape=(1, *target))
+        check_request(source, lattice, quantity, space)
+        count = QUANTITIES[quantity]
+        self.components = tuple(range(count)) if components is None else tuple(components)
+        rule = f"indices below {count}, each once"
+        right = set(self.components) <= set(range(count)) and len(set(self.components)) == len(self.components)
+        require(right, "planes", "components", self.components, rule)
+        self.source, self.quantity, self.space = source, quantity, space
+        self._origin = tuple(snapped(value) for value in origin)
+        self._layout = Layout(source.shape[1:], target, (self._origin[0], self._origin[1]))
+        self._scale, self._unit = scale_of(quantity, shear_modulus, source), unit_of_length(source.pitch)
+        forms = tuple(reduced_response(quantity, poisson_ratio, space)[k] for k in self.components)
+        self._local = self._scale * local_matrix(forms)
+        self._convolver = Convolver(self._layout, precision=precision, threads=threads)
+        self._threads, self._precision = threads or available_threads(), precision
+        layers = range(0, source.shape[0], _LAYERS)
+        #: Spectra ``[plane][component][layer][eigenstrain component]``.
+        self._spectra: list[list[list[list[Spectrum | None]]]] = [
+            [[[None] * 6 for _ in range(source.shape[0])] for _ in forms] for _ in self.depths
+        ]
+        in_parallel(
+            self._threads,
+            [partial(self._fill, cell, forms, plane, first) for plane in range(self.depths.size) for first in layers],
+        )
+
+    def _fill(self, cell: HasCornerPotentials, forms: Forms, plane: int, first: int) -> None:
+        """Spectra of some layers for one plane."""
+        dx, dy, dz = self.source.pitch
+        stop = min(first + _LAYERS, self.source.shape[0])
+        depth = snapped(float(self.depths[plane]) / dz)
+        layers = snapped(self.source.first[2] / dz) + np.arange(first, stop, dtype=np.float64)
+        if depth == 0 and self.quantity == "displacement" and self.space == "half":  # continuous: half of the kernels
+            forms = tuple(tuple(form.on_surface().replaced(reduced) for form in row) for row in forms)
+        x, y = (
+            nodes_around(lattice, pitch, self._unit)
+            for lattice, pitch in ((self._layout.lattice_x, dx), (self._layout.lattice_y, dy))
+        )
+        # Offsets of the real cells descend with the layer: sampled in reverse.
+        offsets = {"image": depth + layers, "real": (depth - layers)[::-1]}
+        kernels = cell_kernels(forms)
+        tables = np.empty((len(kernels), stop - first, x.size - 1, y.size - 1))
+        for group in kernel_groups(kernels, 8 * x.size * y.size * (_LAYERS + 1)):
+            whose = group[0][0]
+            z = nodes_around(offsets[whose], dz, self._unit)
+            if depth == 0 and self.space == "half":
+                z = seen_from_inside(z)
+            values = np.moveaxis(sample_tables(cell, group, (x, y, z), threads=1), 3, 1)
+            tables[[kernels.index(kernel) for kernel in group]] = values if whose == "image" else values[:, ::-1]
+        weights = self._scale * _weights(forms, kernels, float(self.depths[plane]) / self._unit)
+        for place, layer in enumerate(range(first, stop)):
+            combined = np.tensordot(weights, tables[:, place], 1)
+            for row, component in enumerate(self.components):
+                for strain in range(6):
+                    if weights[row, strain].any():
+                        self._spectra[plane][row][layer][strain] = self._layout.spectrum(
+                            combined[row, strain].T,
+                            _parity(self.quantity, component, strain),
+                            precision=self._precision,
+                        )
+
+    @property
+    def kernels(self) -> int:
+        """Number of spectra held."""
+        return sum(s is not None for plane in self._spectra for row in plane for layer in row for s in layer)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of spectra and buffers."""
+        spectra = [s for plane in self._spectra for row in plane for layer in row for s in layer if s is not None]
+        return sum(s.nbytes for s in spectra) + self._convolver.nbytes
+
+    def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
+        """Field of the Mandel eigenstrain ``(6, nz, ny, nx)`` [-], ``(n_components, n_planes, ty, tx)``."""
+        strain = np.asarray(eigenstrain)
+        expected = (6, *self.source.shape)
+        require(strain.shape == expected, "planes", "eigenstrain", strain.shape, f"of shape {expected}")
+        active = [(layer, k) for layer in range(self.source.shape[0]) for k in range(6) if strain[k, layer].any()]
+        shape = (self.depths.size, len(self.components), *self._layout.target)
+        if not active:
+            return np.zeros((shape[1], shape[0], *shape[2:]), np.float64)
+        sources = np.array([strain[k, layer] for layer, k in active])
+        rows = [[row[layer][k] for layer, k in active] for plane in self._spectra for row in plane]
+        out = np.moveaxis(self._convolver.apply(sources, rows).reshape(shape), 0, 1)
+        if self._local.any():
+            for plane, depth in enumerate(self.depths):
+                inside = self._layers_at(float(depth))
+                if inside:
+                    mixed = np.sum([weight * strain[:, layer] for layer, weight in inside], axis=0)
+                    add_local(out[:, plane : plane + 1], self._local, mixed[:, None], (0.0, *self._origin))
+        return out
+
+    def _layers_at(self, depth: float) -> list[tuple[int, float]]:
+        """Layers that a depth lies in, with weights: two halves on a face between two, all of the first on z = 0."""
+        dz = self.source.pitch[2]
+        place = snapped((depth - self.source.first[2]) / dz)
+        surface = self.space == "half" and snapped(depth / dz) == 0
+        weights = [(layer, abs(place - layer)) for layer in range(self.source.shape[0]) if abs(place - layer) <= 0.5]
+        return [(layer, 0.5 if distance == 0.5 and not surface else 1.0) for layer, distance in weights]
+
+
+class SurfaceDisplacement(PlaneFields):
+    """Displacement of the free surface from the eigenstrain in a box of cells below it.
+
+    Parameters
+    ----------
+    cell, source, target, origin, precision, threads
+        See `PlaneFields`.
+    poisson_ratio : float
+        In (-1, 0.5].
+    components : str
+        Which of "xyz".
+
+    Notes
+    -----
+    Independent of Young's modulus. z points into the body: a swelling body rises, u_z < 0.
+    """
+
+    def __init__(
+        self,
+        cell: HasCornerPotentials,
+        source: Cells,
+        *,
+        target: tuple[int, int],
+        origin: tuple[float, float] = (0.0, 0.0),
+        poisson_ratio: float,
+        components: str = "xyz",
+        precision: str = "double",
+        threads: int | None = None,
+    ) -> None:
+        require(components and set(components) <= set("xyz"), "surface", "components", components, "some of 'xyz'")
+        super().__init__(
+            cell,
+            source,
+            target=target,
+            origin=origin,
+            depths=[0.0],
+            poisson_ratio=poisson_ratio,
+            quantity="displacement",
+            components=["xyz".index(name) for name in components],
+            precision=precision,
+            threads=threads,
+        )
+
+    def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
+        """Displacement [m] from the Mandel eigenstrain ``(6, nz, ny, nx)``, ``(n_components, ty, tx)``."""
+        return super().apply(eigenstrain)[:, 0]
+
+
+def _weights(forms: Forms, kernels: Sequence[Kernel], depth: float) -> FloatArray:
+    """Coefficients at one depth, ``(outputs, 6, kernels)``."""
+    numbers = {kernel: number for number, kernel in enumerate(kernels)}
+    out = np.zeros((len(forms), 6, len(kernels)))
+    for row, columns in enumerate(forms):
+        for column, form in enumerate(columns):
+            _add(out[row, column], form, numbers, depth)
+    return out
+
+
+def _add(out: FloatArray, form: Form, numbers: dict[Kernel, int], depth: float) -> None:
+    for power, kernel, value in form:
+        if kernel in numbers:
+            out[numbers[kernel]] += value * depth**power
+
+
+def _parity(quantity: str, component: int, strain: int) -> tuple[int, int]:
+    y, x = (a * b for a, b in zip(symmetry(quantity, component), symmetry("strain", strain), strict=True))
+    return y, x
