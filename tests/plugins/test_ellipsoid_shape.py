@@ -6,8 +6,16 @@ from scipy.special import elliprd, elliprf
 
 import eigencontact
 from eigencontact.core.jets import monomials
-from eigencontact.plugin import HasFarField, HasMirrorPotential, HasPotentials, SceneError, derivatives_of
+from eigencontact.plugin import (
+    HasFarField,
+    HasMirrorPotential,
+    HasPotentials,
+    SceneError,
+    derivatives_of,
+    integrated_chi,
+)
 from eigencontact_plugins.shapes.ellipsoid import Ellipsoid
+from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi
 from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level
 
 CENTER = (0.1, -0.2, 2.3)
@@ -267,6 +275,54 @@ def test_far_field(semi_axes, potential, order):
         assert worst((parts * far.volumes).sum(axis=-1), getattr(shape, potential)(orders_of(order), *p)) < 1e-12
 
 
+# mirror image -------------------------------------------------------------------------------------------------------
+
+CHI = [
+    (3, 0, 0),
+    (2, 1, 0),
+    (0, 3, 0),
+    (2, 0, 1),
+    (1, 1, 1),
+    (4, 0, 0),
+    (3, 1, 0),
+    (2, 2, 0),
+    (0, 4, 0),
+    (3, 0, 1),
+    (1, 2, 1),
+]
+
+
+@every_shape
+@pytest.mark.parametrize("rotation", [None, TURN])
+@pytest.mark.parametrize("depth", [1.0, 1.2, 5.0], ids=["touching", "shallow", "deep"])
+def test_chi_equals_the_integral_of_phi(semi_axes, rotation, depth):
+    """Two ways that share no formula: sources on the focal ellipse, and Phi of the image along a line."""
+    top = Ellipsoid(center=(0, 0, 0), semi_axes=semi_axes, rotation=rotation).bounds[1][2]
+    shape = Ellipsoid(center=(0.1, -0.2, depth * top), semi_axes=semi_axes, rotation=rotation)
+    x, y, z = np.random.default_rng(4).uniform(-2, 2, (3, 30)) * max(semi_axes)
+    z = np.where(np.arange(30) < 15, 0.0, np.abs(z))
+    got, expected = shape.chi(CHI, x, y, z), integrated_chi(shape, CHI, x, y, z)
+    for order in (3, 4):
+        rows = [row for row, n in enumerate(CHI) if sum(n) == order]
+        size = np.abs(expected[rows]).max(axis=0)
+        assert np.all(np.abs(got[rows] - expected[rows]).max(axis=0) < 2e-11 * size)  # the integral's own error
+    own = tuple(shape.axes.T @ np.stack([x - 0.1, y + 0.2, -z - shape.center[2]]))
+    across, around = chi_degrees(np.array(semi_axes), own)
+    finer = (int(across.max() * 1.5), int(around.max() * 1.5))
+    if max(finer) < 300 and np.all(around > 0):  # where all points have a cubature, a finer one adds nothing
+        again = focal_chi(np.array(semi_axes), shape.axes, CHI, (x - 0.1, y + 0.2, z + shape.center[2]), finer)
+        assert worst(got, again) < 1e-12
+
+
+def test_chi_needs_few_nodes_where_the_image_is_far():
+    shape = Ellipsoid(center=(0.1, -0.2, 3.0), semi_axes=(1.5, 1.0, 0.7))
+    x, y = np.linspace(-3, 3, 40), np.linspace(2, -2, 40)
+    own = (x - 0.1, y + 0.2, np.full(40, -3.0))
+    across, around = chi_degrees(np.array(shape.semi_axes), own)
+    assert np.all(around > 0)
+    assert np.all((across // 4 + 1) * (around + 1) < 500)
+
+
 # boundary -----------------------------------------------------------------------------------------------------------
 
 
@@ -375,7 +431,7 @@ def test_abilities():
     shape = Ellipsoid(center=CENTER, semi_axes=(1, 2, 3))
     assert isinstance(shape, HasPotentials)
     assert isinstance(shape, HasFarField)
-    assert not isinstance(shape, HasMirrorPotential)
+    assert isinstance(shape, HasMirrorPotential)
     assert shape.references
 
 

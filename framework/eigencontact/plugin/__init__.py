@@ -13,6 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.errors import SceneError, require
+from eigencontact.halfspace.mirror import integrated_chi
 from eigencontact.halfspace.potentials import (
     HasCornerPotentials,
     HasFarField,
@@ -62,6 +63,7 @@ __all__ = [
     "derivatives_of",
     "hookimpl",
     "implicit",
+    "integrated_chi",
     "require",
     "to_mandel",
     "variables",

@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, Order, PointSources, hookimpl, require
+from eigencontact.plugin import Angle, InclusionShape, Length, Order, PointSources, hookimpl, integrated_chi, require
+from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi
 from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivatives
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
 
@@ -43,8 +44,9 @@ class Ellipsoid(InclusionShape):
     -----
     Exact to round-off inside and outside for all proportions: spheres, spheroids, nearly equal axes, needles and discs
     (1 : 1000 is tested). On the boundary every derivative is the mean of both sides; an ellipsoid that touches z = 0
-    has the inner limit there for z = +0.0 and the outer one for z = -0.0. It offers no Chi, which has no closed form:
-    the framework integrates Phi of the mirror image, never singular.
+    has the inner limit there for z = +0.0 and the outer one for z = -0.0. Chi has no closed form: it is a cubature over
+    the focal ellipse or, where that would need too many nodes (next to the image of a disc), the framework's integral
+    of Phi of the image (to 2e-11).
     """
 
     key: ClassVar[str] = "ellipsoid"
@@ -101,6 +103,23 @@ class Ellipsoid(InclusionShape):
         for order in orders:
             require(sum(order) >= 1, self.key, "psi", order, "asked for derivatives of order 1 or higher")
         return self._differentiate("psi", orders, x, y, z)
+
+    def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+        """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
+        unit = 2.0 ** round(np.log2(max(self.semi_axes)))
+        semi_axes = np.array(self.semi_axes) / unit
+        at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
+        across, around = chi_degrees(semi_axes, tuple(t / unit for t in self._own(at[0], at[1], -at[2])))
+        offset = (at[0] - self.center[0], at[1] - self.center[1], at[2] + self.center[2])
+        values = np.empty((len(orders), at[0].size))
+        for degrees in map(tuple, np.unique(np.stack([across, around])[:, around >= 0], axis=1).T.tolist()):
+            place = np.flatnonzero((across == degrees[0]) & (around == degrees[1]))
+            values[:, place] = focal_chi(semi_axes, self.axes, orders, tuple(t[place] / unit for t in offset), degrees)
+        values *= np.array([unit ** (4 - sum(order)) for order in orders])[:, None]
+        place = np.flatnonzero(around < 0)
+        if place.size:
+            values[:, place] = integrated_chi(self, orders, *(t[place] for t in at))
+        return values.reshape(len(orders), *np.shape(x))
 
     def far_field(self) -> PointSources:
         """Thirteen points with all moments up to the fifth, from 200 longest semi-axes on, exact to 1e-12 there."""

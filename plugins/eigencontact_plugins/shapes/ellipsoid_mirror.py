@@ -1,0 +1,121 @@
+"""Chi of an ellipsoid's mirror image, from sources on the focal ellipse.
+
+A harmonic function integrates over a uniform ellipsoid as over its focal ellipse, the flat confocal one, with semi-axes
+p = √(a² - c²), q = √(b² - c²) and the density of a uniform flat ellipsoid, 3 V √(1 - ξ²/p² - η²/q²) / (2π p q)
+(Maclaurin's theorem). Chi of a point is harmonic in its source, so that Chi of the ellipsoid is a cubature over the
+ellipse with the kernels of points. It converges like ((√A_1 + √A_3)/p)^(-degree) with A_i = a_i² + λ of the mirrored
+field point: some tens of nodes for most points, too many only next to the image of a flat disc near the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Order
+from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level
+from eigencontact_plugins.shapes.point import PointKernels
+
+__all__ = ["chi_degrees", "focal_chi"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+#: Degrees of cubature in use, across and around the ellipse.
+DEGREES = np.array([0, 6, 10, 14, 20, 26, 34, 44, 56, 72, 96, 128, 176, 256])
+#: Factor by which the first term left out is to fall below the field; its derivatives fall less than itself.
+DIGITS = 1e-18
+#: Nodes from which on an integral along a line is cheaper.
+MOST = 2500
+PAIRS = 1 << 14
+
+
+def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[IntArray, IntArray]:
+    """Degrees across and around the ellipse that outer points need; -1 around where no cubature is cheap.
+
+    `points` are the mirrored field points in the axes of the ellipsoid. Across the ellipse a term falls like
+    ((√A_1 + √A_3)/p)^-degree. Around it, like exp(-τ degree) if the distance from no ring r of it has a zero at angles
+    with imaginary parts up to τ; with d the distance from the centre and K = √(x²p² + y²q²) that holds where
+    (p² - q²) r² cosh²τ + 2 K r cosh τ < d² + p² r².
+    """
+    i, j, k = np.argsort(-semi_axes)
+    a, b, c = semi_axes[[i, j, k]]
+    p2, q2 = max((a - c) * (a + c), 1e-16 * a * a), (b - c) * (b + c)
+    level = ellipsoidal_level(semi_axes, points)
+    across = (np.sqrt(level + p2) + np.sqrt(level)) / np.sqrt(p2)
+    d2 = points[0] ** 2 + points[1] ** 2 + points[2] ** 2
+    K = np.sqrt(points[i] ** 2 * p2 + points[j] ** 2 * q2)
+    r = np.linspace(0.1, 1.0, 10)[:, None]  # rings; the worst is the one at the distance of the point
+    reach = d2 + p2 * r * r
+    cosh = np.maximum((reach / (K * r + np.sqrt((K * r) ** 2 + (p2 - q2) * r * r * reach))).min(axis=0), 1.0)
+    around = cosh + np.sqrt((cosh - 1.0) * (cosh + 1.0))
+    degrees = []
+    for ratio in (across, around):
+        wanted = -np.log(DIGITS) / np.log(np.maximum(ratio, 1.0 + 1e-9))
+        place = np.searchsorted(DEGREES, wanted)
+        degrees.append(np.where(place < DEGREES.size, DEGREES[np.minimum(place, DEGREES.size - 1)], -1))
+    first, second = degrees
+    if q2 == 0:
+        second = np.ones_like(first)
+    nodes = (first // 4 + 1) * (second + 1)
+    return first, np.where((first < 0) | (second < 0) | (nodes > MOST), -1, second)
+
+
+def focal_chi(
+    semi_axes: FloatArray,
+    axes: FloatArray,
+    orders: Sequence[Order],
+    points: tuple[FloatArray, ...],
+    degrees: tuple[int, int],
+) -> FloatArray:
+    """Derivatives of Chi, ``(len(orders), n)``.
+
+    Parameters
+    ----------
+    semi_axes, axes : (3,), (3, 3)
+        Semi-axes and, as columns, their directions.
+    orders : sequence of (int, int, int)
+        Order 2 and more.
+    points : three arrays (n,)
+        x - x_c, y - y_c, z + z_c: offsets along Z count downwards from the mirrored centre.
+    degrees : (int, int)
+        Degrees of the cubature across and around the ellipse.
+    """
+    i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
+    a, b, c = semi_axes[[i, j, k]]
+    p, q = np.sqrt((a - c) * (a + c)), np.sqrt((b - c) * (b + c))
+    u, v, weights = _line(degrees[0]) if q == 0 else _ellipse(*degrees)
+    nodes = p * u[:, None] * axes[:, i] + q * v[:, None] * axes[:, j]
+    volume = 4.0 * np.pi / 3.0 * float(semi_axes.prod())
+    x, y, z = points
+    result = np.empty((len(orders), x.size))
+    step = max(1, PAIRS // weights.size)
+    for first in range(0, x.size, step):
+        part = slice(first, first + step)
+        # the mirrored source lies at -z', so that its depth adds to that of the field point
+        kernels = PointKernels(x[part] - nodes[:, :1], y[part] - nodes[:, 1:2], z[part] + nodes[:, 2:])
+        for row, order in enumerate(orders):
+            result[row, part] = volume * (weights @ kernels.derivative("chi", order))
+    return result
+
+
+@cache
+def _line(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The ellipse of a long spheroid is a line with density 3/4 (1 - ξ²)."""
+    nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 2)
+    return nodes, np.zeros_like(nodes), 0.75 * weights * (1.0 - nodes) * (1.0 + nodes)
+
+
+@cache
+def _ellipse(across: int, around: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Unit disc with density 3/(2π) √(1 - r²): Gauss in √(1 - r²), half of an even rule, and equal angles."""
+    count = across // 4 + 1
+    nodes, weights = np.polynomial.legendre.leggauss(2 * count)
+    t, w = nodes[count:], weights[count:]
+    angle = 2.0 * np.pi * np.arange(around + 1) / (around + 1)
+    radius = np.sqrt((1.0 - t) * (1.0 + t))
+    u, v = np.multiply.outer(radius, np.cos(angle)), np.multiply.outer(radius, np.sin(angle))
+    return u.ravel(), v.ravel(), np.repeat(3.0 * w * t * t, angle.size) / angle.size
