@@ -7,11 +7,12 @@ import json
 import math
 import os
 import sys
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import hertz
+from eigencontact_verification.benchmarks import fidelity, hertz
 from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
 from eigencontact_verification.benchmarks.machine import describe, facts
@@ -40,8 +41,8 @@ def _count(text: str) -> int:
 
 
 def _code(text: str) -> str:
-    if ":" not in text and text not in CODES:
-        known = ", ".join(sorted(CODES))
+    if ":" not in text and text not in {**CODES, **fidelity.METHODS}:
+        known = ", ".join(sorted({**CODES, **fidelity.METHODS}))
         raise argparse.ArgumentTypeError(f"must be one of {known} or package.module:OBJECT (got {text})")
     return text
 
@@ -82,6 +83,9 @@ def parser() -> argparse.ArgumentParser:
     two = commands.add_parser("stress", parents=[common], help="sub-surface stress against its bare FFTs")
     two.add_argument("--size", type=_count, default=256, metavar="N")
     two.add_argument("--depths", type=_count, default=32)
+    three = commands.add_parser("fidelity", parents=[common], help="lower fidelities of the half-space and their price")
+    three.add_argument("--size", type=_count, default=32, metavar="N")
+    three.add_argument("--cases", nargs="+", choices=list(fidelity.CASES), default=list(fidelity.CASES), metavar="CASE")
     return top
 
 
@@ -100,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one benchmark; return 1 if nothing could be measured, 2 for files that cannot be written."""
     options = parser().parse_args(arguments)
     peers = PEERS if getattr(options, "peers", False) else ()
-    codes = options.codes or [*OURS, *peers]
+    codes = options.codes or (list(fidelity.METHODS) if options.benchmark == "fidelity" else [*OURS, *peers])
     sizes = options.sizes if options.benchmark == "hertz" else [options.size]
     elsewhere = dict(options.interpreter)
     machine = facts()
@@ -108,23 +112,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     def run(task: Task, limit: float) -> Sample:
         return run_fresh(task, limit, elsewhere.get(task.code))
 
-    out = run_campaign(
-        Task(
-            benchmark=options.benchmark,
-            code="",
-            n=0,
-            threads=options.threads,
-            precision=options.precision,
-            warm=options.warm,
-            depths=getattr(options, "depths", 0),
-        ),
-        codes=codes,
-        sizes=sizes,
-        repeats=options.repeats,
-        limit=options.limit,
-        run=run,
-        say=lambda text: print(text, file=sys.stderr),
+    template = Task(
+        benchmark=options.benchmark,
+        code="",
+        n=0,
+        threads=options.threads,
+        precision=options.precision,
+        warm=options.warm,
+        depths=getattr(options, "depths", 0),
     )
+    out = Campaign()
+    for case in getattr(options, "cases", [""]):
+        found = run_campaign(
+            replace(template, case=case),
+            codes=codes,
+            sizes=sizes,
+            repeats=options.repeats,
+            limit=options.limit,
+            run=run,
+            say=lambda text, case=case: print(f"{case}: {text}" if case else text, file=sys.stderr),  # type: ignore[misc]
+        )
+        out.rows += found.rows
+        out.samples += found.samples
+        out.notes += [f"{case}: {note}" if case else note for note in found.notes]
+        out.settings |= found.settings
     print(_report(out, options.benchmark, describe(machine), brief=False))
     try:
         if options.json:

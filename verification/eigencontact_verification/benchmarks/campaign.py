@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import hertz, stress
+from eigencontact_verification.benchmarks import fidelity, hertz, stress
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,6 +20,7 @@ __all__ = ["BENCHMARKS", "Campaign", "run_campaign"]
 BENCHMARKS: dict[str, tuple[Sequence[Column], Callable[[Task, list[Sample]], Row]]] = {
     "hertz": (hertz.COLUMNS, hertz.summarise),
     "stress": (stress.COLUMNS, stress.summarise),
+    "fidelity": (fidelity.COLUMNS, fidelity.summarise),
 }
 
 

@@ -19,7 +19,7 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"`` or ``"stress"``.
+        ``"hertz"``, ``"stress"`` or ``"fidelity"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
@@ -34,6 +34,8 @@ class Task:
         Wall time after which no further repeat is begun [s].
     depths : int
         Number of depths (stress only).
+    case : str
+        Where the eigenstrain is (fidelity only).
     """
 
     benchmark: str
@@ -44,6 +46,7 @@ class Task:
     warm: int = 2
     budget: float = 120.0
     depths: int = 32
+    case: str = ""
 
     def to_json(self) -> str:
         """Text for the command line of the process."""
