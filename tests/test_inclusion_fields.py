@@ -143,7 +143,7 @@ def test_displacement_of_cuboids_in_full_space(name, nu):
     check_displacement(name, nu, "full")
 
 
-@every_cuboid
+@with_every_nu(CUBOIDS, ("flush",), slow=("1000 tall", "1000 wide", "deep"))
 def test_strain_and_stress_of_cuboids(name, nu):
     points = places(name, singular=False)
     share = cuboid_quadrature.inside(points, *CUBOIDS[name])
@@ -227,6 +227,29 @@ def test_far_field_of_cuboids(box, nu):
     assert worst(fields(shape, points, nu, "stress"), expected) <= 1e-10
 
 
+@pytest.mark.slow
+def test_cuboids_at_random():
+    """Edges over four decades, flush or not, points in and around them and up to 1000 lengths away."""
+    rng = np.random.default_rng(11)
+    for trial in range(40):
+        nu = POISSON[trial % len(POISSON)]
+        edges = 10 ** rng.uniform(-2, 2, 3)
+        top = 0.0 if trial % 3 == 0 else 10 ** rng.uniform(-4, 2)
+        center = np.array([*rng.uniform(-1, 1, 2), edges[2] / 2 + top])
+        around = center + edges / 2 * rng.uniform(-1.5, 1.5, (3, 3))
+        points = np.vstack([around, center + 10 ** rng.uniform(-2, 3) * rng.normal(size=3)])
+        points[:, 2] = np.abs(points[:, 2])
+        points[0, 2] = 0.0
+        shape = eigencontact.make("cuboid", center=tuple(center), edges=tuple(edges))
+        integrals = cuboid_quadrature.moments(points, center, edges)
+        expected = np.array([mindlin.displacement(integrals, e, nu) for e in UNITS])
+        assert worst(fields(shape, points, nu, "displacement"), expected) <= 2e-10
+        integrals = cuboid_quadrature.gradient_moments(points, center, edges)
+        share = cuboid_quadrature.inside(points, center, edges)
+        expected = np.array([mindlin.stress(integrals, e, nu, share) for e in UNITS])
+        assert worst(fields(shape, points, nu, "stress"), expected) <= 2e-10
+
+
 # ------------------------------------------------------------------------------------------- balls and ellipsoids
 TURN = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3
 ROUND = {
@@ -269,6 +292,19 @@ def test_round_shapes(name, nu, space):
     assert worst(fields(shape, ROUND_POINTS, nu, "strain", space), expected) <= 1e-10
     expected = np.array([mindlin.stress(integrals, e, nu, share) for e in UNITS])
     assert worst(fields(shape, ROUND_POINTS, nu, "stress", space), expected) <= 1e-10
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+@pytest.mark.parametrize("name", ["turned", "oblate", "ball"])
+def test_far_field_of_round_shapes(name, nu):
+    """From 8 to 1e5 semi-axes."""
+    center, semi_axes, rotation = ROUND[name]
+    points = (np.array(center) + np.outer((8.0, 60.0, 1e3, 1e5), DIRECTIONS.ravel()).reshape(-1, 3)).copy()
+    points = points[points[:, 2] >= 0]
+    rule = volume_quadrature.ellipsoid_nodes(center, semi_axes, rotation, 7)
+    integrals = volume_quadrature.volume_moments(points, rule)
+    expected = np.array([mindlin.displacement(integrals, e, nu) for e in UNITS])
+    assert worst(fields(round_shape(name), points, nu, "displacement"), expected) <= 1e-10
 
 
 @every_nu

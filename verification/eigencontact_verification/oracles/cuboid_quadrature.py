@@ -19,7 +19,7 @@ displacement is right. Agreement with a twice finer rule is 1e-13 of the largest
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,12 @@ _NU = np.array(mindlin.NODES)[:, None]
 
 # A rectangle seen from the foot of the field point in its plane: ranges of the two coordinates.
 Box = tuple[float, float, float, float]
+
+
+@cache
+def _gauss_legendre(count: int) -> tuple[FloatArray, FloatArray]:
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return nodes, weights
 
 
 def _distance(box: Box, height: float) -> float:
@@ -67,14 +73,14 @@ def _pieces(box: Box, height: float) -> Iterator[tuple[Box, bool]]:
 
 def _panels(start: float, stop: float, gauss: int) -> tuple[FloatArray, FloatArray]:
     count = max(1, int(np.ceil((stop - start) / _PANEL)))
-    nodes, weights = np.polynomial.legendre.leggauss(gauss)
+    nodes, weights = _gauss_legendre(gauss)
     edges = np.linspace(start, stop, count + 1)
     half = 0.5 * (stop - start) / count
     return (0.5 * (edges[1:] + edges[:-1])[:, None] + half * nodes).ravel(), np.tile(half * weights, count)
 
 
 def _product(box: Box, gauss: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    nodes, weights = np.polynomial.legendre.leggauss(gauss)
+    nodes, weights = _gauss_legendre(gauss)
     u0, u1, v0, v1 = box
     u = (u0 + u1) / 2 + (u1 - u0) / 2 * nodes
     v = (v0 + v1) / 2 + (v1 - v0) / 2 * nodes
