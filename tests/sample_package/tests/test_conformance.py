@@ -10,7 +10,6 @@ SHAPES = [
     Torus(center=(0.0, 1 * UM, 20 * UM), ring_radius=8 * UM, tube_radius=3 * UM),
     Spheroid(center=(1 * UM, 2 * UM, 20 * UM), equatorial_radius=10 * UM, polar_radius=4 * UM),
     Spheroid(center=(0.1, 0.2, 3.0), equatorial_radius=1.0, polar_radius=3.0),  # touches the surface
-    Spheroid(center=(0.0, 0.0, 2.0), equatorial_radius=1.0, polar_radius=1.0),  # a sphere
     Spheroid(center=(0.0, 0.0, 0.2), equatorial_radius=1.0, polar_radius=0.1),
 ]
 

@@ -1,0 +1,213 @@
+"""A real package of a stranger: built as a wheel, installed into an environment of its own, used from scenes.
+
+`sample_package` brings a torus (only `contains`) and a spheroid (potentials). A second package beside it cannot be
+imported. Nothing here needs a network.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+OFFLINE = {"PIP_NO_INDEX": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+ORIGIN = "eigencontact-sample-shapes 0.3.0"
+BROKEN_PROJECT = """
+[build-system]
+requires = ["hatchling"]
+build-backend = "hatchling.build"
+[project]
+name = "eigencontact-broken-shapes"
+version = "0.0.1"
+[project.entry-points.eigencontact]
+fibre = "eigencontact_broken_shapes"
+[tool.hatch.build.targets.wheel]
+packages = ["eigencontact_broken_shapes"]
+"""
+INCLUSIONS = """
+title = "Shapes of a stranger"
+
+[body1]
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+
+[[inclusions]]
+name = "ring"
+type = "torus"
+center = ["0 um", "0 um", "6 um"]
+ring-radius = "3 um"
+tube-radius = "1 um"
+eigenstrain = 1e-3
+
+[[inclusions]]
+name = "lens"
+type = "spheroid"
+center = ["0 um", "0 um", "12 um"]
+equatorial-radius = "3 um"
+polar-radius = "1 um"
+eigenstrain = [1e-3, 0.0, -1e-3]
+
+[grid]
+cells = 17
+spacing = ["1 um", "1 um"]
+
+[output]
+pictures = false
+vtk = false
+"""
+
+
+def run(*arguments, **more):
+    """Run a process that must succeed or not, as its caller says."""
+    return subprocess.run(
+        [str(item) for item in arguments],
+        capture_output=True, text=True, check=False, timeout=200, env=os.environ | OFFLINE, **more,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Stranger:
+    """The environment with both packages."""
+
+    python: Path
+    sources: Path
+    folder: Path
+
+    def __call__(self, *arguments):
+        """Call the command line."""
+        return run(self.python, "-m", "eigencontact.cli", *arguments, cwd=self.folder)
+
+    def script(self, code):
+        """Run Python; the last line printed is JSON."""
+        done = run(self.python, "-W", "error", "-c", code, cwd=self.folder)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def stranger(root, tmp_path_factory):
+    """Build two wheels and install them into a new environment that sees what the current one has."""
+    folder = tmp_path_factory.mktemp("stranger")
+    sources, broken = folder / "sample_package", folder / "broken"
+    shutil.copytree(root / "tests" / "sample_package", sources, ignore=shutil.ignore_patterns("__pycache__"))
+    (broken / "eigencontact_broken_shapes").mkdir(parents=True)
+    (broken / "pyproject.toml").write_text(BROKEN_PROJECT, encoding="utf-8")
+    (broken / "eigencontact_broken_shapes" / "__init__.py").write_text("import a_module_that_is_nowhere\n")
+    pip = [sys.executable, "-m", "pip"]
+    built = run(*pip, "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", folder / "wheels", sources, broken)
+    assert built.returncode == 0, built.stderr
+    wheels = sorted((folder / "wheels").glob("*.whl"))
+    assert [wheel.name.split("-")[0] for wheel in wheels] == [
+        "eigencontact_broken_shapes",
+        "eigencontact_sample_shapes",
+    ]
+
+    home = folder / "environment"
+    made = run(sys.executable, "-m", "venv", "--without-pip", home)
+    assert made.returncode == 0, made.stderr
+    python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    paths = {"base": str(home), "platbase": str(home)}
+    own = Path(sysconfig.get_path("purelib", scheme="venv", vars=paths))
+    outer = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
+    # a line that begins with import is executed; addsitedir also follows what editable installs leave there
+    lines = "".join(f"import site; site.addsitedir({path!r})\n" for path in sorted(outer))
+    (own / "outer.pth").write_text(lines, encoding="utf-8")
+    installed = run(*pip, "--python", python, "install", "-q", "--no-deps", *wheels)
+    assert installed.returncode == 0, installed.stderr
+    (folder / "scene.toml").write_text(INCLUSIONS, encoding="utf-8")
+    return Stranger(python, sources, folder)
+
+
+def test_both_shapes_are_listed_with_their_package(stranger):
+    listed = stranger("plugins")
+    assert listed.returncode == 0, listed.stderr
+    for key, words in {"torus": "Ring of circular section", "spheroid": "Ellipsoid of revolution about z"}.items():
+        (line,) = (line for line in listed.stdout.splitlines() if line.split()[:1] == [key])
+        assert words in line
+        assert line.endswith(f"({ORIGIN})")
+    detailed = stranger("plugins", "spheroid").stdout
+    assert "polar-radius [m]: required" in detailed
+    assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in detailed
+
+
+def test_the_broken_package_is_reported_and_stops_nothing(stranger):
+    listed = stranger("plugins")
+    assert "cuboid" in listed.stdout
+    reason = "ModuleNotFoundError: No module named 'a_module_that_is_nowhere'"
+    assert f"fibre of eigencontact-broken-shapes 0.0.1: {reason}" in listed.stdout
+    asked = stranger("explain", "scene.toml", "--set", "inclusions=[{type='fibre', eigenstrain=1e-3}]")
+    assert asked.returncode == 2
+    assert asked.stderr.count("\n") == 1
+    assert "plugin 'fibre' of eigencontact-broken-shapes 0.0.1 is broken: " in asked.stderr
+
+
+def test_refusals_of_its_shapes_read_like_ours(stranger):
+    done = stranger("explain", "scene.toml", "--set", "inclusions.0.tube-radius='4 um'")
+    assert done.returncode == 2
+    assert "torus.tube_radius must be positive and below ring_radius, 3e-06 [m] (got 4e-06)" in done.stderr
+    done = stranger("explain", "scene.toml", "--set", "inclusions.1.polar-radios='4 um'")
+    assert done.returncode == 2
+    assert "did you mean 'polar-radius'?" in done.stderr
+
+
+def test_explain_says_how_each_is_computed(stranger):
+    told = stranger("explain", "scene.toml")
+    assert told.returncode == 0, told.stderr
+    (ring,) = (line for line in told.stdout.splitlines() if line.startswith("  ring (plugin 'torus'"))
+    (lens,) = (line for line in told.stdout.splitlines() if line.startswith("  lens (plugin 'spheroid'"))
+    assert "cells" in ring
+    assert "cells" not in lens
+
+
+def test_a_scene_with_both_runs_and_cites(stranger):
+    done = stranger("run", "scene.toml", "-o", "out", "--json")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary["versions"]["plugin inclusion-shape torus"] == ORIGIN
+    assert summary["versions"]["plugin inclusion-shape spheroid"] == ORIGIN
+    assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in summary["references"]
+
+
+FIELDS = """
+import json
+import numpy as np
+import eigencontact as ec
+
+steel = dict(young_modulus=210e9, poisson_ratio=0.3)
+strain = np.array([[1.0, 0.2, -0.3], [0.2, 0.5, 0.1], [-0.3, 0.1, -0.8]])
+points = np.random.default_rng(1).uniform((-3, -3, 0), (3, 3, 5), (40, 3))
+lens = ec.make("spheroid", center=(0.3, 0.2, 2.0), equatorial_radius=1.5, polar_radius=0.8)
+same = ec.make("ellipsoid", kind="inclusion-shape", center=(0.3, 0.2, 2.0), semi_axes=(1.5, 1.5, 0.8))
+theirs, ours = (ec.inclusion_field(s, strain, points, quantity="stress", **steel) for s in (lens, same))
+
+# lift of a swelling ring above its centre: (1 + nu) / pi times the integral of z / R^3 over the region
+ring = ec.make("torus", center=(0, 0, 2.0), ring_radius=1.0, tube_radius=0.3)
+lift = ec.inclusion_field(ring, 1e-3 * np.eye(3), [[0, 0, 0]], cells=32, **steel)[0, 2]
+t, w = np.polynomial.legendre.leggauss(40)
+r, angle = 0.15 * (t + 1)[:, None], 2 * np.pi * np.arange(64) / 64
+rho, z = 1 + r * np.cos(angle), 2 + r * np.sin(angle)
+volumes = 0.15 * w[:, None] * r * (2 * np.pi / 64) * (2 * np.pi * rho)
+exact = -1e-3 * 1.3 / np.pi * np.sum(volumes * z / np.hypot(rho, z) ** 3)
+print(json.dumps({"lens": np.max(np.abs(theirs - ours)) / np.max(np.abs(ours)), "ring": lift / exact - 1}))
+"""
+
+
+def test_their_fields_are_right(stranger):
+    """The spheroid is our ellipsoid to round-off; the torus of 32 cells lifts the surface as it should."""
+    errors = stranger.script(FIELDS)
+    assert errors["lens"] < 1e-10
+    assert abs(errors["ring"]) < 1e-3
+
+
+def test_the_package_passes_its_own_conformance_tests(stranger):
+    done = run(
+        stranger.python, "-m", "pytest", "-q", "-W", "error", "-p", "no:cacheprovider", "tests",
+        cwd=stranger.sources,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert "skipped" not in done.stdout
