@@ -12,7 +12,7 @@ from typing import Any
 
 import numba
 
-__all__ = ["GROUP", "collect", "contract"]
+__all__ = ["GROUP", "add_packed", "collect", "contract"]
 
 # Products added at a time; rows have a multiple of this many entries, of neighbouring columns.
 GROUP = 3
@@ -157,3 +157,38 @@ def collect(
                     flip = flips[o]
                     for j in range(depths):
                         out[o, j, last - piece - b] = flip * depth[j]
+
+
+@_compiled
+def add_packed(total: Any, field: Any, values: Any, first: int, sign: float, turned: bool) -> None:  # noqa: FBT001
+    """Add a packed spectrum times a field.
+
+    Parameters
+    ----------
+    total, field : (n, F) complex
+        Sum and field at some wavenumbers kx and all ky.
+    values : (kx, F//2 + 1) real
+        Spectrum at ky >= 0.
+    first : int
+        Its row for the first row of `field`.
+    sign : float
+        Parity along y.
+    turned : bool
+        The spectrum is 1j times the values.
+    """
+    length, half = field.shape[1], values.shape[1]
+    for i in range(field.shape[0]):
+        if turned:
+            for k in range(half):
+                v = values[first + i, k]
+                total[i, k] += complex(-v * field[i, k].imag, v * field[i, k].real)
+            for k in range(half, length):
+                v = sign * values[first + i, length - k]
+                total[i, k] += complex(-v * field[i, k].imag, v * field[i, k].real)
+        else:
+            for k in range(half):
+                v = values[first + i, k]
+                total[i, k] += complex(v * field[i, k].real, v * field[i, k].imag)
+            for k in range(half, length):
+                v = sign * values[first + i, length - k]
+                total[i, k] += complex(v * field[i, k].real, v * field[i, k].imag)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.convolution.backends import Backend, Plan, available_threads, backend, in_parallel
+from eigencontact.convolution.contraction import can_compile
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.errors import require
@@ -27,6 +28,8 @@ Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).
 _BATCH_BYTES = 524_288
+# Products of wavenumbers and pairs from which compiled loops repay their import.
+_WORTH_COMPILING = 3_000_000
 # Targets whose half-transformed rows are held at a time.
 _TOGETHER = 6
 
@@ -226,21 +229,25 @@ class _Worker:
         """Sums of all targets, source by source; without keeping the spectra of the sources."""
         n, y = columns.stop - columns.start, self._layout.y
         padded, spectrum, forward = self._sources[0]
-        fresh = [True] * len(kernels)
+        add: Any = None
+        if can_compile() and len(sources) * len(kernels) * y.length * self._layout.x.half >= _WORTH_COMPILING:
+            from eigencontact.convolution.compiled import add_packed
+
+            add = add_packed
+        for total in self._sums:
+            total[:n] = 0.0
         for number, field in enumerate(sources):
             padded[:n, y.source_start : y.source_start + y.sources] = field[: y.sources, columns].T
             forward()
-            for target, row in enumerate(kernels):
+            for total, row in zip(self._sums, kernels, strict=False):
                 kernel = row[number]
                 if kernel is None:
                     continue
-                kernel.multiply(spectrum[:n], columns, self._sums[target][:n] if fresh[target] else self._product[:n])
-                if not fresh[target]:
-                    self._sums[target][:n] += self._product[:n]
-                fresh[target] = False
-        for target, empty in enumerate(fresh):
-            if empty:
-                self._sums[target][:n] = 0.0
+                if add and kernel.packed:
+                    add(total[:n], spectrum[:n], kernel.values, columns.start, float(kernel.sign_y), kernel.imaginary)
+                else:
+                    kernel.multiply(spectrum[:n], columns, self._product[:n])
+                    total[:n] += self._product[:n]
 
     def _combine(self, row: Sequence[Spectrum | None], columns: slice, n: int) -> None:
         """Sum of the sources' spectra times their kernels."""

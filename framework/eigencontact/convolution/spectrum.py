@@ -63,6 +63,11 @@ class Spectrum:
         mirrored = values[:, length - half : 0 : -1]
         np.multiply(field[:, half:], mirrored if self.sign_y > 0 else -mirrored, out=out[:, half:])
 
+    @property
+    def packed(self) -> bool:
+        """Whether only real numbers at ky >= 0 are stored."""
+        return self.sign_y != 0 and not np.iscomplexobj(self.values)
+
 
 def transform_table(
     y: Axis, x: Axis, table: FloatArray, parity: tuple[int, int], precision: str, scale: float

@@ -142,7 +142,7 @@ class PlaneFields:
             tables[[kernels.index(kernel) for kernel in group]] = values if whose == "image" else values[:, ::-1]
         weights = self._scale * _weights(forms, kernels, float(self.depths[plane]) / self._unit)
         for place, layer in enumerate(range(first, stop)):
-            combined = np.tensordot(weights, tables[:, place], 1)
+            combined = np.einsum("osk,kxy->osxy", weights, tables[:, place])
             for row, component in enumerate(self.components):
                 for strain in range(6):
                     if weights[row, strain].any():
@@ -168,12 +168,14 @@ class PlaneFields:
         strain = np.asarray(eigenstrain)
         expected = (6, *self.source.shape)
         require(strain.shape == expected, "planes", "eigenstrain", strain.shape, f"of shape {expected}")
-        active = [(layer, k) for layer in range(self.source.shape[0]) for k in range(6) if strain[k, layer].any()]
+        nz = self.source.shape[0]
+        planes = strain.reshape(6 * nz, *self.source.shape[1:])
+        active = [number for number, plane in enumerate(planes) if plane[0, 0] or plane.any()]
         shape = (self.depths.size, len(self.components), *self._layout.target)
         if not active:
             return np.zeros((shape[1], shape[0], *shape[2:]), np.float64)
-        sources = np.array([strain[k, layer] for layer, k in active])
-        rows = [[row[layer][k] for layer, k in active] for plane in self._spectra for row in plane]
+        sources = planes if len(active) == len(planes) else planes[active]
+        rows = [[row[n % nz][n // nz] for n in active] for plane in self._spectra for row in plane]
         out = np.moveaxis(self._convolver.apply(sources, rows).reshape(shape), 0, 1)
         if self._local.any():
             for plane, depth in enumerate(self.depths):
