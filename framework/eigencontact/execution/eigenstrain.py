@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from eigencontact.execution.runners import State
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.planning.blocks import Block
-from eigencontact.planning.eigenstrain import CLOUD, space_of
+from eigencontact.planning.field_cost import CLOUD
+from eigencontact.planning.field_parts import FieldPart, space_of
 from eigencontact.planning.plan import Plan
-from eigencontact.planning.regions import RegionLattice
-from eigencontact.planning.sources import Source
 from eigencontact.scene.schema import StressRequest
 
 __all__ = ["EigenstrainRegion", "ResidualDisplacement"]
@@ -26,12 +25,11 @@ class ResidualDisplacement:
     """Displacement of the surface: along z of both bodies summed (it opens the gap), along x and y of body 1 less 2."""
 
     def __init__(self, plan: Plan, block: Block) -> None:
-        lattice = block.settings["lattice"]
-        assert isinstance(lattice, RegionLattice)
         self._components = str(block.settings["components"])
+        parts = cast("list[FieldPart]", block.settings["parts"])
         self._bodies = {
-            number: Sum(plan, [source for source in plan.sources if source.body == number], "displacement", lattice)
-            for number in sorted({source.body for source in plan.sources})
+            number: Sum(plan, [part for part in parts if part.body == number])
+            for number in sorted({part.body for part in parts})
         }
 
     def __call__(self, state: State) -> None:
@@ -52,12 +50,11 @@ class EigenstrainRegion:
     """Fields of the eigenstrain of one body at the points of a region."""
 
     def __init__(self, plan: Plan, block: Block) -> None:
-        request, lattice = block.settings["request"], block.settings["lattice"]
+        request = block.settings["request"]
+        parts = cast("list[FieldPart]", block.settings["parts"])
         assert isinstance(request, StressRequest)
-        assert isinstance(lattice, RegionLattice)
         self._label = request.label
-        sources = [source for source in plan.sources if source.body == request.body]
-        self._sums = {name: Sum(plan, sources, name, lattice) for name in request.fields}
+        self._sums = {name: Sum(plan, [part for part in parts if part.quantity == name]) for name in request.fields}
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
@@ -73,32 +70,34 @@ class Part(Protocol):
 
 
 class Sum:
-    """Sum over sources of one body; those that do not change with time are evaluated once."""
+    """Sum of parts of one quantity; those that do not change with time are evaluated once and then forgotten."""
 
-    def __init__(self, plan: Plan, sources: Sequence[Source], quantity: str, lattice: RegionLattice) -> None:
-        self._shape = (3 if quantity == "displacement" else 6, *lattice.shape)
-        groups: dict[bool, list[Part]] = {False: [], True: []}
-        for moving, parts in groups.items():
-            chosen = [source for source in sources if source.field.varies is moving]
-            exact = [source for source in chosen if source.exact]
-            if exact:
-                parts.append(ClosedForms(plan, exact, quantity, lattice))
-        self._still, self._moving = groups[False], groups[True]
+    def __init__(self, plan: Plan, parts: Sequence[FieldPart]) -> None:
+        self._shape = (3 if parts[0].quantity == "displacement" else 6, *parts[0].lattice.shape)
+        self._still = [_built(plan, part) for part in parts if not part.varies]
+        self._moving = [_built(plan, part) for part in parts if part.varies]
         self._once: FloatArray | None = None
 
     def __call__(self, time: float) -> FloatArray:
         """Sum of the fields at one time."""
         if self._once is None:
             self._once = np.zeros(self._shape)
-            for part in self._still:
-                self._once += part(time)
-            self._still = []
+            while self._still:
+                self._once += self._still.pop()(time)
         if not self._moving:
             return self._once
         total = self._once.copy()
         for part in self._moving:
             total += part(time)
         return total
+
+
+def _built(plan: Plan, part: FieldPart) -> Part:
+    if part.group is None:
+        return ClosedForms(plan, part)
+    from eigencontact.execution.cells import CellFields
+
+    return CellFields(plan, part)
 
 
 class ClosedForms:
@@ -108,12 +107,12 @@ class ClosedForms:
     first step is scaled (always that one, so that a resumed run gives the same numbers to the last digit).
     """
 
-    def __init__(self, plan: Plan, sources: Sequence[Source], quantity: str, lattice: RegionLattice) -> None:
-        body = plan.bodies[sources[0].body - 1]
+    def __init__(self, plan: Plan, part: FieldPart) -> None:
+        body = plan.bodies[part.body - 1]
         assert body is not None
-        self._numerics, self._sources, self._quantity = plan.scene.numerics, sources, quantity
-        self._lattice, self._body = lattice, body
-        self._end = np.array([source.uniform_eigenstrain(1.0) for source in sources])
+        self._numerics, self._sources, self._quantity = plan.scene.numerics, part.sources, part.quantity
+        self._lattice, self._body = part.lattice, body
+        self._end = np.array([source.uniform_eigenstrain(1.0) for source in part.sources])
         self._at_end: FloatArray | None = None
 
     def __call__(self, time: float) -> FloatArray:

@@ -59,7 +59,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         grid, reason = _grid_without_contact(scene, sources)
     if sources:
         sources = with_lattices(sources, scene, grid)
-        more, wanted = _eigenstrain(scene, grid, sources, bodies)
+        more, wanted = _eigenstrain(scene, registry, grid, sources, bodies)
         blocks, outputs = blocks + more, outputs | wanted
     _observe(scene, blocks, outputs, contact=bool(geometries))
     plan = Plan(
@@ -101,13 +101,18 @@ def _grid_without_contact(scene: Scene, sources: Sequence[Source]) -> tuple[Grid
 
 
 def _eigenstrain(
-    scene: Scene, grid: Grid, sources: tuple[Source, ...], bodies: Bodies
+    scene: Scene, registry: Registry, grid: Grid, sources: tuple[Source, ...], bodies: Bodies
 ) -> tuple[list[Block], dict[str, str]]:
     """Blocks of the eigenstrain, and what is wanted of them beside what the contact wants."""
     from eigencontact.planning.declare import region_block
     from eigencontact.planning.eigenstrain import EigenstrainDeclaration
 
-    declaration = EigenstrainDeclaration(scene, grid, sources, bodies)
+    cell = None
+    if not all(source.exact for source in sources):
+        from eigencontact.planning.cells import installed_cell
+
+        cell = installed_cell(registry)((0.0, 0.0, 0.5), (1.0, 1.0, 1.0))
+    declaration = EigenstrainDeclaration(scene, grid, sources, bodies, cell)
     components = "xyz" if not scene.geometry or scene.output.tangential_displacement else "z"
     blocks = [declaration.surface(components)]
     outputs = {f"residual_displacement_{c}": "every scene with eigenstrain" for c in components}
