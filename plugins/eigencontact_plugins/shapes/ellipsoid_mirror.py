@@ -50,7 +50,9 @@ def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[
     K = np.sqrt(points[i] ** 2 * p2 + points[j] ** 2 * q2)
     r = np.linspace(0.1, 1.0, 10)[:, None]  # rings; the worst is the one at the distance of the point
     reach = d2 + p2 * r * r
-    cosh = np.maximum((reach / (K * r + np.sqrt((K * r) ** 2 + (p2 - q2) * r * r * reach))).min(axis=0), 1.0)
+    # the axis of an oblate spheroid sees every ring from one distance: K = 0, p = q and no zero at all
+    pull = np.maximum(K * r + np.sqrt((K * r) ** 2 + (p2 - q2) * r * r * reach), 1e-8 * reach)
+    cosh = np.maximum((reach / pull).min(axis=0), 1.0)
     around = cosh + np.sqrt((cosh - 1.0) * (cosh + 1.0))
     degrees = []
     for ratio in (across, around):
