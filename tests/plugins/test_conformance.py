@@ -1,5 +1,7 @@
 """Bundled inclusion shapes and eigenstrain fields pass the kit that a stranger's must pass."""
 
+from pathlib import Path
+
 import eigencontact as ec
 from eigencontact_verification.conformance import parametrize_with_checks
 
@@ -16,6 +18,11 @@ SHAPES = [
     shape("sphere", center=(0.1, 0.2, 1.3), radius=1.3),  # tangent to the surface
     shape("ellipsoid", center=(0.0, 1e-6, 5e-6), semi_axes=(1e-6, 2e-6, 3e-6), rotation=(0.3, 0.5, 0.7)),
     shape("ellipsoid", center=(0.0, 0.0, 0.02), semi_axes=(1.0, 0.5, 0.02)),  # a disc that touches the surface
+    shape("cylinder", center=(0.0, 1e-6, 5e-6), radius=1e-6, length=4e-6),
+    shape("cylinder", center=(0.0, 0.0, 1.0), radius=1.0, length=4.0, axis="x"),
+    shape("polyhedron", file=str(Path(__file__).with_name("wedge.off")), scale="1 um", rotation=(0.3, 0.0, 0.0)),
+    shape("layer", size=(2.0, 1.0), thickness=0.1, top=0.2),
+    shape("layer", size=(2e-3, 1e-3), thickness=1e-4, center=(1e-3, 0.0)),
 ]
 
 

@@ -162,8 +162,11 @@ def _derivatives(
         if sources is not None:
             return np.zeros((1, x.size))
         trace = shape.phi([(2, 0, 0), (0, 2, 0), (0, 0, 2)], x, y, z).sum(axis=0)
-        # The Laplacian of Phi is -4 pi inside, half of that on a face; rounding removes what is not a fraction.
-        return np.asarray(np.round(trace * (-2.0 / np.pi)) / 8.0)[None]
+        # The Laplacian of Phi is -4 pi inside, a half, quarter or eighth of that on faces, edges and corners: rounding
+        # errors are removed. A cell of a voxelised shape has any fraction of it, and keeps that.
+        indicator = trace / (-4.0 * np.pi)
+        eighths = np.round(8.0 * indicator) / 8.0
+        return np.asarray(np.where(np.abs(indicator - eighths) < 1e-6, eighths, indicator))[None]
     if name == "chi":
         if sources is not None:
             return source_derivatives(sources, "chi", orders, x, y, -z)

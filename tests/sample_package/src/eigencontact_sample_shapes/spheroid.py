@@ -13,6 +13,7 @@ Psi,i = x_i Phi - ∫ x'_i / R, and the integral is the gradient of Ferrers's po
 
 from dataclasses import dataclass
 from functools import partial
+from math import factorial
 from typing import ClassVar
 
 import numpy as np
@@ -98,7 +99,7 @@ def _confocal(x, y, z, c):
 def _integrals(s, e2):
     """J(1,0), J(2,0), J(3,0), J(1,1), J(2,1), J(1,2) for s, a number or a jet."""
     if abs(e2) <= 0.26 * np.min(s.value if isinstance(s, Jet) else s) ** 2:
-        return [_series(m, n, s, e2) for m, n in ((1, 0), (2, 0), (3, 0), (1, 1), (2, 1), (1, 2))]
+        return _series(s, e2)
     e, across = np.sqrt(abs(e2)), s * s + e2
     j10 = 2 / e * np.arctan(e / s) if e2 > 0 else np.log((s + e) / (s - e)) / e
     j20 = (j10 / 2 - s / across) / e2
@@ -107,18 +108,23 @@ def _integrals(s, e2):
     return [j10, j20, j30, j11, (j11 - j20) / e2, (2 / (3 * s * s * s) - j11) / e2]
 
 
-def _series(m, n, s, e2):
-    """J(m, n) in powers of q = e2 / s²."""
-    k = np.arange(36)
-    terms = Polynomial(2 * (-1.0) ** k * binom(m + k - 1, k) / (2 * m + 2 * n + 2 * k - 1))
-    q, front = e2 / (s * s), (1 / s) ** (2 * m + 2 * n - 1)
-    if not isinstance(q, Jet):
-        return front * terms(q)
-    taylor, factorial = [terms(q.value)], 1.0
-    for degree in range(1, q.order + 1):
-        factorial *= degree
-        taylor.append(terms.deriv(degree)(q.value) / factorial)
-    return front * q.compose(taylor)
+def _series(s, e2):
+    """Give the same in powers of q = e2 / s², which do not cancel where s is large."""
+    inverse = 1 / s
+    square = inverse * inverse
+    fronts = {1: inverse, 3: inverse * square, 5: inverse * square * square}
+    q = e2 * square
+    powers, k = [1.0], np.arange(36)
+    value = q.value if isinstance(q, Jet) else q
+    for _ in range(q.order if isinstance(q, Jet) else 0):
+        powers.append(powers[-1] * (q - value))
+    integrals = []
+    for m, n in ((1, 0), (2, 0), (3, 0), (1, 1), (2, 1), (1, 2)):
+        series = Polynomial(2 * (-1.0) ** k * binom(m + k - 1, k) / (2 * m + 2 * n + 2 * k - 1))
+        taylor = [series.deriv(degree)(value) / factorial(degree) for degree in range(len(powers))]
+        total = sum(term * power for term, power in zip(taylor, powers, strict=True))
+        integrals.append(fronts[2 * m + 2 * n - 1] * total)
+    return integrals
 
 
 def _phi(c, within, x, y, z):
