@@ -7,6 +7,7 @@ import pytest
 import eigencontact
 from eigencontact.plugin import SceneError
 from eigencontact_plugins.shapes.polyhedron import Polyhedron
+from eigencontact_plugins.shapes.polyhedron_rays import TURN, sorted_into_bins
 
 CUBE = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 SIDES = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
@@ -98,6 +99,32 @@ def test_winding_number_is_one_inside_and_zero_outside(mesh_file):
     inside = np.all((points > 0) & (points < 1), axis=0)
     for pairs in (1, 100, 10**6):  # in parts of any size
         assert surface.winding_number(*points, pairs=pairs) == pytest.approx(inside.astype(float), abs=1e-13)
+
+
+@pytest.mark.parametrize("n", [3, 7, 200])
+def test_rays_and_solid_angles_agree(mesh_file, n):
+    points, cells = bipyramid(n)
+    shape = Polyhedron(file=mesh_file(".ply", points, [("triangle", cells)]), rotation=(0.4, 0.3, 0.2), scale=1e-6)
+    at = np.random.default_rng(6).uniform(-1e-6, 1e-6, (3, 2000))
+    at[:, :50] = 0.5 * at[:, :50]
+    expected = shape.surface.winding_number(*at, pairs=1 << 17) > 0.5
+    assert np.array_equal(shape.contains(*at), expected)
+    assert 100 < expected.sum() < 1900
+
+
+def test_a_ray_through_a_corner_is_left_to_the_solid_angle(mesh_file):
+    """The point lies behind the middle vertex of a face that is cut into four, seen along the rays."""
+    middle = np.array([0.5, 0.5, 1.0])
+    points = np.concatenate([CUBE, [middle]])
+    top = [(a, b, 8) for a, b in ((1, 5), (5, 7), (7, 3), (3, 1))]
+    keep = [face for face in TRIANGLES.tolist() if not {1, 3, 5, 7} >= set(face)]
+    shape = Polyhedron(file=mesh_file(points=points, cells=[("triangle", np.array(keep + top))]))
+    assert shape.volume == pytest.approx(1.0)
+    behind = np.stack([middle - 0.3 * TURN[:, 2], middle + [0.3, 0.1, 0.2]])
+    winding, doubt = sorted_into_bins(shape.surface.vertices[shape.surface.triangles]).winding(behind)
+    assert doubt.tolist() == [True, False]
+    assert winding[1] == 0
+    assert shape.contains(*behind.T).tolist() == [True, False]
 
 
 def test_faces_that_look_inwards_are_turned(mesh_file):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import Angle, InclusionShape, Length, hookimpl, require
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
+from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
 
 __all__ = ["Polyhedron"]
@@ -42,9 +43,9 @@ class Polyhedron(InclusionShape):
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cuboids with volume fractions. A point is inside where the solid
-    angle of the surface exceeds half a full one, which needs no ray and has no special directions; the work is points
-    times triangles.
+    Offers no potentials: the framework cuts it into cuboids with volume fractions. A point is inside where the surface
+    winds around it, counted along a ray; the few points whose ray meets an edge or a corner take the solid angle of the
+    whole surface instead, which needs no ray.
     """
 
     key: ClassVar[str] = "polyhedron"
@@ -93,8 +94,16 @@ class Polyhedron(InclusionShape):
         for t, a, b in zip(points, low, high, strict=True):
             near &= (t >= a) & (t <= b)
         inside = np.zeros_like(near)
-        inside[near] = self.surface.winding_number(*(t[near] for t in points), pairs=PAIRS) > 0.5
+        candidates = np.stack([t[near] for t in points], axis=-1)
+        winding, doubt = self._bins.winding(candidates)
+        within = winding > 0
+        within[doubt] = self.surface.winding_number(*candidates[doubt].T, pairs=PAIRS) > 0.5
+        inside[near] = within
         return inside
+
+    @cached_property
+    def _bins(self) -> Bins:
+        return sorted_into_bins(self.surface.vertices[self.surface.triangles])
 
 
 @hookimpl

@@ -1,0 +1,99 @@
+"""How often a closed surface winds around points, by the triangles that a ray from each of them meets.
+
+The rays share one direction along no lattice, so that the triangles can be sorted once into bins of the plane across it
+and each point is compared with a few of them only. A ray that passes an edge or a corner within rounding decides
+nothing: such points are reported, and left to the solid angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Bins", "sorted_into_bins"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+#: Distances, in extents of the surface, below which a ray is said to pass an edge.
+ROUNDING = 1e-12
+PAIRS = 1 << 18
+
+_c, _s = np.cos(0.7361), np.sin(0.7361)
+_d, _t = np.cos(1.0917), np.sin(1.0917)
+#: Rotation whose third column is the direction of the rays.
+TURN: FloatArray = np.array([[_c, -_s, 0.0], [_s, _c, 0.0], [0.0, 0.0, 1.0]]) @ np.array(
+    [[_d, 0.0, _t], [0.0, 1.0, 0.0], [-_t, 0.0, _d]]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Bins:
+    """Triangles ``(m, 3, 3)`` in turned coordinates that run from 0 to about 1, and those that reach into each bin."""
+
+    origin: FloatArray
+    extent: float
+    count: int
+    corners: FloatArray
+    first: IntArray
+    members: IntArray
+
+    def winding(self, points: FloatArray) -> tuple[IntArray, NDArray[np.bool_]]:
+        """Winding number of points ``(n, 3)``, and where it is in doubt."""
+        turned = ((points - self.origin) @ TURN) / self.extent
+        cell = np.clip((turned[:, :2] * self.count).astype(np.intp), 0, self.count - 1)
+        place = cell[:, 0] * self.count + cell[:, 1]
+        number = self.first[place + 1] - self.first[place]
+        winding, doubt = np.zeros(len(points), dtype=np.intp), np.zeros(len(points), dtype=bool)
+        ends = np.cumsum(number)
+        start = 0
+        while start < len(points):
+            stop = max(start + 1, int(np.searchsorted(ends, (ends[start - 1] if start else 0) + PAIRS)))
+            part = slice(start, stop)
+            self._meet(turned[part], self.first[place[part]], number[part], winding[part], doubt[part])
+            start = stop
+        return winding, doubt
+
+    def _meet(
+        self, points: FloatArray, first: IntArray, number: IntArray, winding: IntArray, doubt: NDArray[np.bool_]
+    ) -> None:
+        """All pairs of a point and a triangle of its bin; adds to `winding`, marks `doubt`."""
+        which = np.repeat(np.arange(len(points)), number)
+        within = np.arange(which.size) - np.repeat(np.cumsum(number) - number, number)
+        corners = self.corners[self.members[np.repeat(first, number) + within]]
+        offset = corners - points[which, None, :]
+        x, y, z = offset[..., 0], offset[..., 1], offset[..., 2]
+        sides = np.stack([x[:, i - 2] * y[:, i - 1] - x[:, i - 1] * y[:, i - 2] for i in range(3)], axis=1)
+        low, high = sides.min(axis=1), sides.max(axis=1)
+        up, down = low > ROUNDING, high < -ROUNDING
+        doubt[which[~up & ~down & ((low > -ROUNDING) | (high < ROUNDING))]] = True
+        met = np.flatnonzero(up | down)
+        height = np.einsum("ni,ni->n", sides[met], z[met]) / sides[met].sum(axis=1)
+        ahead = met[height > 0]
+        np.add.at(winding, which[ahead], np.where(up[ahead], 1, -1))
+
+
+def sorted_into_bins(corners: FloatArray) -> Bins:
+    """Sort triangles ``(m, 3, 3)`` into square bins across the rays, about as many as triangles."""
+    origin = corners.reshape(-1, 3).mean(axis=0)
+    turned = (corners - origin) @ TURN
+    low = turned.reshape(-1, 3).min(axis=0)
+    extent = float(np.ptp(turned.reshape(-1, 3), axis=0).max())
+    origin = origin + TURN @ low
+    turned = (turned - low) / extent
+    count = int(np.clip(np.sqrt(len(corners)), 1, 256))
+    lowest, highest = (
+        np.clip((v[:, :2] * count).astype(np.intp), 0, count - 1) for v in (turned.min(axis=1), turned.max(axis=1))
+    )
+    spans = highest - lowest + 1
+    number = spans[:, 0] * spans[:, 1]
+    triangle = np.repeat(np.arange(len(corners)), number)
+    within = np.arange(triangle.size) - np.repeat(np.cumsum(number) - number, number)
+    column = lowest[triangle, 0] + within // spans[triangle, 1]
+    row = lowest[triangle, 1] + within % spans[triangle, 1]
+    place = column * count + row
+    order = np.argsort(place, kind="stable")
+    first = np.concatenate([[0], np.cumsum(np.bincount(place, minlength=count * count))])
+    return Bins(origin, extent, count, turned, first, triangle[order])
