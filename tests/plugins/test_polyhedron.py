@@ -120,7 +120,7 @@ def test_a_ray_through_a_corner_is_left_to_the_solid_angle(mesh_file):
     keep = [face for face in TRIANGLES.tolist() if not {1, 3, 5, 7} >= set(face)]
     shape = Polyhedron(file=mesh_file(points=points, cells=[("triangle", np.array(keep + top))]))
     assert shape.volume == pytest.approx(1.0)
-    behind = np.stack([middle - 0.3 * TURN[:, 2], middle + [0.3, 0.1, 0.2]])
+    behind = np.stack([middle - 0.3 * TURN[:, 2], middle + np.array([0.3, 0.1, 0.2])])
     winding, doubt = sorted_into_bins(shape.surface.vertices[shape.surface.triangles]).winding(behind)
     assert doubt.tolist() == [True, False]
     assert winding[1] == 0
