@@ -70,11 +70,12 @@ CUBOIDS = {
 }
 
 
-@pytest.mark.parametrize("space", ["half", "full"])
-@pytest.mark.parametrize("name", CUBOIDS)
+@pytest.mark.parametrize(
+    ("name", "space"), [("flush", "half"), ("shallow", "half"), ("long", "half"), ("shallow", "full")]
+)
 def test_faces_against_volume_outside(name, space):
     center, edges = CUBOIDS[name]
-    points = [(0.2, 2.1, 0.0), (3.0, -2.5, 1.0), (0.5, 0.1, 3.4)]
+    points = [(0.2, 2.1, 0.0), (0.5, 0.1, 3.4)]
     rule = volume_quadrature.cuboid_nodes(center, edges, (40 if name == "long" else 12, 12, 12))
     faces = cuboid_quadrature.moments(points, center, edges, space)
     volume = volume_quadrature.volume_moments(points, rule, space)
@@ -176,8 +177,8 @@ def test_volume_rules_hold_the_volume_and_its_centre(rule, volume):
 def test_boundary_against_volume(shape, space):
     center, points = (0.2, -0.1, 2.0), [(2.5, 1.0, 3.0), (0.3, 0.4, 0.0)]
     if shape == "torus":
-        boundary = volume_quadrature.torus_boundary(center, 0.6, 0.2, 40)
-        volume = volume_quadrature.torus_nodes(center, 0.6, 0.2, 20)
+        boundary = volume_quadrature.torus_boundary(center, 0.6, 0.2, 32)
+        volume = volume_quadrature.torus_nodes(center, 0.6, 0.2, 16)
     else:
         boundary = volume_quadrature.ellipsoid_boundary(center, (0.5, 0.8, 0.3), TURN, 28)
         volume = volume_quadrature.ellipsoid_nodes(center, (0.5, 0.8, 0.3), TURN, 14)
