@@ -69,8 +69,8 @@ def inclusion_field(
 
     References
     ----------
-    Mindlin & Cheng 1950, doi:10.1063/1.1699785; Chiu 1978, doi:10.1115/1.3424424; Davies 2003, doi:10.1115/1.1602481;
-    Liu et al. 2012, doi:10.1016/j.ijplas.2012.03.003.
+    Mindlin & Cheng 1950, J. Appl. Phys. 21, 926; Chiu 1978, J. Appl. Mech. 45, 302; Davies 2003, J. Appl. Mech. 70,
+    655; Liu et al. 2012, Int. J. Plasticity 35, 135.
 
     Examples
     --------

@@ -17,8 +17,8 @@ divided by 1-2nu in closed form.
 References
 ----------
 R. D. Mindlin 1936, doi:10.1063/1.1745385 (Green's function); R. D. Mindlin and D. H. Cheng 1950,
-doi:10.1063/1.1699785; J. H. Davies 2003, doi:10.1115/1.1602481 (dilatation); S. Liu et al. 2012,
-doi:10.1016/j.ijplas.2012.03.003 (the same potentials for cuboids). Derived anew from Mindlin's Green's function.
+J. Appl. Phys. 21, 926; J. H. Davies 2003, J. Appl. Mech. 70, 655 (dilatation); S. Liu et al. 2012,
+Int. J. Plasticity 35, 135 (the same potentials for cuboids). Derived anew from Mindlin's Green's function.
 """
 
 from __future__ import annotations

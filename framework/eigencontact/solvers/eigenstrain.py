@@ -5,9 +5,9 @@ kernels that depend on k + k' along z (its mirror image above the surface), time
 
 References
 ----------
-R. D. Mindlin 1936, doi:10.1063/1.1745385; R. D. Mindlin and D. H. Cheng 1950, doi:10.1063/1.1699785; Y. P. Chiu 1978,
-doi:10.1115/1.3424424; S. Liu and Q. Wang 2005, doi:10.1115/1.1985429 (FFT over cuboids); S. Liu, X. Jin, Z. Wang,
-L. M. Keer and Q. Wang 2012, doi:10.1016/j.ijplas.2012.03.003 (half-space by convolution and correlation).
+R. D. Mindlin 1936, doi:10.1063/1.1745385; R. D. Mindlin and D. H. Cheng 1950, J. Appl. Phys. 21, 926; Y. P. Chiu 1978,
+J. Appl. Mech. 45, 302; S. Liu and Q. Wang 2005, J. Appl. Mech. 72, 871 (FFT over cuboids); S. Liu, X. Jin, Z. Wang,
+L. M. Keer and Q. Wang 2012, Int. J. Plasticity 35, 135 (half-space by convolution and correlation).
 """
 
 from __future__ import annotations

@@ -11,8 +11,8 @@ at the wave vector (1, 0). Cost N^3 log N for N^3 cells, no padding in depth, la
 
 References
 ----------
-R. D. Mindlin and D. H. Cheng 1950, doi:10.1063/1.1699785 (the half-space); S. Liu and Q. Wang 2005,
-doi:10.1115/1.1985429 (eigenstrain and Fourier transforms); W. W. Chen, S. Liu and Q. Wang 2008, doi:10.1115/1.2755165
+R. D. Mindlin and D. H. Cheng 1950, J. Appl. Phys. 21, 926 (the half-space); S. Liu and Q. Wang 2005,
+J. Appl. Mech. 72, 871 (eigenstrain and Fourier transforms); W. W. Chen, S. Liu and Q. Wang 2008, doi:10.1115/1.2755165
 (periodic surfaces by convolution).
 """
 

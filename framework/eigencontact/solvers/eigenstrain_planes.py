@@ -5,8 +5,8 @@ transform for each component. Depths are arbitrary. On the surface this is the r
 
 References
 ----------
-R. D. Mindlin and D. H. Cheng 1950, doi:10.1063/1.1699785; Y. P. Chiu 1978, doi:10.1115/1.3424424; S. Liu and Q. Wang
-2005, doi:10.1115/1.1985429.
+R. D. Mindlin and D. H. Cheng 1950, J. Appl. Phys. 21, 926; Y. P. Chiu 1978, J. Appl. Mech. 45, 302; S. Liu and Q. Wang
+2005, J. Appl. Mech. 72, 871.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class Cylinder(InclusionShape):
     """
 
     key: ClassVar[str] = "cylinder"
-    references: ClassVar[tuple[str, ...]] = ("S. Liu & Q. Wang 2005, doi:10.1115/1.1985429 (sum over cuboids)",)
+    references: ClassVar[tuple[str, ...]] = ("S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",)
 
     center: tuple[Length, Length, Length]
     radius: Length

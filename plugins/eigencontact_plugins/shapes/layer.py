@@ -48,7 +48,7 @@ class Layer(InclusionShape):
     """
 
     key: ClassVar[str] = "layer"
-    references: ClassVar[tuple[str, ...]] = ("S. Liu & Q. Wang 2005, doi:10.1115/1.1985429 (sum over cuboids)",)
+    references: ClassVar[tuple[str, ...]] = ("S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",)
 
     size: tuple[Length, Length]
     thickness: Length | None = None
