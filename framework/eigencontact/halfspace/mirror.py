@@ -21,9 +21,9 @@ __all__ = ["integrated_chi"]
 
 FloatArray = NDArray[np.float64]
 
-_NODES = 20  # of one panel; two decades of distance are covered by panels of ratio four
-_RATIO = 4.0
-_MOST_PANELS = 9
+_NODES = 20  # of one panel
+_RATIO = 2.0
+_MOST_PANELS = 16
 _BATCH = 65_536
 
 
