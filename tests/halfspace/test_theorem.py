@@ -56,6 +56,8 @@ def test_stress_is_hooke_of_strain(name, space):
     """The volume strain that stress takes in closed form is that of the strain, and Hooke's law holds inside too."""
     key, parameters = SHAPES[name]
     shape, points, nu = ec.make(key, **parameters), _points(), 0.3
+    if space == "full":  # where a face in z = 0 is like any other and takes the mean, which `contains` cannot say
+        points = (*points[:2], points[2] + 0.01)
     inside = shape.contains(*points)
     for m in range(6):
         e = np.eye(6)[m]
