@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ FloatArray = NDArray[np.float64]
 Forms = tuple[tuple[Form, ...], ...]
 
 # Nodes evaluated at a time.
-_SLAB_NODES = 60_000
+_CHUNK_NODES = 12_000
 # Bytes of tables held at a time.
 _GROUP_BYTES = 300_000_000
 # A node in the surface is seen from inside the body.
@@ -96,16 +97,23 @@ def sample_tables(
     x, y, z = nodes
     name, orders = group[0][1], [kernel[2] for kernel in group]
     out = np.empty((len(group), x.size - 1, y.size - 1, z.size - 1))
-    planes = max(4, _SLAB_NODES // (y.size * z.size))
+    planes = max(1, _CHUNK_NODES // (y.size * z.size))
 
-    def slab(first: int) -> None:
-        stop = min(first + planes, x.size - 1)
-        values = cell.corner(name, orders, x[first : stop + 1, None, None], y[:, None], z)
-        values = values[..., 1:] - values[..., :-1]
-        values = values[:, :, 1:] - values[:, :, :-1]
-        np.subtract(values[:, 1:], values[:, :-1], out=out[:, first:stop])
+    def slab(first: int, stop: int) -> None:
+        """Tables between the nodes `first` and `stop` along x; a few planes at a time, so that they stay in cache."""
+        last = np.empty((len(group), 0, y.size - 1, z.size - 1))
+        for begin in range(first, stop + 1, planes):
+            end = min(begin + planes, stop + 1)
+            values = cell.corner(name, orders, x[begin:end, None, None], y[:, None], z)
+            values = values[..., 1:] - values[..., :-1]
+            values = values[:, :, 1:] - values[:, :, :-1]
+            np.subtract(values[:, 1:], values[:, :-1], out=out[:, begin : end - 1])
+            if last.shape[1]:
+                np.subtract(values[:, 0], last[:, 0], out=out[:, begin - 1])
+            last = values[:, -1:]
 
-    in_parallel(threads, [partial(slab, first) for first in range(0, x.size - 1, planes)])
+    bounds = np.linspace(0, x.size - 1, min(threads, x.size - 1) + 1).astype(int)
+    in_parallel(threads, [partial(slab, *pair) for pair in pairwise(bounds.tolist())])
     return out
 
 
