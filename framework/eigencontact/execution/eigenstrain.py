@@ -93,6 +93,10 @@ class Sum:
 
 
 def _built(plan: Plan, part: FieldPart) -> Part:
+    if part.route in ("image-pressure", "periodic"):
+        from eigencontact.execution.lower_fidelities import ImagePressureFields, PeriodicFields
+
+        return ImagePressureFields(plan, part) if part.route == "image-pressure" else PeriodicFields(plan, part)
     if part.group is None:
         return ClosedForms(plan, part)
     from eigencontact.execution.cells import CellFields

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,9 +73,11 @@ class PeriodicFields:
         """Field at one time, ``(3 or 6, nz, ny, nx)``; what lies outside the window comes in on its other side."""
         strain = self._strain(time)
         window = np.zeros((*strain.shape[:2], *self._grid.shape))
-        np.add.at(window, (slice(None), slice(None), self._rows[:, None], self._columns), strain)
+        rows = np.zeros((*strain.shape[:2], self._grid.ny, strain.shape[3]))
+        np.add.at(rows.swapaxes(0, 2), self._rows, strain.swapaxes(0, 2))
+        np.add.at(window.swapaxes(0, 3), self._columns, rows.swapaxes(0, 3))
         lattice, quantity = self._part.lattice, self._part.quantity
         values = self._space.apply(
             window, quantity, depths=lattice.depths, target=lattice.target, origin=lattice.origin
         )
-        return cast("FloatArray", values * (self._body.shear_modulus if quantity == "stress" else 1.0))
+        return values * (self._body.shear_modulus if quantity == "stress" else 1.0)

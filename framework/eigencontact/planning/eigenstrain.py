@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.planning.blocks import Block, Cost
 from eigencontact.planning.field_parts import FieldPart, field_parts
 from eigencontact.planning.kernels import KernelUse
+from eigencontact.planning.lower_fidelities import image_pressure_parts, periodic_parts
 from eigencontact.planning.regions import RegionLattice, region_lattice, surface_lattice
 from eigencontact.planning.sources import Source
 from eigencontact.plugin import HasCornerPotentials
@@ -81,17 +83,15 @@ class EigenstrainDeclaration:
         )
 
     def _parts(self, body: int, quantity: str, lattice: RegionLattice, components: int) -> list[FieldPart]:
-        material = self.bodies[body - 1]
+        material, numerics = self.bodies[body - 1], self.scene.numerics
         assert material is not None
-        return field_parts(
-            [source for source in self.sources if source.body == body],
-            quantity,
-            lattice,
-            body=material,
-            numerics=self.scene.numerics,
-            cell=self.cell,
-            components=components,
-        )
+        sources = [source for source in self.sources if source.body == body]
+        if numerics.half_space == "periodic":
+            return periodic_parts(sources, quantity, lattice, grid=self.grid, numerics=numerics)
+        find = partial(field_parts, body=material, numerics=numerics, cell=self.cell, components=components)
+        if numerics.half_space == "image-pressure":
+            return image_pressure_parts(sources, quantity, lattice, grid=self.grid, numerics=numerics, find=find)
+        return find(sources, quantity, lattice)
 
 
 def _uses(parts: Sequence[FieldPart], spread: dict[str, str], words: str) -> tuple[KernelUse, ...]:
@@ -100,7 +100,7 @@ def _uses(parts: Sequence[FieldPart], spread: dict[str, str], words: str) -> tup
     for part in parts:
         sources = part.sources if part.group is None else part.sources[:1]
         for source in sources:
-            how = part.words if part.group is not None else source.how
+            how = source.how if part.route == "closed form" else part.words
             like = (part.quantity, source.key, how)
             if like in uses:
                 uses[like] = replace(uses[like], count=uses[like].count + 1)

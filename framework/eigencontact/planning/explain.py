@@ -33,15 +33,15 @@ def explain(plan: Plan) -> str:
     for group in plan.groups:
         for block in group:
             cost = block.cost
-            price = f"{_bytes(cost.memory)}, {_time(cost.seconds_once + plan.steps * cost.seconds_per_step)}"
+            price = f"{_bytes(cost.peak)}, {_time(cost.seconds_once + plan.steps * cost.seconds_per_step)}"
             together = " (solved together)" if len(group) > 1 else ""
-            lines.append(f"  {block.name}{together}: {block.why}" + (f"  [{price}]" if cost.memory else ""))
+            lines.append(f"  {block.name}{together}: {block.why}" + (f"  [{price}]" if cost.peak else ""))
     lines += ["", f"kernels, {len(plan.kernels)} in all"]
     lines += [f"  {kernel}" for kernel in plan.kernels]
     base = resident_bytes()
     lines += [
         "",
-        f"predicted   {_bytes(plan.cost.memory)} of arrays, {_bytes(base + plan.cost.memory)} with the libraries",
+        f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(base + plan.cost.peak)} with the libraries",
         f"            {_time(plan.seconds)} of solving",
         "",
         "left out, and why",
@@ -70,7 +70,7 @@ def as_data(plan: Plan) -> dict[str, object]:
                 "plugin": source.key,
                 "body": source.body,
                 "bounds": [list(corner) for corner in source.shape.bounds],
-                "exact": source.exact,
+                "exact": source.lattice is None,
                 "how": source.how,
                 "cells": 0 if source.lattice is None else source.lattice.cells,
             }
@@ -82,7 +82,7 @@ def as_data(plan: Plan) -> dict[str, object]:
                 "why": block.why,
                 "requires": sorted(block.requires),
                 "provides": sorted(block.provides),
-                "memory_bytes": block.cost.memory,
+                "memory_bytes": block.cost.peak,
                 "seconds": block.cost.seconds_once + plan.steps * block.cost.seconds_per_step,
             }
             for block in plan.blocks
@@ -97,8 +97,8 @@ def as_data(plan: Plan) -> dict[str, object]:
             }
             for kernel in plan.kernels
         ],
-        "predicted_memory_bytes": plan.cost.memory + resident_bytes(),
-        "predicted_array_bytes": plan.cost.memory,
+        "predicted_memory_bytes": plan.cost.peak + resident_bytes(),
+        "predicted_array_bytes": plan.cost.peak,
         "predicted_seconds": plan.seconds,
         "left_out": [{"what": item.what, "why": item.why} for item in plan.left_out],
         "references": list(references(plan)),
@@ -111,8 +111,8 @@ def references(plan: Plan) -> tuple[str, ...]:
     texts = [text for component in plan.components for text in component.references]
     if plan.sources:
         texts += [
-            "R. D. Mindlin, D. H. Cheng, J. Appl. Phys. 21 (1950) 926, doi:10.1063/1.1699785",
-            "S. Liu, X. Jin, Z. Wang et al., Int. J. Plasticity 35 (2012) 135, doi:10.1016/j.ijplas.2012.03.003",
+            "R. D. Mindlin, D. H. Cheng, J. Appl. Phys. 21 (1950) 926",
+            "S. Liu, X. Jin, Z. Wang et al., Int. J. Plasticity 35 (2012) 135",
         ]
     if plan.geometries:
         texts += [
@@ -122,12 +122,19 @@ def references(plan: Plan) -> tuple[str, ...]:
     return tuple(dict.fromkeys(texts))
 
 
+_SPACES = {
+    "exact": "exact half-space",
+    "full-space": "full space (the free surface is left out)",
+    "image-pressure": "half-space by image and sampled pressure (approximate)",
+    "periodic": "half-space whose eigenstrain repeats with the window",
+}
+
+
 def _numerics(plan: Plan) -> str:
     numerics = plan.scene.numerics
     words: list[str] = [numerics.boundary] if plan.geometries else []
     if plan.sources:
-        exact = numerics.half_space == "exact"
-        words.append("exact half-space" if exact else "full space (the free surface is left out)")
+        words.append(_SPACES[numerics.half_space])
     words.append(f"{numerics.precision} precision")
     return ", ".join([*words, f"tolerance {numerics.tolerance:g}"] if plan.geometries else words)
 

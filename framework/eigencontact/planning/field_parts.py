@@ -27,7 +27,7 @@ class FieldPart:
     ----------
     route : str
         ``"closed form"``; for cells ``"planes"`` (FFT in the plane for each depth and layer), ``"volume"`` (FFT in
-        space), ``"points"`` (one by one).
+        space), ``"points"`` (one by one). Less than exact: ``"image-pressure"``, ``"periodic"``.
     group : CellGroup or None
         Cells of the sources.
     varies : bool
@@ -54,6 +54,8 @@ class FieldPart:
             return self.sources[0].how
         nz, ny, nx = self.group.lattice.shape
         cells = f"{nx} x {ny} x {nz} cells"
+        if self.route == "periodic":
+            return f"{cells} repeated with the window, Fourier series in the plane"
         if self.route == "volume":
             return f"{cells}, FFT in space"
         return f"{cells}, {'FFT in the plane, layer by layer' if self.route == 'planes' else 'point by point'}"
@@ -61,7 +63,7 @@ class FieldPart:
 
 def space_of(numerics: Numerics) -> str:
     """Name of the space in `eigencontact.halfspace`."""
-    return "full" if numerics.half_space == "full-space" else "half"
+    return "full" if numerics.half_space in ("full-space", "image-pressure") else "half"
 
 
 def field_parts(
@@ -115,19 +117,30 @@ def _cheapest(part: FieldPart, pace: Pace, components: int) -> FieldPart:
         columns = len(np.unique(lattice.points[:, :2], axis=0))
         per_column = -(-len(lattice.points) // columns)
         one = planes_cost(pace, group.lattice, (1, 1), (0.5, 0.5), per_column, components)
-        cost = Cost(one.memory, columns * one.seconds_once, columns * one.seconds_per_step)
-        return replace(part, route="points", cost=cost)
+        cost = Cost(columns * one.memory, columns * one.seconds_once, columns * one.seconds_per_step)
+        return replace(part, route="points", cost=_kept(part, cost))
     origin = (lattice.origin[0] - group.lattice.first[1], lattice.origin[1] - group.lattice.first[2])
     planes = planes_cost(pace, group.lattice, lattice.target, origin, lattice.depths.size, components)
-    choices = [replace(part, cost=planes)]
+    choices = [replace(part, cost=_kept(part, planes))]
     if volume_layers(part) is not None:
         count, on_surface = lattice.depths.size, bool(lattice.depths[0] == 0.0)
         cost = volume_cost(pace, group.lattice, lattice.target, origin, count - on_surface)
         if on_surface:
             top = planes_cost(pace, group.lattice, lattice.target, origin, 1, components)
-            cost = Cost(cost.memory + top.memory, cost.seconds_once + top.seconds_once, cost.seconds_per_step)
-        choices.append(replace(part, route="volume", cost=cost))
+            cost = Cost(
+                cost.memory + top.memory,
+                cost.seconds_once + top.seconds_once,
+                cost.seconds_per_step + top.seconds_per_step,
+            )
+        choices.append(replace(part, route="volume", cost=_kept(part, cost)))
     return min(choices, key=lambda choice: choice.cost.seconds_once + choice.cost.seconds_per_step)
+
+
+def _kept(part: FieldPart, cost: Cost) -> Cost:
+    """Cost of one part: kernels of a field that changes are kept for every step, others serve once and go."""
+    if part.varies:
+        return cost
+    return Cost(seconds_once=cost.seconds_once + cost.seconds_per_step, transient=cost.memory)
 
 
 def volume_layers(part: FieldPart) -> tuple[float, int] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eigencontact.core.material import Material
+from eigencontact.planning.lower_fidelities import PRICE
 from eigencontact.planning.plan import LeftOut
 from eigencontact.planning.sources import Source
 from eigencontact.scene.schema import Scene
@@ -55,10 +56,13 @@ def _of_the_eigenstrain(scene: Scene, sources: Sequence[Source]) -> list[LeftOut
                 "it is prescribed: its field adds to that of the pressure, and nothing couples back",
             )
         )
-    if all(source.exact for source in sources):
+    if all(source.lattice is None for source in sources):
         out.append(LeftOut("cells inside the bodies", "every inclusion has a closed form"))
     if scene.numerics.half_space == "full-space":
         out.append(
             LeftOut("the free surface in the fields of eigenstrain", 'numerics.half-space = "full-space": no images')
         )
+    if scene.numerics.half_space in PRICE:
+        price = PRICE[scene.numerics.half_space]
+        out.append(LeftOut("the exact half-space", f'numerics.half-space = "{scene.numerics.half_space}": {price}'))
     return out

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from eigencontact.core.grid import Grid
-from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads
 from eigencontact.errors import SceneError
 from eigencontact.planning.blocks import Cost
 from eigencontact.planning.cell_groups import CellGroup, cell_groups
 from eigencontact.planning.cost import speed
-from eigencontact.planning.field_parts import FieldPart, field_parts
+from eigencontact.planning.field_parts import FieldPart
 from eigencontact.planning.regions import RegionLattice, surface_lattice
 from eigencontact.planning.sources import Source
-from eigencontact.plugin import HasCornerPotentials
 from eigencontact.scene.schema import Numerics
 
 __all__ = ["ALIASES", "PRICE", "ImagePressurePart", "image_pressure_parts", "mirrored", "periodic_parts"]
@@ -58,16 +54,10 @@ class ImagePressurePart(FieldPart):
 
 
 def mirrored(lattice: RegionLattice) -> RegionLattice:
-    """Mirror images of points, planes in ascending order; a point in the surface moves above it by next to nothing."""
+    """Mirror images of points, planes in ascending order."""
     if lattice.points is not None:
-        points = lattice.points.copy()
-        points[:, 2] = _above(points[:, 2])
-        return replace(lattice, points=points)
-    return replace(lattice, depths=_above(lattice.depths)[::-1])
-
-
-def _above(depths: np.ndarray) -> np.ndarray:
-    return np.where(depths > 0, -depths, -np.finfo(float).tiny)
+        return replace(lattice, points=lattice.points * (1.0, 1.0, -1.0))
+    return replace(lattice, depths=-lattice.depths[::-1])
 
 
 def image_pressure_parts(
@@ -76,25 +66,17 @@ def image_pressure_parts(
     lattice: RegionLattice,
     *,
     grid: Grid,
-    body: Material,
     numerics: Numerics,
-    cell: HasCornerPotentials | None,
-    components: int,
+    find: Callable[[Sequence[Source], str, RegionLattice], list[FieldPart]],
 ) -> list[FieldPart]:
-    """Parts for still and for moving sources; each of parts in full space."""
+    """Parts for still and for moving sources, each made of parts in full space, which `find` finds."""
     found: list[FieldPart] = []
     for moving in (False, True):
-        chosen = [source for source in sources if source.field.varies is moving]
+        chosen = [source for source in sources if bool(source.field.varies) is moving]
         if not chosen:
             continue
-
-        def full(
-            name: str, points: RegionLattice, count: int, chosen: Sequence[Source] = chosen
-        ) -> Sequence[FieldPart]:
-            return field_parts(chosen, name, points, body=body, numerics=numerics, cell=cell, components=count)
-
-        here, image = full(quantity, lattice, components), full(quantity, mirrored(lattice), components)
-        surface = full("stress", surface_lattice(grid), 6)
+        here, image = find(chosen, quantity, lattice), find(chosen, quantity, mirrored(lattice))
+        surface = find(chosen, "stress", surface_lattice(grid))
         cost = sum((part.cost for part in (*here, *image, *surface)), _pressure_cost(grid, lattice, quantity, numerics))
         found.append(
             ImagePressurePart(
@@ -123,7 +105,7 @@ def periodic_parts(
     """One part for each box of cells, every source being cut into cells."""
     if lattice.points is not None:
         raise SceneError(
-            'numerics.half-space must be "exact" for fields on lines and at points (got "periodic"); '
+            "numerics.half-space must be 'exact' for fields on lines and at points (got 'periodic'); "
             "ask for planes or volumes"
         )
     return [

@@ -118,6 +118,8 @@ class Source:
             why = "the eigenstrain is not uniform" if isinstance(self.shape, HasPotentials) else "no potentials"
             if isinstance(self.shape, Patch):
                 why = "a patch of the window"
+            elif self.exact:
+                why = "the half-space is periodic"
             return f"cut into {self.lattice.cells} cells, {nx} x {ny} x {nz} ({why})"
         if isinstance(self.shape, HasMirrorPotential):
             return "closed form"
@@ -215,7 +217,8 @@ def with_lattices(sources: tuple[Source, ...], scene: Scene, grid: Grid) -> tupl
     for source in sources:
         if isinstance(source.shape, Patch):
             source = replace(source, shape=_whole_cells(source.shape, grid))  # noqa: PLW2901
-        fitted.append(source if source.exact else replace(source, lattice=_lattice(source, scene, grid)))
+        whole = source.exact and scene.numerics.half_space != "periodic"
+        fitted.append(source if whole else replace(source, lattice=_lattice(source, scene, grid)))
     return tuple(fitted)
 
 

@@ -45,10 +45,17 @@ def _check_steps(scene: Scene) -> None:
 def _check_eigenstrain(scene: Scene) -> None:
     if not (scene.inclusions or scene.eigenstrain):
         return
-    if scene.numerics.boundary == "periodic":
+    if scene.numerics.boundary == "periodic" and scene.numerics.half_space != "periodic":
         raise ValueError(
             "!numerics.boundary must be 'non-periodic' in a scene with inclusions or eigenstrain (got 'periodic'); "
-            "their fields are those of one half-space"
+            f"their fields are those of one half-space (half-space = '{scene.numerics.half_space}'): "
+            'set numerics.half-space = "periodic" as well, or leave both out'
+        )
+    lines = [request for request in scene.stress if request.shape in ("line", "points")]
+    if scene.numerics.half_space == "periodic" and lines:
+        raise ValueError(
+            f"!numerics.half-space must be 'exact' for fields on lines and at points, as {lines[0].label!r} asks for "
+            "(got 'periodic'); ask for a plane or a volume"
         )
     for group in ("inclusions", "eigenstrain"):
         for number, item in enumerate(getattr(scene, group)):

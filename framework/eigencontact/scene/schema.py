@@ -104,12 +104,13 @@ class Step(Table):
 class Numerics(Table):
     """Fidelity and effort. The defaults are accurate.
 
-    ``half_space`` is the treatment of the free surface in the fields of eigenstrain: ``"exact"``, or ``"full-space"``,
-    which leaves it out. ``inclusion_cells`` is the number of cells along z across a region that has to be cut into
+    ``half_space`` is the treatment of the free surface in the fields of eigenstrain: ``"exact"``; ``"image-pressure"``,
+    which frees the middles of the surface's cells; ``"periodic"``, where the window repeats; or ``"full-space"``, which
+    leaves the surface out. ``inclusion_cells`` is the number of cells along z across a region that has to be cut into
     cells: a shape without potentials, or an eigenstrain that is not uniform.
     """
 
-    half_space: Literal["exact", "full-space"] = "exact"
+    half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
     precision: Literal["double", "single"] = "double"

@@ -10,7 +10,7 @@ source in full space are needed.
 
 References
 ----------
-Y. P. Chiu 1978, doi:10.1115/1.3424424 (image and residual traction); C. Jacq, D. Nélias, G. Lormand, D. Girodin 2002,
+Y. P. Chiu 1978, J. Appl. Mech. 45, 302 (image and residual traction); C. Jacq, D. Nélias, G. Lormand, D. Girodin 2002,
 doi:10.1115/1.1467920 (the scheme, for plastic strain).
 """
 
@@ -36,7 +36,7 @@ from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.cells import Cells, offset_in_cells
 from eigencontact.solvers.eigenstrain import VolumeField
 
-__all__ = ["FullSpaceField", "ImagePressure", "ImagePressureVolume", "PressureKernel"]
+__all__ = ["FullSpaceField", "ImagePressure", "ImagePressureVolume", "PressureKernel", "reflected"]
 
 FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
@@ -56,8 +56,8 @@ class FullSpaceField(Protocol):
     def __call__(self, quantity: str, points: Points) -> FloatArray:
         """Displacement [m], strain [-] or stress [Pa] (Mandel), ``(3, n)`` or ``(6, n)``.
 
-        Asked at z >= 0, and at z <= 0 for the image. On a face of the source that lies in z = 0 return the limit from
-        the side of z's sign, -0.0 included.
+        Asked at z >= 0, and at z <= 0 for the image. Where a face of the source lies in z = 0 either the mean of both
+        sides or, by the sign of z, the limits: the sum with the image is the same, but for the strains xz and yz.
         """
         ...
 
@@ -77,6 +77,11 @@ class PressureKernel(Protocol):
     ) -> FloatArray:
         """Displacement or Mandel stress per unit pressure on a lattice of offsets, ``(n, ny, nx)``."""
         ...
+
+
+def reflected(quantity: str, field: FloatArray) -> FloatArray:
+    """Components ``(3 or 6, ...)`` as a mirror in z = 0 shows them; the points are mirrored by the caller."""
+    return np.asarray(_SIGNS[quantity].reshape(-1, *(1,) * (field.ndim - 1)) * field)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -160,21 +165,8 @@ class ImagePressure:
         self._check(quantity)
         load = self.pressure(field) if pressure is None else pressure
         x, y, z = points
-        z = np.abs(z)
-        out = self._pair(field, quantity, (x, y, z))
-        grid, widths = self.grid, (0.5 * self.grid.dx, 0.5 * self.grid.dy)
-        turned, names = load[::-1, ::-1], self._names(quantity)
-
-        def superpose(numbers: range) -> None:
-            for n in numbers:
-                # Offsets (point minus cell) ascend when the cells are taken in descending order.
-                offsets = x[n] - grid.x[::-1], y[n] - grid.y[::-1]
-                table = self.kernel.sample(_kernel_of(quantity), names, *offsets, float(z[n]), widths, self.material)
-                out[:, n] += self._as(quantity, np.einsum("kij,ij->k", table, turned))
-
-        if load.any():
-            workers = self.threads or available_threads()
-            in_parallel(workers, [partial(superpose, range(k, x.size, workers)) for k in range(workers)])
+        out = self._pair(field, quantity, (x, y, np.abs(z)))
+        self.add_pressure_at(out, quantity, load, points)
         return out
 
     def _check(self, quantity: str) -> None:
@@ -184,10 +176,28 @@ class ImagePressure:
     def _pair(self, field: FullSpaceField, quantity: str, points: Points) -> FloatArray:
         """Source and image in the infinite body; `points` at z >= 0, of which the image takes -0.0."""
         x, y, z = points
-        return field(quantity, points) + _SIGNS[quantity][:, None] * field(quantity, (x, y, -z))
+        return field(quantity, points) + reflected(quantity, field(quantity, (x, y, -z)))
 
     def _names(self, quantity: str) -> list[str]:
         return list(_AXES if quantity == "displacement" else COMPONENTS)
+
+    def add_pressure_at(self, out: FloatArray, quantity: str, load: FloatArray, points: Points) -> None:
+        """Add the field of the pressure ``(ny, nx)`` to ``(3 or 6, n)`` at scattered points, cell by cell."""
+        if not load.any():
+            return
+        grid, widths = self.grid, (0.5 * self.grid.dx, 0.5 * self.grid.dy)
+        turned, names = load[::-1, ::-1], self._names(quantity)
+        x, y, z = points
+
+        def superpose(numbers: range) -> None:
+            for n in numbers:
+                # Offsets (point minus cell) ascend when the cells are taken in descending order.
+                dx, dy, depth = x[n] - grid.x[::-1], y[n] - grid.y[::-1], abs(float(z[n]))
+                table = self.kernel.sample(_kernel_of(quantity), names, dx, dy, depth, widths, self.material)
+                out[:, n] += self._as(quantity, np.einsum("kij,ij->k", table, turned))
+
+        workers = self.threads or available_threads()
+        in_parallel(workers, [partial(superpose, range(k, x.size, workers)) for k in range(workers)])
 
     def add_pressure(
         self, out: FloatArray, quantity: str, load: FloatArray, origin: tuple[float, float], depths: FloatArray
@@ -274,6 +284,6 @@ class ImagePressureVolume:
         """Field of the Mandel eigenstrain ``(6, nz, ny, nx)`` [-], ``(3 or 6, tz, ty, tx)``."""
         load = np.asarray(2.0 * self._traction.apply(eigenstrain)[2, 0])
         out = np.asarray(self._here.apply(eigenstrain), dtype=float)
-        out += _SIGNS[self._quantity][:, None, None, None] * self._image.apply(eigenstrain)[:, ::-1]
+        out += reflected(self._quantity, np.asarray(self._image.apply(eigenstrain))[:, ::-1])
         self._scheme.add_pressure(out, self._quantity, load, self._origin, self._target.centres(2))
         return out
