@@ -24,6 +24,8 @@ __all__ = ["check_chi", "check_decay", "check_far_field", "check_quadrature", "c
 
 FloatArray = NDArray[np.float64]
 
+#: Share of a volume that both quadratures may miss: ends thinner than the distance of the places looked at.
+_MISSED = 3e-5
 _POTENTIALS = (("phi", -1, (1, 2, 3, 4)), ("psi", 1, (3, 4, 5)))
 
 
@@ -58,9 +60,9 @@ def check_quadrature(shape: Any) -> None:
             scale = np.max(np.abs(expected))
             doubt = float(np.max(np.abs(expected - _integrate(coarse, power, orders, places))) / scale)
             ensure(
-                doubt < 5e-3,
+                doubt < 2e-2,
                 "the kit's quadrature over contains",
-                "settled: two grids must differ by less than 0.5 %",
+                "settled: two rules must differ by less than 2 %",
                 f"{doubt:.1e}",
                 "make bounds tight; a shape of thin parts may waive this check and say why",
             )
@@ -69,7 +71,7 @@ def check_quadrature(shape: Any) -> None:
                 potential(shape, which, orders, places),
                 expected,
                 scale=scale,
-                tolerance=4 * doubt + 1e-5,
+                tolerance=4 * doubt + _MISSED,
                 points=places,
                 rule=f"the integral of {'1/R' if power < 0 else 'R'} over the points that contains accepts",
                 advice="look for a factor, a shifted centre, or half edges taken for edges",
@@ -96,9 +98,9 @@ def check_volume(shape: Any) -> None:
     doubt = abs(coarse.volume / fine.volume - 1)
     volume = flux_volume(shape)
     ensure(
-        abs(volume / fine.volume - 1) < 4 * doubt + 1e-6,
+        abs(volume / fine.volume - 1) < 4 * doubt + _MISSED,
         "the volume in the potentials",
-        f"that of contains, {fine.volume:.8g} m^3 within {4 * doubt + 1e-6:.0e}",
+        f"that of contains, {fine.volume:.8g} m^3 within {4 * doubt + _MISSED:.0e}",
         f"{volume:.8g} m^3",
         "the factor in front of Phi is wrong, or contains describes another size",
     )

@@ -1,16 +1,15 @@
-"""Integrals over a region known by `contains` alone: nested lines, each cut where the region begins and ends.
+"""Integrals over a region known by `contains` alone: nested lines, cut where the region begins, ends or branches.
 
-The first axis runs through the bounds; on each of its planes the second runs over where the region is met at all; on
-each of those lines, along the longest edge, the region begins and ends where bisection finds it. Between the cuts
-Gauss's rule is used, across the lines in the angle t of ``sin t``: sections of a round region begin like a square root.
-Two rules of different fineness tell how far the integrals are to be trusted.
+Along a line the region is a number of stretches; across the lines of a plane that number changes at some places, and
+from plane to plane the sequence of such numbers does. Each axis is cut at those changes, found by bisection: between
+them integrands are smooth but for ends like a square root, where sections of a round region close. Gauss's rule in the
+angle t of ``sin t`` takes those. Two rules of different fineness tell how far the integrals are to be trusted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from eigencontact_verification.conformance.sampling import inside, region, remem
 __all__ = ["Rule", "quadrature_rules"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,30 +45,47 @@ class Rule:
 @remembered
 def quadrature_rules(shape: Any) -> tuple[Rule, Rule]:
     """A coarse and a fine rule; integrals are known to about their difference."""
-    return _rule(shape, 18, 6, 40), _rule(shape, 32, 8, 80)
+    return _rule(shape, 18, 6, 36), _rule(shape, 32, 8, 72)
 
 
 def _rule(shape: Any, across: int, along: int, looks: int) -> Rule:
-    """Rule of so many lines across, nodes along a line, and places of a line where the region is looked for."""
+    """Rule of so many lines across (fewer in each of many pieces), nodes along, places where changes are looked for."""
     box = region(shape)
     third = int(np.argmax(box.half))
     first, second = (axis for axis in range(3) if axis != third)
-    scan = box.low[third] + 2 * box.half[third] * (np.arange(looks) + 0.5) / looks
+    seen = [low + (high - low) * (np.arange(looks) + 0.5) / looks for low, high in zip(box.low, box.high, strict=True)]
+    ends = [(float(low), float(high)) for low, high in zip(box.low, box.high, strict=True)]
 
-    def met(lines: FloatArray) -> NDArray[np.bool_]:
-        """Whether lines along the third axis through points ``(..., 3)`` meet the region at the places scanned."""
-        probes = np.repeat(lines[..., None, :], looks, axis=-2)
-        probes[..., third] = scan
-        return np.asarray(np.any(inside(shape, probes), axis=-1))
+    def swept(points: FloatArray, axis: int) -> FloatArray:
+        """Lines along an axis through points ``(..., 3)``: ``(..., looks, 3)``."""
+        lines = np.repeat(points[..., None, :], looks, axis=-2)
+        lines[..., axis] = seen[axis]
+        return lines
 
-    lines = box.center[None, :].copy()
-    weights = np.ones(1)
-    lines, weights = _spread(lines, weights, first, box.low[first][None], box.high[first][None], _arc(across))
-    which, begin, end = _cuts(met, lines, second, (box.low[second], box.high[second]), looks, steps=26)
-    lines, weights = _spread(lines[which], weights[which], second, begin, end, _arc(across))
-    which, begin, end = _cuts(partial(inside, shape), lines, third, (box.low[third], box.high[third]), looks, steps=46)
-    gauss = np.polynomial.legendre.leggauss(along)
-    return Rule(*_spread(lines[which], weights[which], third, begin, end, gauss))
+    def stretches(points: FloatArray) -> IntArray:
+        """How many stretches of the region lie on lines along the third axis."""
+        held = inside(shape, swept(points, third))
+        return np.asarray(held[..., 0] + np.sum(held[..., 1:] & ~held[..., :-1], axis=-1))
+
+    def branches(points: FloatArray) -> IntArray:
+        """A number for the sequence of `stretches` along the second axis, repetitions left out; 0 if all are 0."""
+        counts = stretches(swept(points, second))
+        code, before = np.zeros(counts.shape[:-1], np.int64), np.zeros(counts.shape[:-1], np.int64)
+        for count in np.moveaxis(counts, -1, 0):
+            code = np.where(count != before, (31 * code + count + 1) % 1_000_003, code)
+            before = count
+        return code
+
+    def here(points: FloatArray) -> IntArray:
+        return inside(shape, points).astype(np.int64)
+
+    lines, weights = box.center[None, :].copy(), np.ones(1)
+    for axis, signature, steps in ((first, branches, 22), (second, stretches, 30), (third, here, 46)):
+        which, begin, end = _pieces(signature, lines, axis, ends[axis], looks, steps)
+        count = max(across // 3, round(across * len(lines) / len(which)))
+        rule = np.polynomial.legendre.leggauss(along) if axis == third else _arc(count)
+        lines, weights = _spread(lines[which], weights[which], axis, begin, end, rule)
+    return Rule(lines, weights)
 
 
 def _arc(count: int) -> tuple[FloatArray, FloatArray]:
@@ -93,32 +110,31 @@ def _spread(
     return points.reshape(-1, 3), (weights[:, None] * (end - begin)[:, None] / 2 * gauss).ravel()
 
 
-def _cuts(
-    holds: Callable[[FloatArray], NDArray[np.bool_]],
+def _pieces(
+    signature: Callable[[FloatArray], IntArray],
     lines: FloatArray,
     axis: int,
     ends: tuple[float, float],
     looks: int,
-    *,
     steps: int,
 ) -> tuple[NDArray[np.intp], FloatArray, FloatArray]:
-    """Stretches along an axis where a predicate of points holds: number of the line, begin, end.
+    """Pieces along an axis on which a whole number is constant and not 0: number of the line, begin, end.
 
-    The first and the last place looked at lie a hair beyond the bounds and count as outside: ends come in pairs.
+    The first and the last place looked at lie a hair beyond the bounds, where the number counts as 0.
     """
-    shares = np.concatenate([[-1e-9], (np.arange(looks) + 0.5) / looks, [1 + 1e-9]])
-    places = ends[0] + (ends[1] - ends[0]) * shares
+    places = ends[0] + (ends[1] - ends[0]) * np.concatenate([[-1e-9], (np.arange(looks) + 0.5) / looks, [1 + 1e-9]])
     points = np.repeat(lines[:, None, :], places.size, axis=1)
     points[..., axis] = places
-    held = holds(points)
-    held[:, [0, -1]] = False
-    which, place = np.nonzero(held[:, 1:] != held[:, :-1])
-    entering = held[which, place + 1]
-    lower, upper = places[place], places[place + 1]
+    values = signature(points)
+    values[:, [0, -1]] = 0
+    which, place = np.nonzero(values[:, 1:] != values[:, :-1])
+    before, after = values[which, place], values[which, place + 1]
+    low, high = places[place], places[place + 1]
     probe = lines[which]
     for _ in range(steps):
-        probe[:, axis] = (lower + upper) / 2
-        beyond = holds(probe) == entering
-        lower, upper = np.where(beyond, lower, probe[:, axis]), np.where(beyond, probe[:, axis], upper)
-    begin, end = ((lower + upper) / 2).reshape(-1, 2).T
-    return which[::2], begin, end
+        probe[:, axis] = (low + high) / 2
+        still = signature(probe) == before
+        low, high = np.where(still, probe[:, axis], low), np.where(still, high, probe[:, axis])
+    cut = (low + high) / 2
+    opens = np.flatnonzero(after[:-1] != 0)
+    return which[opens], cut[opens], cut[opens + 1]

@@ -1,0 +1,102 @@
+"""The author's page: its Python runs, its scene is solved with its shape, its tables name what there is."""
+
+import re
+import sys
+import types
+
+import pytest
+
+import eigencontact as ec
+from eigencontact.cli import app
+from eigencontact.hooks.hookspecs import REGISTER_HOOKS
+from eigencontact.plugin import KINDS
+from eigencontact_verification.conformance import ConformanceError, checks_for
+
+
+@pytest.fixture(scope="module")
+def page(root):
+    return (root / "plugins" / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def names(page):
+    """What the Python blocks define, run one after the other as one module."""
+    module = types.ModuleType("author_page")
+    sys.modules["author_page"] = module
+    for number, block in enumerate(blocks(page, "python")):
+        exec(compile(block, f"block {number} of plugins/README.md", "exec"), module.__dict__)
+    yield module.__dict__
+    del sys.modules["author_page"]
+
+
+def test_the_numbers_in_the_text(page, names):
+    (lift,) = re.findall(r"rises above the shell by ([\d.]+) nm", page)
+    assert -names["exact_lift"][0, 2] * 1e9 == pytest.approx(float(lift), abs=0.005)
+
+
+def test_all_three_shells_are_one(names):
+    points = [[1e-6, 0.5e-6, 0.0], [0.0, 0.0, 4.5e-6], [0.0, 0.0, 3e-6], [2e-6, 1e-6, 6e-6]]
+    fields = [
+        ec.inclusion_field(names[name], names["swelling"], points, quantity="stress", **names["steel"])
+        for name in ("exact_shell", "fast_shell")
+    ]
+    assert abs(fields[0] - fields[1]).max() < 1e-9 * abs(fields[0]).max()
+
+
+def test_the_test_of_the_page_has_all_checks(names):
+    """The block with `parametrize_with_checks`: every case but the registration passes."""
+    (mark,) = names["test_conformance"].pytestmark
+    assert mark.args[0] == ("component", "check")
+    failed = set()
+    for case in mark.args[1]:
+        component, check = case.values
+        try:
+            check(component)
+        except ConformanceError:
+            failed.add(check.__name__)
+    assert failed == {"check_registered"}
+
+
+def test_the_scene_runs_with_the_shape_of_the_first_block(page, install, tmp_path):
+    install(blocks(page, "python")[0], name="eigencontact-hollow-ball", entry="hollow-ball")
+    (text,) = blocks(page, "toml")
+    (tmp_path / "shell.toml").write_text(text, encoding="utf-8")
+    plan = ec.plan(ec.load_scene(tmp_path / "shell.toml"))
+    assert "plugin 'hollow-ball'" in plan.explain()
+    assert "cells" in plan.explain()
+    result = ec.run(plan)
+    assert result.summary["versions"]["plugin inclusion-shape hollow-ball"] == "eigencontact-hollow-ball 1.2.3"
+
+
+def test_every_check_is_explained_and_no_other(page, names):
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `check_")]
+    explained = {name for row in rows for name in re.findall(r"`(check_\w+)`", row)}
+    assert explained == {check.__name__ for check in checks_for(names["fast_shell"])}
+
+
+def test_every_kind_is_in_the_table_with_a_file_that_exists(page, root):
+    lines = page.split("## Other kinds")[1].splitlines()
+    rows = [line.split("|") for line in lines if line.startswith("| ") and not line.startswith("| to write")]
+    kinds = {row[2].strip(" `") for row in rows}
+    assert kinds == set(KINDS)
+    for row in rows:
+        assert (root / "plugins" / row[5].strip(" `")).is_file(), row[5]
+    assert {row[4].strip(" `") for row in rows} - {"the same"} == set(REGISTER_HOOKS.values())
+
+
+def test_every_command_exists(page):
+    known = {command.name or command.callback.__name__ for command in app.registered_commands} | {"gallery"}
+    asked = set(re.findall(r"eigencontact (new-plugin|plugins|explain|run|[a-z]+-[a-z]+)\b(?! =)", page)) - {
+        "hollow-ball"
+    }
+    assert asked
+    assert asked <= known
+
+
+def test_lines_are_of_a_readable_length(page):
+    for block in blocks(page, "python"):
+        assert max(len(line) for line in block.splitlines()) <= 120
