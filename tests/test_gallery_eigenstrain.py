@@ -11,7 +11,17 @@ from eigencontact.scene.loader import bundled_names
 #: Changes that make a scene quick where that matters; regions keep a point where they are compared.
 CHANGES = {
     "sphere-near-surface": ["grid.cells=65", "grid.size=[32.5e-6, 32.5e-6]", "stress.0.depth-cells=40"],
-    "buried-cuboid": ["stress.0.depth-cells=16"],
+    "buried-cuboid": ["grid.cells=41", "stress.0.depth-cells=16"],
+    "prestressed-bars": [
+        "grid={cells=[48, 96], spacing=['5 mm', '1 mm']}",
+        "stress.0.position='2.5 mm'",
+        "stress.1={name='along', shape='plane', normal='z', position='16 mm'}",
+    ],
+    "peened-layer": [
+        "stress.0={name='section', shape='plane', normal='z', position='60 um'}",
+        "stress.1.end=[0, 0, '530 um']",
+        "stress.1.count=14",
+    ],
 }
 
 
@@ -44,7 +54,7 @@ def test_summary_and_results(name, finished):
     summary = read(folder)
     assert summary["converged"] is True
     assert summary["max_von_mises"] > 0
-    assert summary["max_uplift"] > 0
+    assert max(summary["max_uplift"], summary["max_sink"]) > 0
     assert summary["normal_load"] is None
     assert summary["max_pressure"] is None
     assert set(summary["files"]) == {path.name for path in folder.iterdir()}
@@ -56,7 +66,9 @@ def test_summary_and_results(name, finished):
             assert variable.dims == ("step", "y", "x")
             assert variable.attrs["units"] == "m"
             assert np.isfinite(variable).all()
-        assert -float(data.residual_displacement_z[-1].min()) == summary["max_uplift"]
+        down = data.residual_displacement_z[-1]
+        assert summary["max_uplift"] == max(0.0, -float(down.min()))
+        assert summary["max_sink"] == max(0.0, float(down.max()))
 
 
 @pytest.mark.parametrize("name", CHANGES)
@@ -88,7 +100,9 @@ def test_vtk_files_open(finished):
 
 PINS = {
     "sphere-near-surface": ("max_uplift", 1.7333333e-8),
-    "buried-cuboid": ("max_uplift", 3.1385e-12),
+    "buried-cuboid": ("max_sink", 1.14688e-11),
+    "prestressed-bars": ("max_sink", 4.11196e-6),
+    "peened-layer": ("max_uplift", 1.07901e-7),
 }
 
 
@@ -136,3 +150,37 @@ def test_the_cuboid_is_case_cb_2(finished):
             float(data[f"residual_displacement_{axis}"][0].sel(x=-2e-6, y=-1e-6, method="nearest")) for axis in "xyz"
         ]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-17)  # printed to 1e-8 edges, times the eigenstrain
+
+
+def test_the_bars_are_case_pb(finished):
+    """In the middle of each bar: the infinite cylinder with an axial eigenstrain in a full space (Eshelby 1957)."""
+    E, nu, e = 50e9, 0.3, -2e-3
+    axial, across = -E * e / (1 - nu**2), -nu * E * e / (2 * (1 - nu**2))
+    assert (axial, across) == pytest.approx((109.89e6, 16.48e6), rel=1e-3)
+    with ec.open_results(finished("prestressed-bars")) as data:
+        for y in (-9.5e-3, 10.5e-3):
+            for z in (16e-3, 35e-3):
+                stress = data.across_stress[0].sel(across_y=y, across_z=z, method="nearest").values
+                assert stress[0] == pytest.approx(axial, rel=0.04)  # bars of 16 diameters, near the surface
+                np.testing.assert_allclose(stress[1:3], across, atol=0.02 * axial)
+                np.testing.assert_allclose(stress[3:], 0.0, atol=0.02 * axial)
+        between = data.across_stress[0].sel(across_y=0.5e-3, across_z=26e-3, method="nearest").values
+        assert between[0] < 0  # pressed concrete
+        surface = data.across_stress[0].sel(across_z=0.0).values
+        np.testing.assert_allclose(surface[[2, 3, 4]], 0.0, atol=1e-12 * axial)
+
+
+def test_the_peened_layer_is_pressed_by_its_own_stretch(finished):
+    """Stress minus -E e/(1 - nu), that of an endless layer, is a smooth tension that balances it."""
+    E, nu, width = 210e9, 0.3, 150e-6
+    with ec.open_results(finished("peened-layer")) as data:
+        z, stress = data.middle_z.values, data.middle_stress[0].values
+    strain = np.where(z < 400e-6, 3e-3 * np.exp(-2 * ((z - 60e-6) / width) ** 2), 0.0)
+    peak = E * 3e-3 / (1 - nu)
+    for component in (0, 1):
+        rest = stress[component] + E * strain / (1 - nu)
+        assert 0.05 * peak < rest.min() < rest.max() < 0.12 * peak
+        assert np.all(np.diff(rest) < 0)
+        assert np.abs(np.diff(rest)).max() < 0.004 * peak  # of points 40 um apart
+    np.testing.assert_allclose(stress[3:], 0.0, atol=1e-9 * peak)
+    assert stress[0].min() == pytest.approx(-793e6, rel=2e-3)

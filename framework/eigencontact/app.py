@@ -200,7 +200,7 @@ def _run_in(
     accepted = store.accepted() if resume else []
     done = {index: _reader(store, index) for index in accepted}
     last: StepRecord | None = store.load_step(accepted[-1]) if accepted else None
-    predicted = resident_bytes() + planned.cost.memory
+    predicted = resident_bytes() + planned.cost.peak
     solving, resumed = 0.0, perf_counter()
     try:
         for record in drive(planned, watcher=watcher, done=done):

@@ -129,6 +129,46 @@ def test_near_regions_share_a_box_and_far_ones_do_not():
     assert [group.varies for group in groups([0, 0, 1e-6], times=[0.0, 1.0], factors=[0.0, 1.0])] == [True]
 
 
+def test_kernels_that_serve_once_do_not_add_up_and_those_of_changing_fields_do():
+    cube = {"type": "cuboid", "center": [0.0, 0.0, 1e-6], "edges": [3e-6, 3e-6, 2e-6], "eigenstrain": GRADED}
+    regions = [{**REGION, "name": "one"}, {**REGION, "name": "two"}]
+    still = ec.plan(SCENE | {"inclusions": cube, "stress": regions})
+    assert still.cost.transient == max(block.cost.transient for block in still.blocks) > 0
+    assert still.cost.memory == 0
+    assert still.cost.seconds_per_step == 0
+    changing = {**cube, "eigenstrain": {**GRADED, "times": [0.0, 1.0], "factors": [0.0, 1.0]}}
+    kept = ec.plan(SCENE | {"inclusions": changing, "stress": regions})
+    assert kept.cost.memory > 1.5 * still.cost.transient
+    assert kept.cost.seconds_per_step > 0
+
+
+MEASURE = """
+import json, sys
+import eigencontact as ec
+summary = ec.run(ec.load_scene(sys.argv[1], ["output.pictures=false", "output.vtk=false"])).summary
+keys = ("predicted_memory_bytes", "peak_memory_bytes", "predicted_seconds", "compute_seconds")
+print(json.dumps([summary[key] for key in keys]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["sphere-near-surface", "buried-cuboid", "prestressed-bars", "peened-layer"])
+def test_predicted_memory_and_time_are_within_a_factor_of_two(name, capsys):
+    """Median of three fresh processes; the prediction is made before the run, on the same machine."""
+    ratios = []
+    for _ in range(3):
+        done = subprocess.run(
+            [sys.executable, "-c", MEASURE, name], capture_output=True, text=True, check=True, timeout=300
+        )
+        memory, peak, seconds, spent = json.loads(done.stdout)
+        ratios.append((memory / peak, seconds / spent))
+    memory, seconds = np.median(ratios, axis=0)
+    with capsys.disabled():
+        print(f"\npredicted / measured: memory {memory:.2f}, time {seconds:.2f} {name}")
+    assert 0.5 <= memory <= 2.0
+    assert 0.5 <= seconds <= 2.0
+
+
 # ---------------------------------------------------------------- outlines
 
 

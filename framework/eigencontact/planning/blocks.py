@@ -13,17 +13,34 @@ __all__ = ["Block", "Cost", "resolve"]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Predicted price of a block: memory held at its peak [bytes] and wall time per run [s] and per step [s]."""
+    """Predicted price of a block.
+
+    Attributes
+    ----------
+    memory : float
+        Held as long as the run [bytes].
+    seconds_once, seconds_per_step : float
+        Wall time per run and per step [s].
+    transient : float
+        Held only while the block works [bytes]: of several blocks the largest counts.
+    """
 
     memory: float = 0.0
     seconds_once: float = 0.0
     seconds_per_step: float = 0.0
+    transient: float = 0.0
+
+    @property
+    def peak(self) -> float:
+        """Memory at its peak [bytes]."""
+        return self.memory + self.transient
 
     def __add__(self, other: Cost) -> Cost:
         return Cost(
             self.memory + other.memory,
             self.seconds_once + other.seconds_once,
             self.seconds_per_step + other.seconds_per_step,
+            max(self.transient, other.transient),
         )
 
 

@@ -148,9 +148,9 @@ def _check_memory(plan: Plan) -> None:
         total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):
         return
-    wanted = plan.cost.memory
+    wanted = plan.cost.peak
     if wanted > _MEMORY_SHARE * total:
-        largest = max(plan.blocks, key=lambda block: block.cost.memory)
+        largest = max(plan.blocks, key=lambda block: block.cost.peak)
         raise PlanError(
             f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
             f"{largest.name!r}); use fewer cells or depths, or numerics.precision = 'single'"

@@ -62,7 +62,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
             ),
             (
                 "uplift-profiles.png",
-                "Surface displacement by eigenstrain along x and y through the largest uplift.",
+                "Surface displacement by eigenstrain along x and y.",
                 lambda: displacement_profiles(dataset, step),
             ),
         ]

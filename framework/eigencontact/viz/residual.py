@@ -61,7 +61,7 @@ def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
             extent=tuple(length(extent)),
             cmap=colours,
             vmin=low * rise.factor,
-            vmax=(high or 1.0) * rise.factor,
+            vmax=(high if high > low else 1.0) * rise.factor,
         )
         draw_outline(axes, dataset, "outline", length)
         label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
@@ -83,7 +83,10 @@ def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
 
 
 def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
-    """Uplift and in-plane displacement along x and along y through the largest uplift (in magnitude).
+    """Uplift and in-plane displacement along x and along y.
+
+    The lines pass through the largest uplift (in magnitude); through the middle of the window when the uplift is
+    symmetric about it.
 
     Parameters
     ----------
@@ -98,7 +101,7 @@ def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
         One panel along x, one along y; only one where the other direction has a single cell.
     """
     uplift, x, y = _uplift(dataset, step)
-    row, column = _largest(uplift)
+    row, column = _middle(uplift)
     values = {"z": uplift}
     for component in "xy":
         name = f"residual_displacement_{component}"
@@ -133,6 +136,14 @@ def _uplift(dataset: xr.Dataset, step: int) -> tuple[NDArray[Any], NDArray[Any],
     lifted = -np.asarray(dataset["residual_displacement_z"][step].values, dtype=float)
     x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
     return lifted + 0.0, x, y
+
+
+def _middle(uplift: NDArray[Any]) -> tuple[int, int]:
+    """Row and column of the profiles."""
+    tolerance = 1e-6 * float(np.abs(uplift).max())
+    if all(np.allclose(uplift, np.flip(uplift, axis), rtol=0, atol=tolerance) for axis in (0, 1)):
+        return uplift.shape[0] // 2, uplift.shape[1] // 2
+    return _largest(uplift)
 
 
 def _largest(uplift: NDArray[Any]) -> tuple[int, int]:
