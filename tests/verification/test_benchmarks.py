@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from eigencontact_verification.benchmarks import hertz
+from eigencontact_verification.benchmarks import eigenstrain, hertz
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
@@ -467,3 +467,32 @@ def test_file_without_its_markers_is_left_alone(tmp_path, text):
     with pytest.raises(ValueError, match=r"README.md must have the lines .* add both where the table belongs"):
         replace_section(path, "hertz", "new")
     assert path.read_text() == text
+
+
+# --- eigenstrain -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("case", list(eigenstrain.CASES))
+def test_eigenstrain_is_measured_and_judged(case, precision):
+    task = Task(benchmark="eigenstrain", code="eigencontact", n=8, case=case, warm=2, precision=precision)
+    sample = perform(task)
+    assert sample["status"] == "ok", sample
+    assert len(sample["again_s"]) == len(sample["transforms_1_s"]) == 2
+    low, high = (0.0, 1e-11) if precision == "double" else (1e-9, 1e-5)
+    assert low < sample["error"] < high
+    row = eigenstrain.summarise(task, [sample, sample])
+    assert row["again_per_transforms_1"] == min(sample["again_s"]) / min(sample["transforms_1_s"])
+    assert row["kernels"] == (58 if case == "stress" else 144)
+
+
+def test_growth_of_eigenstrain_is_told():
+    sizes = {"again_ns_per_point_log": (10.0, 20.0), "setup_ns_per_point_log": (3.0, 3.0)}
+    rows = [
+        {"case": "stress", "n": n, "peak_bytes_per_point": None, **{key: value[k] for key, value in sizes.items()}}
+        for k, n in enumerate((16, 128))
+    ]
+    said = eigenstrain.scaling(rows)
+    assert said[0] == "stress, again, per N³ log2 N: 2.00 times from 16 to 128 (beyond 1.5)"
+    assert "1.00 times from 16 to 128 (within 1.5)" in said[1]
+    assert len(said) == 2

@@ -29,6 +29,7 @@ from eigencontact.solvers.cells import Cells, offset_in_cells, snapped
 from eigencontact.solvers.potential_tables import (
     Forms,
     cell_kernels,
+    far_apart,
     kernel_groups,
     nodes_around,
     parity_of,
@@ -110,9 +111,10 @@ class VolumeField:
         lowest = snapped((self.source.first[2] + self.target.first[2]) / pitch[2])
         image = nodes_around(lowest + layout.lattice_sum, pitch[2], unit)
         numbers = {kernel: number for number, kernel in enumerate(kernels)}
+        far = far_apart(self.source, self.target.first, [float(self.target.centres(axis)[-1]) for axis in range(3)])
         for group in kernel_groups(kernels, 8 * x.size * y.size * max(real.size, image.size)):
             nodes = x, y, (image if group[0][0] == "image" else real)
-            tables = sample_tables(cell, group, nodes, threads=self._threads)
+            tables = sample_tables(cell, group, nodes, threads=self._threads, extended=far)
             tasks = [
                 partial(store.fill, numbers[kernel], table, self._scale)
                 for kernel, table in zip(group, tables, strict=True)

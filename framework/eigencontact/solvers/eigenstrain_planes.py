@@ -28,6 +28,7 @@ from eigencontact.solvers.eigenstrain import add_local, check_request, local_mat
 from eigencontact.solvers.potential_tables import (
     Forms,
     cell_kernels,
+    far_apart,
     kernel_groups,
     nodes_around,
     reduced_response,
@@ -131,14 +132,14 @@ class PlaneFields:
         )
         # Offsets of the real cells descend with the layer: sampled in reverse.
         offsets = {"image": depth + layers, "real": (depth - layers)[::-1]}
-        kernels = cell_kernels(forms)
+        kernels, far = cell_kernels(forms), self._far(depth * dz)
         tables = np.empty((len(kernels), stop - first, x.size - 1, y.size - 1))
         for group in kernel_groups(kernels, 8 * x.size * y.size * (_LAYERS + 1)):
             whose = group[0][0]
             z = nodes_around(offsets[whose], dz, self._unit)
             if depth == 0 and self.space == "half":
                 z = seen_from_inside(z)
-            values = np.moveaxis(sample_tables(cell, group, (x, y, z), threads=1), 3, 1)
+            values = np.moveaxis(sample_tables(cell, group, (x, y, z), threads=1, extended=far), 3, 1)
             tables[[kernels.index(kernel) for kernel in group]] = values if whose == "image" else values[:, ::-1]
         weights = self._scale * _weights(forms, kernels, float(self.depths[plane]) / self._unit)
         for place, layer in enumerate(range(first, stop)):
@@ -151,6 +152,13 @@ class PlaneFields:
                             _parity(self.quantity, component, strain),
                             precision=self._precision,
                         )
+
+    def _far(self, depth: float) -> bool:
+        """Whether all cells are far from all points of a plane."""
+        low = [self.source.first[k] + self._origin[1 - k] * self.source.pitch[k] for k in (0, 1)]
+        ty, tx = self._layout.target
+        high = [low[0] + (tx - 1) * self.source.pitch[0], low[1] + (ty - 1) * self.source.pitch[1]]
+        return far_apart(self.source, [*low, depth], [*high, depth])
 
     @property
     def kernels(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,21 @@ from eigencontact.core.parallel import in_parallel
 from eigencontact.halfspace.forms import INSIDE, Form, Kernel, reduced
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.halfspace.theorem import QUANTITIES, response
+from eigencontact.solvers.cells import Cells
 
-__all__ = ["Forms", "cell_kernels", "kernel_groups", "parity_of", "reduced_response", "sample_tables", "unit_of_length"]
+__all__ = [
+    "Forms",
+    "cell_kernels",
+    "far_apart",
+    "kernel_groups",
+    "nodes_around",
+    "parity_of",
+    "reduced_response",
+    "sample_tables",
+    "seen_from_inside",
+    "symmetry",
+    "unit_of_length",
+]
 
 FloatArray = NDArray[np.float64]
 Forms = tuple[tuple[Form, ...], ...]
@@ -23,6 +37,8 @@ Forms = tuple[tuple[Form, ...], ...]
 _CHUNK_NODES = 12_000
 # Bytes of tables held at a time.
 _GROUP_BYTES = 300_000_000
+# Distance in cells from which corner functions are evaluated in extended precision.
+_FAR = 2.5
 # A node in the surface is seen from inside the body.
 _BELOW_SURFACE = 1e-30
 
@@ -71,9 +87,10 @@ def symmetry(quantity: str, component: int) -> tuple[int, int]:
 def sample_tables(
     cell: HasCornerPotentials,
     group: Sequence[Kernel],
-    nodes: tuple[FloatArray, FloatArray, FloatArray],
+    nodes: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
     *,
     threads: int,
+    extended: bool = False,
 ) -> FloatArray:
     """Tables of kernels of one potential between neighbouring nodes.
 
@@ -88,28 +105,31 @@ def sample_tables(
         the tables have along each axis.
     threads : int
         Slabs are sampled in parallel.
+    extended : bool
+        Corner functions in `numpy.longdouble`, some three times slower: sums over the corners lose digits with the
+        third power of the distance in cells.
 
     Returns
     -------
     (len(group), nx, ny, nz)
         Offsets as between the nodes.
     """
-    x, y, z = nodes
+    x, y, z = (np.asarray(axis, np.longdouble if extended else np.float64) for axis in nodes)
     name, orders = group[0][1], [kernel[2] for kernel in group]
     out = np.empty((len(group), x.size - 1, y.size - 1, z.size - 1))
     planes = max(1, _CHUNK_NODES // (y.size * z.size))
 
     def slab(first: int, stop: int) -> None:
         """Tables between the nodes `first` and `stop` along x; a few planes at a time, so that they stay in cache."""
-        last = np.empty((len(group), 0, y.size - 1, z.size - 1))
+        last = np.empty((len(group), 0, y.size - 1, z.size - 1), x.dtype)
         for begin in range(first, stop + 1, planes):
             end = min(begin + planes, stop + 1)
             values = cell.corner(name, orders, x[begin:end, None, None], y[:, None], z)
             values = values[..., 1:] - values[..., :-1]
             values = values[:, :, 1:] - values[:, :, :-1]
-            np.subtract(values[:, 1:], values[:, :-1], out=out[:, begin : end - 1])
+            np.subtract(values[:, 1:], values[:, :-1], out=out[:, begin : end - 1], casting="same_kind")
             if last.shape[1]:
-                np.subtract(values[:, 0], last[:, 0], out=out[:, begin - 1])
+                np.subtract(values[:, 0], last[:, 0], out=out[:, begin - 1], casting="same_kind")
             last = values[:, -1:]
 
     bounds = np.linspace(0, x.size - 1, min(threads, x.size - 1) + 1).astype(int)
@@ -117,13 +137,25 @@ def sample_tables(
     return out
 
 
-def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> FloatArray:
+def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> NDArray[np.longdouble]:
     """Nodes between and around ascending offsets in cells, in units of length; one that is zero is exactly so."""
     cells = np.append(offsets - 0.5, offsets[-1] + 0.5)
     cells[np.abs(cells) < 1e-9] = 0.0
-    return np.asarray(cells * (pitch / unit))
+    return cells * np.longdouble(pitch / unit)
 
 
-def seen_from_inside(nodes: FloatArray) -> FloatArray:
+def seen_from_inside(nodes: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
     """Nodes along z with a zero replaced by the smallest depth."""
-    return np.where(nodes == 0.0, _BELOW_SURFACE, nodes)
+    return np.where(nodes == 0.0, np.longdouble(_BELOW_SURFACE), nodes)
+
+
+def far_apart(source: Cells, low: Sequence[float], high: Sequence[float]) -> bool:
+    """Whether the box of points (x, y, z) lies so far from all cells that sums over corners lose digits that count.
+
+    Where some cell is near some point, its field is so much larger that nothing is lost.
+    """
+    gaps = []
+    for axis in range(3):
+        centres = source.centres(axis)
+        gaps.append(max(low[axis] - centres[-1], centres[0] - high[axis]) / source.pitch[axis])
+    return float(max(gaps)) > _FAR

@@ -105,11 +105,12 @@ class Cuboid(InclusionShape):
     def corner(self, potential: str, orders: Sequence[Order], x: Any, y: Any, z: Any) -> FloatArray:
         """Corner function of derivatives of ``"phi"``, ``"psi"`` or ``"chi"``, ``(len(orders), ...)``.
 
-        Does not depend on the fields of the cuboid. Lengths should be of order one, say in cells.
+        Does not depend on the fields of the cuboid. Lengths should be of order one, say in cells. Computed in the
+        precision of the coordinates, `numpy.longdouble` included.
         """
-        x, y, z = (np.asarray(t, dtype=float) for t in (x, y, z))
+        x, y, z = (np.asarray(t, dtype=np.result_type(t, float)) for t in (x, y, z))
         corner = Corner(x, y, z)
-        out = np.empty((len(orders), *corner.R.shape))
+        out = np.empty((len(orders), *corner.R.shape), corner.R.dtype)
         for row, order in enumerate(orders):
             out[row] = corner_derivative(potential, order, corner)
         return out

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import fidelity, hertz
+from eigencontact_verification.benchmarks import eigenstrain, fidelity, hertz
 from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
 from eigencontact_verification.benchmarks.machine import describe, facts
@@ -86,6 +86,9 @@ def parser() -> argparse.ArgumentParser:
     three = commands.add_parser("fidelity", parents=[common], help="lower fidelities of the half-space and their price")
     three.add_argument("--size", type=_count, default=32, metavar="N")
     three.add_argument("--cases", nargs="+", choices=list(fidelity.CASES), default=list(fidelity.CASES), metavar="CASE")
+    four = commands.add_parser("eigenstrain", parents=[common], help="eigenstrain in a volume against its bare FFTs")
+    four.add_argument("--sizes", type=_count, nargs="+", default=[16, 32, 64, 128], metavar="N")
+    four.add_argument("--cases", nargs="+", choices=list(eigenstrain.CASES), default=list(eigenstrain.CASES))
     return top
 
 
@@ -93,7 +96,11 @@ def _report(out: Campaign, benchmark: str, machine: str, *, brief: bool) -> str:
     """Table, notes, settings and machine, as Markdown."""
     columns = [column for column in BENCHMARKS[benchmark][0] if column.brief or not brief]
     parts = [table(out.rows, columns)] if out.rows else []
-    remarks = [*(hertz.scaling(out.rows) if benchmark == "hertz" else []), *out.notes]
+    remarks = [*out.notes]
+    if benchmark == "hertz":
+        remarks = hertz.scaling(out.rows) + remarks
+    elif benchmark == "eigenstrain":
+        remarks = eigenstrain.scaling(out.rows) + remarks
     remarks += [f"{code} {text}" for code, text in out.settings.items()]
     parts.append("\n".join(f"- {remark}" for remark in remarks))
     parts.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {machine}.")
@@ -105,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     peers = PEERS if getattr(options, "peers", False) else ()
     codes = options.codes or (list(fidelity.METHODS) if options.benchmark == "fidelity" else [*OURS, *peers])
-    sizes = options.sizes if options.benchmark == "hertz" else [options.size]
+    sizes = options.sizes if "sizes" in options else [options.size]
     elsewhere = dict(options.interpreter)
     machine = facts()
 

@@ -19,7 +19,7 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"``, ``"stress"`` or ``"fidelity"``.
+        ``"hertz"``, ``"stress"``, ``"fidelity"`` or ``"eigenstrain"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
@@ -35,7 +35,7 @@ class Task:
     depths : int
         Number of depths (stress only).
     case : str
-        Where the eigenstrain is (fidelity only).
+        Where the eigenstrain is (fidelity); what is computed of it (eigenstrain).
     """
 
     benchmark: str

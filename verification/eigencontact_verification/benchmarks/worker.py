@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import fidelity, hertz, stress
+from eigencontact_verification.benchmarks import eigenstrain, fidelity, hertz, stress
 from eigencontact_verification.benchmarks.codes import Code, find_code
 from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
@@ -24,13 +24,15 @@ MEASURES: dict[str, Callable[[Code, Task], Sample]] = {
     "hertz": hertz.measure,
     "stress": stress.measure,
     "fidelity": fidelity.measure,
+    "eigenstrain": eigenstrain.measure,
 }
 
 
 def perform(task: Task) -> Sample:
     """Measure, and turn every failure into words: one code's fault must not end the run of the others."""
     try:
-        code = fidelity.METHODS[task.code] if task.benchmark == "fidelity" else find_code(task.code)
+        methods = {"fidelity": fidelity.METHODS, "eigenstrain": eigenstrain.METHODS}.get(task.benchmark)
+        code = methods[task.code] if methods else find_code(task.code)
         found = MEASURES[task.benchmark](code, task)
     except ImportError as error:
         return {"status": "absent", "reason": str(error)}
