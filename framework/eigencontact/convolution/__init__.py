@@ -1,4 +1,4 @@
-"""FFT convolution of surface fields with influence coefficients. It knows no physics and works by itself.
+"""FFT convolution of fields on surfaces and in volumes with kernels. It knows no physics and works by itself.
 
 >>> import numpy as np
 >>> from eigencontact.convolution import Convolver, Layout
@@ -9,10 +9,25 @@
 >>> out = Convolver(layout).apply(field, kernel)
 >>> out.shape, round(float(out[1, 3]), 12)
 ((4, 6), 0.5)
+
+In a volume, kernels may depend on the difference or on the sum of the indices along z:
+
+>>> from eigencontact.convolution import VolumeConvolver, VolumeKernels, VolumeLayout, WeightedSums
+>>> box = VolumeLayout((3, 4, 5), (3, 4, 5))
+>>> kernels = VolumeKernels(box, parities=[(1, 1, 1)], correlations=[True])
+>>> kernels.fill(0, 1.0 / (1.0 + box.lattice_x[:, None, None] ** 2 + box.lattice_y[:, None] ** 2 + box.lattice_sum))
+>>> sums = WeightedSums(kernels, {(0, 0): {(0, 0): 2.0}}, sources=[(1, 1)], outputs=[(1, 1)])
+>>> field = np.zeros((1, 3, 4, 5)); field[0, 1, 2, 3] = 1.0
+>>> out = VolumeConvolver(sums, depths=[0.0, 1.0, 2.0]).apply(field)
+>>> out.shape, round(float(out[0, 2, 2, 3]), 12)
+((1, 3, 4, 5), 0.5)
 """
 
 from eigencontact.convolution.convolver import Convolver
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
+from eigencontact.convolution.volume import VolumeConvolver
+from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
+from eigencontact.convolution.weighted_sums import WeightedSums
 
-__all__ = ["Convolver", "Layout", "Spectrum"]
+__all__ = ["Convolver", "Layout", "Spectrum", "VolumeConvolver", "VolumeKernels", "VolumeLayout", "WeightedSums"]
