@@ -51,7 +51,7 @@ class Polyhedron(InclusionShape):
     key: ClassVar[str] = "polyhedron"
     references: ClassVar[tuple[str, ...]] = (
         "A. Van Oosterom & J. Strackee 1983, doi:10.1109/TBME.1983.325207 (solid angle of a triangle)",
-        "S. Liu & Q. Wang 2005, doi:10.1115/1.1985429 (sum over cuboids)",
+        "S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",
     )
 
     file: str
