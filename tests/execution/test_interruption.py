@@ -13,6 +13,7 @@ import eigencontact as ec
 #: An observer that sends its own process a signal in one step, where the environment says so.
 FATAL = '''
 import os
+import signal
 from dataclasses import dataclass
 from typing import ClassVar
 from eigencontact.plugin import Observer, hookimpl
@@ -23,6 +24,8 @@ class Fatal(Observer):
     key: ClassVar[str] = "fatal"
     def observe(self, step):
         if str(step.index) == os.environ.get("FATAL_STEP"):
+            # A shell lets its background jobs ignore the signal, and children inherit that.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
             os.kill(os.getpid(), int(os.environ["FATAL_SIGNAL"]))
         return {"peak": step.fields["pressure"].max()}
 

@@ -23,11 +23,30 @@ In a volume, kernels may depend on the difference or on the sum of the indices a
 ((1, 3, 4, 5), 0.5)
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from eigencontact.convolution.convolver import Convolver
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
-from eigencontact.convolution.volume import VolumeConvolver
-from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
-from eigencontact.convolution.weighted_sums import WeightedSums
+
+if TYPE_CHECKING:
+    from eigencontact.convolution.volume import VolumeConvolver
+    from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
+    from eigencontact.convolution.weighted_sums import WeightedSums
 
 __all__ = ["Convolver", "Layout", "Spectrum", "VolumeConvolver", "VolumeKernels", "VolumeLayout", "WeightedSums"]
+
+#: Imported when first asked for: a contact without eigenstrain convolves on surfaces alone.
+_VOLUME = {
+    "VolumeConvolver": "volume",
+    "VolumeKernels": "volume_layout",
+    "VolumeLayout": "volume_layout",
+    "WeightedSums": "weighted_sums",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _VOLUME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_VOLUME[name]}"), name)

@@ -34,7 +34,7 @@ class Form:
     --------
     >>> psi = Form.potential("image", "psi")
     >>> (2.0 * psi.d(0).times_z()).d(2)
-    2 image psi 100 + 2 z image psi 101
+    2 z image psi 101 + 2 image psi 100
     """
 
     terms: Mapping[Term, float] = field(default_factory=dict)
