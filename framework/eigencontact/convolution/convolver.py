@@ -8,7 +8,7 @@ the padded complex field ever exists in memory.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -32,6 +32,8 @@ _BATCH_BYTES = 524_288
 _WORTH_COMPILING = 3_000_000
 # Targets whose half-transformed rows are held at a time.
 _TOGETHER = 6
+# Bytes of a spectrum up to which many sources are summed plane by plane, without keeping their half-transformed rows.
+_SMALL_PLANE = 4 * _BATCH_BYTES
 
 
 class Convolver:
@@ -54,6 +56,7 @@ class Convolver:
     Notes
     -----
     One convolver must not be used from two threads at a time: its buffers are its own.
+    The number of threads does not change a result, save for rounding where many sources are summed on a small plane.
     ``count`` is the number of (source, target) convolutions done so far.
     """
 
@@ -76,7 +79,10 @@ class Convolver:
         self._fft = backend(library, effort)
         y, x = layout.y, layout.x
         self.threads = min(threads or available_threads(), max(1, x.length * y.length // 16_384))
-        columns = _blocks(x.half, max(1, _BATCH_BYTES // (16 * y.length)))
+        # Equal batches, an even number where one is not enough, whatever the threads: they do not change the answer.
+        batches = -(-16 * x.half * y.length // _BATCH_BYTES)
+        batches += batches % 2 if batches > 1 else 0
+        columns = _blocks(x.half, -(-x.half // batches))
         batch_rows = max(1, _BATCH_BYTES // (8 * x.length))
         self._workers = [
             _Worker(layout, self._fft, (self._real, self._complex), columns, batch_rows, (k, self.threads))
@@ -129,6 +135,10 @@ class Convolver:
             )
         self.count += sum(kernel is not None for row in kernels for kernel in row)
         targets = np.empty((len(kernels), *self.layout.target), self._real)
+        if len(sources) > len(kernels):
+            self._compile(len(sources) * len(kernels))
+        if len(sources) > len(kernels) and 16 * self.layout.x.half * self.layout.y.length <= _SMALL_PLANE:
+            return self._sum_planes(sources, kernels, targets)
         groups = [kernels[first : first + _TOGETHER] for first in range(0, len(kernels), _TOGETHER)]
         # The half-transformed rows of targets take the place of those of the sources, unless these are needed again.
         kept = len(sources) if len(groups) > 1 else 0
@@ -138,6 +148,26 @@ class Convolver:
             into = targets[_TOGETHER * number :]
             self._all([partial(w.columns, len(sources), group, half, half[kept:]) for w in self._workers])
             self._all([partial(w.rows_inverse, len(group), half[kept:], into) for w in self._workers])
+        return targets
+
+    def _compile(self, pairs: int) -> None:
+        """Load the compiled loop where this many products repay its import."""
+        if pairs * self.layout.y.length * self.layout.x.half >= _WORTH_COMPILING and can_compile():
+            from eigencontact.convolution.compiled import add_packed
+
+            for worker in self._workers:
+                worker.add_packed = add_packed
+
+    def _sum_planes(self, sources: Array, kernels: Kernels, targets: Array) -> Array:
+        """Many sources on a small plane, where the sums of all targets stay in cache: each thread adds up its share."""
+        workers = self._workers[: len(sources)]
+        self._all([partial(worker.add_up, sources, kernels) for worker in workers])
+        totals = workers[0].totals[: len(kernels)]
+        for other in workers[1:]:
+            totals += other.totals[: len(kernels)]
+        half = self._buffers(len(kernels))
+        self._all([partial(worker.columns_inverse, totals, half) for worker in self._workers])
+        self._all([partial(worker.rows_inverse, len(kernels), half, targets) for worker in self._workers])
         return targets
 
     def _all(self, tasks: list[Callable[[], None]]) -> None:
@@ -166,9 +196,11 @@ class _Worker:
         number, threads = share
         y, x = layout.y, layout.x
         self._layout, self._fft, self._complex = layout, fft, dtypes[1]
-        self._source_rows = _blocks(y.sources, batch_rows)[number::threads]
-        self._target_rows = _blocks(y.targets, batch_rows)[number::threads]
-        self._columns = columns[number::threads]
+        self._share = slice(number, None, threads)
+        self._rows_of_source, self._all_columns = _blocks(y.sources, batch_rows), columns
+        self._source_rows = self._rows_of_source[self._share]
+        self._target_rows = _blocks(y.targets, batch_rows)[self._share]
+        self._columns = columns[self._share]
         # Zero outside the source's columns, and kept so: real transforms do not destroy their input.
         self._padded = fft.empty((min(batch_rows, y.sources), x.length), dtypes[0])
         self._padded[:] = 0
@@ -178,37 +210,71 @@ class _Worker:
         self._inverse_plans: dict[tuple[int, int], Plan] = {}
         self._sources: list[tuple[Array, Array, Plan]] = []
         self._sums: list[Array] = []
+        #: Spectra of the targets as far as this thread has added them up, and the rows of the source at hand.
+        self.totals = np.empty((0, x.half, y.length), self._complex)
+        self._rows = np.empty((0, x.half), self._complex)
+        #: Compiled loop that adds a packed spectrum times a field, once there is enough to do for it.
+        self.add_packed: Callable[..., None] | None = None
         self._product = self._sum = self._back = np.empty((0, 0))
         self._inverse: Plan | None = None
 
     @property
     def nbytes(self) -> int:
         columns = sum(a.nbytes + b.nbytes for a, b, _ in self._sources)
-        own = (self._padded, self._full, self._product, self._sum, self._back, *self._sums)
+        own = (self._padded, self._full, self._product, self._sum, self._back, *self._sums, self.totals, self._rows)
         return int(columns + sum(array.nbytes for array in own))
 
     def rows_forward(self, sources: Array, half: Sequence[Array]) -> None:
         """Transform this thread's rows of the sources along x."""
+        for field, into in zip(sources, half, strict=False):
+            self._forward(field, into, self._source_rows)
+
+    def _forward(self, field: Array, half: Array, blocks: Sequence[slice]) -> None:
         start = self._layout.x.source_start
-        inner = slice(start, start + self._layout.source[1])
-        for index, field in enumerate(sources):
-            for rows in self._source_rows:
-                n = rows.stop - rows.start
-                key = (id(half[index]), rows.start)
-                if key not in self._forward_plans:
-                    self._forward_plans[key] = self._fft.real_forward(self._padded[:n], half[index][rows])
-                self._padded[:n, inner] = field[rows]
-                self._forward_plans[key]()
+        for rows in blocks:
+            n = rows.stop - rows.start
+            key = (id(half), rows.start)
+            if key not in self._forward_plans:
+                self._forward_plans[key] = self._fft.real_forward(self._padded[:n], half[rows])
+            self._padded[:n, start : start + self._layout.source[1]] = field[rows]
+            self._forward_plans[key]()
+
+    def add_up(self, sources: Array, kernels: Kernels) -> None:
+        """Transform this thread's share of the sources and add them, times their kernels, to `totals`."""
+        x, y = self._layout.x, self._layout.y
+        self._prepare(1, 1)
+        if len(self.totals) < len(kernels):
+            self.totals = np.empty((len(kernels), x.half, y.length), self._complex)
+            self._rows = self._fft.empty((y.sources, x.half), self._complex)
+        self.totals[:] = 0.0
+        for number in range(len(sources))[self._share]:
+            self._forward(sources[number], self._rows, self._rows_of_source)
+            row = [kernels_of_target[number] for kernels_of_target in kernels]
+            for columns in self._all_columns:
+                self._add(self._rows, row, columns, self.totals[:, columns])
+
+    def columns_inverse(self, totals: Array, targets: Sequence[Array]) -> None:
+        """Transform this thread's columns of summed spectra back along y."""
+        self._prepare(1, 1)
+        for columns in self._columns:
+            for total, target in zip(totals, targets, strict=False):
+                self._sum[: columns.stop - columns.start] = total[columns]
+                self._transform_back(target, columns)
+
+    def _transform_back(self, target: Array, columns: slice) -> None:
+        y = self._layout.y
+        assert self._inverse is not None
+        self._inverse()
+        rows = slice(y.target_start, y.target_start + y.targets)
+        target[: y.targets, columns] = self._back[: columns.stop - columns.start, rows].T
 
     def columns(self, count: int, kernels: Kernels, sources: Sequence[Array], targets: Sequence[Array]) -> None:
         """Transform this thread's columns along y, apply the kernels, transform back."""
         y = self._layout.y
         source_rows = slice(y.source_start, y.source_start + y.sources)
-        target_rows = slice(y.target_start, y.target_start + y.targets)
         # Spectra of few sources are kept for all targets; of many sources each is added to all targets at once.
         gather = count > len(kernels)
         self._prepare(1 if gather else count, len(kernels) if gather else 0)
-        assert self._inverse is not None
         for columns in self._columns:
             n = columns.stop - columns.start
             if gather:
@@ -222,32 +288,31 @@ class _Worker:
                     self._sum[:] = self._sums[number]
                 else:
                     self._combine(row, columns, n)
-                self._inverse()
-                target[: y.targets, columns] = self._back[:n, target_rows].T
+                self._transform_back(target, columns)
 
     def _gather(self, sources: Sequence[Array], kernels: Kernels, columns: slice) -> None:
         """Sums of all targets, source by source; without keeping the spectra of the sources."""
-        n, y = columns.stop - columns.start, self._layout.y
-        padded, spectrum, forward = self._sources[0]
-        add: Any = None
-        if can_compile() and len(sources) * len(kernels) * y.length * self._layout.x.half >= _WORTH_COMPILING:
-            from eigencontact.convolution.compiled import add_packed
-
-            add = add_packed
+        n = columns.stop - columns.start
         for total in self._sums:
             total[:n] = 0.0
         for number, field in enumerate(sources):
-            padded[:n, y.source_start : y.source_start + y.sources] = field[: y.sources, columns].T
-            forward()
-            for total, row in zip(self._sums, kernels, strict=False):
-                kernel = row[number]
-                if kernel is None:
-                    continue
-                if add and kernel.packed:
-                    add(total[:n], spectrum[:n], kernel.values, columns.start, float(kernel.sign_y), kernel.imaginary)
-                else:
-                    kernel.multiply(spectrum[:n], columns, self._product[:n])
-                    total[:n] += self._product[:n]
+            self._add(field, [row[number] for row in kernels], columns, [total[:n] for total in self._sums])
+
+    def _add(self, field: Array, kernels: Sequence[Spectrum | None], columns: slice, totals: Iterable[Array]) -> None:
+        """Transform some columns of one source along y, and add them times a kernel to the sum of each target."""
+        n, y = columns.stop - columns.start, self._layout.y
+        padded, spectrum, forward = self._sources[0]
+        padded[:n, y.source_start : y.source_start + y.sources] = field[: y.sources, columns].T
+        forward()
+        for total, kernel in zip(totals, kernels, strict=False):
+            if kernel is None:
+                continue
+            if self.add_packed and kernel.packed:
+                first, sign = columns.start, float(kernel.sign_y)
+                self.add_packed(total, spectrum[:n], kernel.values, first, sign, kernel.imaginary)
+            else:
+                kernel.multiply(spectrum[:n], columns, self._product[:n])
+                np.add(total, self._product[:n], out=total)
 
     def _combine(self, row: Sequence[Spectrum | None], columns: slice, n: int) -> None:
         """Sum of the sources' spectra times their kernels."""

@@ -12,6 +12,7 @@ R. D. Mindlin and D. H. Cheng 1950, J. Appl. Phys. 21, 926; Y. P. Chiu 1978, J. 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -132,7 +133,7 @@ class PlaneFields:
         )
         # Offsets of the real cells descend with the layer: sampled in reverse.
         offsets = {"image": depth + layers, "real": (depth - layers)[::-1]}
-        kernels, far = cell_kernels(forms), self._far(depth * dz)
+        kernels, far = cell_kernels(forms), self._far(layers * dz, depth * dz)
         tables = np.empty((len(kernels), stop - first, x.size - 1, y.size - 1))
         for group in kernel_groups(kernels, 8 * x.size * y.size * (_LAYERS + 1)):
             whose = group[0][0]
@@ -153,12 +154,17 @@ class PlaneFields:
                             precision=self._precision,
                         )
 
-    def _far(self, depth: float) -> bool:
-        """Whether all cells are far from all points of a plane."""
+    def _far(self, layers: FloatArray, depth: float) -> bool:
+        """Whether all cells of some layers are far from all points of a plane."""
         low = [self.source.first[k] + self._origin[1 - k] * self.source.pitch[k] for k in (0, 1)]
         ty, tx = self._layout.target
         high = [low[0] + (tx - 1) * self.source.pitch[0], low[1] + (ty - 1) * self.source.pitch[1]]
-        return far_apart(self.source, [*low, depth], [*high, depth])
+        cells = replace(
+            self.source,
+            first=(*self.source.first[:2], float(layers[0])),
+            shape=(layers.size, *self.source.shape[1:]),
+        )
+        return far_apart(cells, [*low, depth], [*high, depth])
 
     @property
     def kernels(self) -> int:
