@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from eigencontact_verification.benchmarks import eigenstrain, hertz
+from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
@@ -496,3 +496,16 @@ def test_growth_of_eigenstrain_is_told():
     assert said[0] == "stress, again, per N³ log2 N: 2.00 times from 16 to 128 (beyond 1.5)"
     assert "1.00 times from 16 to 128 (within 1.5)" in said[1]
     assert len(said) == 2
+
+
+# --- clouds ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", cloud.CASES)
+def test_a_cloud_is_measured_and_judged(case):
+    task = Task(benchmark="cloud", code="eigencontact", n=5, case=case)
+    sample = cloud.measure(cloud.METHODS["eigencontact"], task, points=(12, 10, 6))
+    assert sample["error"] < 1e-12
+    row = cloud.summarise(task, [sample, sample])
+    assert row["points"] == 720
+    assert row["ns_per_pair"] > 0

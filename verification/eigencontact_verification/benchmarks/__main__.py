@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import eigenstrain, fidelity, hertz
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz
 from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
 from eigencontact_verification.benchmarks.machine import describe, facts
@@ -89,6 +89,9 @@ def parser() -> argparse.ArgumentParser:
     four = commands.add_parser("eigenstrain", parents=[common], help="eigenstrain in a volume against its bare FFTs")
     four.add_argument("--sizes", type=_count, nargs="+", default=[16, 32, 64, 128], metavar="N")
     four.add_argument("--cases", nargs="+", choices=list(eigenstrain.CASES), default=list(eigenstrain.CASES))
+    five = commands.add_parser("cloud", parents=[common], help="hundreds of inclusions off the grid")
+    five.add_argument("--sizes", type=_count, nargs="+", default=cloud.SIZES, metavar="INCLUSIONS")
+    five.add_argument("--cases", nargs="+", choices=list(cloud.CASES), default=list(cloud.CASES))
     return top
 
 

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import eigenstrain, fidelity, hertz, stress
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,6 +22,7 @@ BENCHMARKS: dict[str, tuple[Sequence[Column], Callable[[Task, list[Sample]], Row
     "stress": (stress.COLUMNS, stress.summarise),
     "fidelity": (fidelity.COLUMNS, fidelity.summarise),
     "eigenstrain": (eigenstrain.COLUMNS, eigenstrain.summarise),
+    "cloud": (cloud.COLUMNS, cloud.summarise),
 }
 
 

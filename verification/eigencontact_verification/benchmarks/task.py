@@ -19,11 +19,11 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"``, ``"stress"``, ``"fidelity"`` or ``"eigenstrain"``.
+        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"`` or ``"cloud"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
-        Cells along each side.
+        Cells along each side; inclusions of a cloud.
     threads : int
         Threads that the code may use.
     precision : str
@@ -35,7 +35,7 @@ class Task:
     depths : int
         Number of depths (stress only).
     case : str
-        Where the eigenstrain is (fidelity); what is computed of it (eigenstrain).
+        Where the eigenstrain is (fidelity); what is computed of it (eigenstrain); shapes (cloud).
     """
 
     benchmark: str

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import eigenstrain, fidelity, hertz, stress
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress
 from eigencontact_verification.benchmarks.codes import Code, find_code
 from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
@@ -25,13 +25,16 @@ MEASURES: dict[str, Callable[[Code, Task], Sample]] = {
     "stress": stress.measure,
     "fidelity": fidelity.measure,
     "eigenstrain": eigenstrain.measure,
+    "cloud": cloud.measure,
 }
 
 
 def perform(task: Task) -> Sample:
     """Measure, and turn every failure into words: one code's fault must not end the run of the others."""
     try:
-        methods = {"fidelity": fidelity.METHODS, "eigenstrain": eigenstrain.METHODS}.get(task.benchmark)
+        methods = {"fidelity": fidelity.METHODS, "eigenstrain": eigenstrain.METHODS, "cloud": cloud.METHODS}.get(
+            task.benchmark
+        )
         code = methods[task.code] if methods else find_code(task.code)
         found = MEASURES[task.benchmark](code, task)
     except ImportError as error:

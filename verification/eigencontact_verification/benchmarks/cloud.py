@@ -1,0 +1,130 @@
+"""Stress of hundreds of inclusions off the grid, each with its own eigenstrain, on 128 x 128 x 64 points.
+
+The inclusions sit in the cells of a coarse lattice, each moved at random within its cell, and do not overlap. The judge
+is the sum over the inclusions one by one, by their own potentials, at some of the points.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.benchmarks.table import Column, Row
+
+if TYPE_CHECKING:
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = ["CASES", "COLUMNS", "METHODS", "POINTS", "SIZES", "lattice", "measure", "summarise"]
+
+FloatArray = NDArray[np.float64]
+
+#: Shapes of the inclusions.
+CASES = ("spheres", "ellipsoids")
+#: Numbers of inclusions.
+SIZES = [50, 500]
+#: Field points along x, y and z.
+POINTS = (128, 128, 64)
+MATERIAL: dict[str, Any] = {"young_modulus": 210e9, "poisson_ratio": 0.3}
+METHODS = {
+    "eigencontact": Code(
+        name="eigencontact",
+        distribution="eigencontact",
+        modules=("eigencontact.inclusions", "eigencontact.halfspace.cloud_kernels"),
+        settings="inclusion_field of a list of shapes, each with its own eigenstrain",
+    )
+}
+# Points at which the judge sums.
+_JUDGED = 200
+
+
+def lattice(points: tuple[int, int, int]) -> FloatArray:
+    """Points (n, 3) half a pitch below the surface and at every pitch beyond; the pitch is 1."""
+    nx, ny, nz = points
+    z, y, x = np.meshgrid(np.arange(nz) + 0.5, np.arange(ny) + 0.5, np.arange(nx) + 0.5, indexing="ij")
+    return np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+
+
+def _inclusions(case: str, number: int, points: tuple[int, int, int]) -> tuple[list[Any], FloatArray]:
+    """Shapes and their eigenstrains (number, 3, 3)."""
+    from eigencontact import make
+
+    rng, box = np.random.default_rng(number), np.array(points, dtype=float)
+    counts = np.maximum(1, np.ceil(box * (number / box.prod()) ** (1 / 3))).astype(int)
+    while counts.prod() < number:
+        counts[np.argmax(box / counts)] += 1
+    cell = box / counts
+    places = rng.permutation(counts.prod())[:number]
+    corners = np.column_stack(np.unravel_index(places, counts)) * cell
+    radius = 0.3 * cell.min()
+    centers = corners + radius + rng.random((number, 3)) * (cell - 2 * radius)
+    shapes = [
+        make("sphere", center=tuple(center), radius=radius)
+        if case == "spheres"
+        else make("ellipsoid", center=tuple(center), semi_axes=(radius, 0.7 * radius, 0.5 * radius))
+        for center in centers
+    ]
+    strains = rng.standard_normal((number, 3, 3))
+    return shapes, strains + strains.swapaxes(1, 2)
+
+
+def measure(code: Code, task: Task, points: tuple[int, int, int] = POINTS) -> Sample:
+    """Compute once in a fresh process, and judge."""
+    code.load()
+    from eigencontact import inclusion_field
+
+    shapes, strains = _inclusions(task.case, task.n, points)
+    at = lattice(points)
+    memory = PeakMemory()
+    found, seconds, _ = timed(lambda: inclusion_field(shapes, strains, at, quantity="stress", **MATERIAL))
+    peak = memory.peak()
+    chosen = np.random.default_rng(1).choice(len(at), min(_JUDGED, len(at)), replace=False)
+    wanted = np.zeros((chosen.size, 3, 3))
+    for shape, strain in zip(shapes, strains, strict=True):
+        wanted += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
+    return {
+        "status": "ok",
+        "seconds": seconds,
+        "peak_bytes": peak,
+        "peak_reset": memory.reset,
+        "points": len(at),
+        "error": float(np.abs(found[chosen] - wanted).max() / np.abs(wanted).max()),
+    }
+
+
+def summarise(task: Task, samples: list[Sample]) -> Row:
+    """One row from the processes of one shape and number."""
+    seconds = [s["seconds"] for s in samples]
+    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
+    pairs = task.n * samples[-1]["points"]
+    return {
+        "case": task.case,
+        "code": task.code,
+        "n": task.n,
+        "points": samples[-1]["points"],
+        "threads": task.threads,
+        "processes": len(samples),
+        "seconds": median(seconds),
+        "min_s": min(seconds),
+        "ns_per_pair": 1e9 * min(seconds) / pairs,
+        "peak_bytes": max(peaks) if peaks else None,
+        "error": max(s["error"] for s in samples),
+    }
+
+
+COLUMNS = (
+    Column("inclusions", "n", "d"),
+    Column("shape", "case"),
+    Column("points", "points", "d"),
+    Column("stress, all set-up included [s]", "seconds", ".3g"),
+    Column("min [s]", "min_s", ".3g", brief=False),
+    Column("ns / inclusion and point", "ns_per_pair", ".3g"),
+    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+    Column("difference from the sum one by one", "error", ".1e"),
+    Column("processes", "processes", "d", brief=False),
+)
