@@ -265,14 +265,19 @@ def test_eshelby_tensor_of_a_spheroid(ratio):
 @pytest.mark.parametrize(("potential", "order"), [("phi", 2), ("phi", 4), ("psi", 3), ("psi", 5)])
 def test_far_field(semi_axes, potential, order):
     shape = Ellipsoid(center=CENTER, semi_axes=semi_axes, rotation=TURN)
-    far = shape.far_field()
-    assert far.volumes.sum() == pytest.approx(shape.volume, rel=1e-14)
-    for distance in (1.0, 30.0):
-        p = far.center[:, None] + directions(10) * distance * far.distance
-        parts = derivatives_of(
-            point_potential(potential), orders_of(order), *(p[:, :, None] - far.positions.T[:, None])
-        )
-        assert worst((parts * far.volumes).sum(axis=-1), getattr(shape, potential)(orders_of(order), *p)) < 1e-12
+    levels = shape.far_field().levels
+    assert [far.distance for far in levels] == sorted((far.distance for far in levels), reverse=True)
+    assert [far.volumes.size for far in levels] == sorted(far.volumes.size for far in levels)
+    for far in levels:
+        assert far.volumes.sum() == pytest.approx(shape.volume, rel=1e-14)
+        for distance in (1.0, 30.0):
+            p = far.center[:, None] + np.hstack([directions(10), shape.axes]) * distance * far.distance
+            offset = p[:, :, None] - far.positions.T[:, None]
+            parts = derivatives_of(point_potential(potential), orders_of(order), *offset) * far.volumes
+            if potential == "psi":  # a point with a spread: V (R + k/R)
+                extra = derivatives_of(point_potential("phi"), orders_of(order), *offset)
+                parts += extra * (far.volumes * far.spreads)
+            assert worst(parts.sum(axis=-1), getattr(shape, potential)(orders_of(order), *p)) < 1e-12
 
 
 # mirror image -------------------------------------------------------------------------------------------------------

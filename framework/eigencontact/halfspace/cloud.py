@@ -1,14 +1,14 @@
 """Many regions at once: point sources wherever they hold, the shapes' own potentials only near by.
 
-Beyond a distance a shape is a few points (a sphere is one, everywhere outside). All of them are summed over all field
-points in one compiled loop. What is left are pairs of a region and a point close to it: equal shapes hand theirs in
-together, and pairs that look alike, as those of a regular array on a grid do, are evaluated once.
+Beyond a distance a shape is a few points (a sphere is one, everywhere outside), further away fewer. All of them are
+summed over all field points in one compiled loop. What is left are pairs of a region and a point close to it: equal
+shapes hand theirs in together, and pairs that look alike, as those of a regular array on a grid do, are evaluated once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -27,7 +27,7 @@ __all__ = ["field_of_cloud", "uses_point_sources"]
 FloatArray = NDArray[np.float64]
 
 # A shape whose far field takes more points than this is cheaper by its own formulas.
-_MOST_SOURCES = 400
+_MOST_SOURCES = 800
 
 
 def uses_point_sources(shape: HasPotentials) -> bool:
@@ -81,25 +81,39 @@ def field_of_cloud(
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **given)
     if distant:
-        rows = [_source_rows(far, eigenstrains[number]) for number, far in distant.items()]
-        out += _sum_of_sources(np.concatenate(rows), (x, y, z), space=space, **given)
         finder = _Finder(x, y, z)
+        sources = _Sources(list(distant.values()), [eigenstrains[number] for number in distant])
+        # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
+        order = finder.order if sources.many_levels else slice(None)
+        out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **given)
         for members in groups.values():
             _mend_near(shapes, members, eigenstrains[members[0]], distant, finder, space, given, out)
     return out
 
 
-def _source_rows(far: PointSources, eigenstrain: FloatArray) -> FloatArray:
-    """Point sources of one region as rows for the compiled sums."""
-    spread_out = np.sqrt(((far.positions - far.center) ** 2).sum(axis=1).max())
-    least = (0.9 * (far.distance - spread_out)) ** 2  # closer than any point at which they hold
-    count = len(far.volumes)
-    columns = [far.positions, far.volumes, far.spreads, np.full(count, least)]
-    return np.column_stack([*columns, np.tile(from_mandel(eigenstrain), (count, 1))])
+class _Sources:
+    """Point sources of regions, as tables for the compiled sums."""
+
+    def __init__(self, regions: Sequence[PointSources], eigenstrains: Sequence[FloatArray]) -> None:
+        rows, levels, starts = [], [], [0]
+        total = 0
+        for finest, eigenstrain in zip(regions, eigenstrains, strict=True):
+            for far in finest.levels:
+                spread_out = np.sqrt(((far.positions - far.center) ** 2).sum(axis=1).max())
+                least = (0.9 * (far.distance - spread_out)) ** 2  # closer than any point at which they hold
+                count = len(far.volumes)
+                columns = [far.positions, far.volumes, far.spreads, np.full(count, least)]
+                rows.append(np.column_stack([*columns, np.tile(from_mandel(eigenstrain), (count, 1))]))
+                levels.append((far.distance**2, total, total + count))
+                total += count
+            starts.append(len(levels))
+        self.rows, self.levels = np.concatenate(rows), np.array(levels, dtype=float)
+        self.centers, self.starts = np.array([far.center for far in regions], dtype=float), np.array(starts)
+        self.many_levels = len(levels) > len(regions)
 
 
 def _sum_of_sources(
-    sources: FloatArray,
+    sources: _Sources,
     points: tuple[FloatArray, FloatArray, FloatArray],
     *,
     space: str,
@@ -113,14 +127,15 @@ def _sum_of_sources(
     from eigencontact.halfspace.cloud_kernels import sum_displacement, sum_stress
 
     nu = float(poisson_ratio)
-    sources = sources.copy()
-    sources[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
+    rows = sources.rows.copy()
+    rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
+    tables = (rows, sources.centers, sources.starts, sources.levels)
     numba.set_num_threads(min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS))
     out = np.zeros((QUANTITIES[quantity], points[0].size))
     if quantity == "displacement":
-        sum_displacement(*points, sources, nu, space == "half", out)
+        sum_displacement(*points, *tables, nu, space == "half", out)
         return out
-    sum_stress(*points, sources, nu, space == "half", out)
+    sum_stress(*points, *tables, nu, space == "half", out)
     if quantity == "strain":
         out[:3] -= nu / (1.0 + nu) * out[:3].sum(axis=0)
         out *= 0.5
@@ -178,10 +193,10 @@ def _mend(
 ) -> FloatArray:
     """Field of a region minus that of its point sources; of two spaces the first minus the second, the image's part."""
     points = (np.ascontiguousarray(at[:, 0]), np.ascontiguousarray(at[:, 1]), np.ascontiguousarray(at[:, 2]))
-    rows = _source_rows(far, eigenstrain)
+    finest = _Sources([replace(far, coarser=None)], [eigenstrain])
     parts = [
         field_at_points(shape, eigenstrain, points, space=space, **given)
-        - _sum_of_sources(rows, points, space=space, **given)
+        - _sum_of_sources(finest, points, space=space, **given)
         for space in spaces
     ]
     return parts[0] - parts[1] if len(parts) == 2 else parts[0]
@@ -195,6 +210,11 @@ class _Finder:
 
         self.points = np.column_stack([x, y, z])
         self._tree = cKDTree(self.points, balanced_tree=False, compact_nodes=False)
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        """Indices of the points, neighbours in space next to each other."""
+        return np.asarray(self._tree.indices)
 
     def within(self, place: FloatArray, distance: float) -> NDArray[np.intp]:
         """Indices of points strictly closer than `distance`."""

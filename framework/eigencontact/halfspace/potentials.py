@@ -81,6 +81,8 @@ class PointSources:
         Weights; their sum is the region's volume [m^3].
     spreads : (m,)
         Terms k of ``Psi = volume * (R + k / R)`` [m^2]: a²/5 of a ball of radius a, 0 of a bare point.
+    coarser : PointSources, optional
+        Fewer points that do further away; these may have still coarser ones.
     """
 
     center: FloatArray
@@ -88,6 +90,12 @@ class PointSources:
     positions: FloatArray
     volumes: FloatArray
     spreads: FloatArray
+    coarser: PointSources | None = None
+
+    @property
+    def levels(self) -> list[PointSources]:
+        """These and all coarser ones, the coarsest first."""
+        return [*([] if self.coarser is None else self.coarser.levels), self]
 
 
 @runtime_checkable

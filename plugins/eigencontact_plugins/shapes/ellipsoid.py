@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import Angle, InclusionShape, Length, Order, PointSources, hookimpl, integrated_chi, require
-from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi
+from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi, focal_sources
 from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivatives
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
 
@@ -122,19 +122,20 @@ class Ellipsoid(InclusionShape):
         return values.reshape(len(orders), *np.shape(x))
 
     def far_field(self) -> PointSources:
-        """Thirteen points with all moments up to the fifth, from 200 longest semi-axes on, exact to 1e-12 there."""
-        golden = 0.5 * (1.0 + np.sqrt(5.0))
-        corners = np.array([(0.0, s, t * golden) for s in (-1, 1) for t in (-1, 1)]) / np.hypot(1.0, golden)
-        ball = np.concatenate([np.roll(corners, turn, axis=1) for turn in range(3)] + [np.zeros((1, 3))])
-        positions = (np.sqrt(5.0 / 7.0) * ball * np.array(self.semi_axes)) @ self.axes.T
+        """Cubatures over the focal ellipse, exact to 1e-12: some tens of points far away, hundreds next to the tips."""
         center = np.array(self.center, dtype=float)
-        return PointSources(
-            center=center,
-            distance=200.0 * max(self.semi_axes),
-            positions=center + positions,
-            volumes=self.volume * np.array([0.07] * 12 + [0.16]),
-            spreads=np.zeros(13),
-        )
+        far: PointSources | None = None
+        for distance, positions, weights, spreads in focal_sources(np.array(self.semi_axes), self.axes):
+            far = PointSources(
+                center=center,
+                distance=distance,
+                positions=center + positions,
+                volumes=self.volume * weights,
+                spreads=spreads,
+                coarser=far,
+            )
+        assert far is not None
+        return far
 
     def _own(self, x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Coordinates along the semi-axes, from the centre."""

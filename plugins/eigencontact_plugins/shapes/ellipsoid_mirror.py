@@ -1,16 +1,21 @@
-"""Chi of an ellipsoid's mirror image, from sources on the focal ellipse.
+"""Sources on the focal ellipse that stand for an ellipsoid: for Chi of its mirror image, and from outside.
 
 A harmonic function integrates over a uniform ellipsoid as over its focal ellipse, the flat confocal one, with semi-axes
 p = √(a² - c²), q = √(b² - c²) and the density of a uniform flat ellipsoid, 3 V √(1 - ξ²/p² - η²/q²) / (2π p q)
 (Maclaurin's theorem). Chi of a point is harmonic in its source, so that Chi of the ellipsoid is a cubature over the
 ellipse with the kernels of points. It converges like ((√A_1 + √A_3)/p)^(-degree) with A_i = a_i² + λ of the mirrored
 field point: some tens of nodes for most points, too many only next to the image of a flat disc near the surface.
+
+Psi is biharmonic outside. The Fourier transform of an ellipsoid is 3 j1(κ)/κ, κ² = c² k² + p² k_1² + q² k_2²; expanded
+to first order in k² about the ellipse it gives the nodes a spread c²/3 (1 - ξ²/p² - η²/q²), c²/5 on average as that of a
+sphere, and c²/4 (1 - ξ²/p²) on the line of a long spheroid.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +24,7 @@ from eigencontact.plugin import Order
 from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level
 from eigencontact_plugins.shapes.point import PointKernels
 
-__all__ = ["chi_degrees", "focal_chi"]
+__all__ = ["chi_degrees", "focal_chi", "focal_sources"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -31,6 +36,9 @@ DIGITS = 1e-18
 #: Nodes from which on an integral along a line is cheaper.
 MOST = 2500
 PAIRS = 1 << 14
+#: Distances of points outside, in half lengths of the ellipse, for which there are cubatures; what these leave out.
+REACHES = (20.0, 8.0, 4.0, 2.4, 1.6)
+SOURCE_DIGITS = 1e-12
 
 
 def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[IntArray, IntArray]:
@@ -102,6 +110,55 @@ def focal_chi(
         for row, order in enumerate(orders):
             result[row, part] = volume * (weights @ kernels.derivative("chi", order))
     return result
+
+
+def focal_sources(semi_axes: FloatArray, axes: FloatArray) -> list[tuple[float, FloatArray, FloatArray, FloatArray]]:
+    """Sources that stand for an ellipsoid from some distances of its centre on, the fewest and farthest first.
+
+    Returns
+    -------
+    list of (distance, positions (m, 3), weights (m,), spreads (m,))
+        Positions from the centre; weights add up to one.
+    """
+    i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
+    a, b, c = (float(axis) for axis in semi_axes[[i, j, k]])
+    p, q = np.sqrt((a - c) * (a + c)), np.sqrt((b - c) * (b + c))
+    found = []
+    for reach in REACHES:
+        distance = max(reach * p, 1.001 * a)
+        u, v, weights = _outside(max(reach, distance / max(p, 1e-9 * a)), flat=q > 0)
+        positions = p * u[:, None] * axes[:, i] + q * v[:, None] * axes[:, j]
+        spread = c * c / (3.0 if q > 0 else 4.0)
+        found.append((distance, positions, weights, spread * (1.0 - u * u - v * v)))
+        if distance > reach * p:
+            break
+    return found
+
+
+@cache
+def _outside(reach: float, *, flat: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cubature of the ellipse, or of the line, for points at `reach` times its half length and beyond."""
+    across = _terms(reach + np.sqrt((reach - 1.0) * (reach + 1.0)))
+    if not flat:
+        return _line(across)
+    count = -(-(across + 3) // 4)  # exact with the weight t²
+    nodes, weights = np.polynomial.legendre.leggauss(2 * count)
+    rings: list[tuple[FloatArray, ...]] = []
+    for t, w in zip(nodes[count:], weights[count:], strict=True):
+        radius = np.sqrt((1.0 - t) * (1.0 + t))
+        around = _terms(reach / radius)  # the smaller a ring, the fewer of its harmonics are felt
+        angle = 2.0 * np.pi * (np.arange(around) + 0.5 * (len(rings) % 2)) / around
+        rings.append((radius * np.cos(angle), radius * np.sin(angle), np.full(around, 3.0 * w * t * t / around)))
+    u, v, weights = (np.concatenate(parts) for parts in zip(*rings, strict=True))
+    return u, v, weights
+
+
+def _terms(ratio: float) -> int:
+    """Order from which terms that fall like ratio^-n are negligible, in derivatives too: those of order 7 grow so."""
+    n = 1
+    while comb(n + 7, 7) * ratio**-n > SOURCE_DIGITS:
+        n += 1
+    return n
 
 
 @cache
