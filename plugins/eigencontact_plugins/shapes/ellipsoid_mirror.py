@@ -7,8 +7,8 @@ ellipse with the kernels of points. It converges like ((√A_1 + √A_3)/p)^(-de
 field point: some tens of nodes for most points, too many only next to the image of a flat disc near the surface.
 
 Psi is biharmonic outside. The Fourier transform of an ellipsoid is 3 j1(κ)/κ, κ² = c² k² + p² k_1² + q² k_2²; expanded
-to first order in k² about the ellipse it gives the nodes a spread c²/3 (1 - ξ²/p² - η²/q²), c²/5 on average as that of a
-sphere, and c²/4 (1 - ξ²/p²) on the line of a long spheroid.
+to first order in k² about the ellipse it gives the nodes a spread c²/3 (1 - ξ²/p² - η²/q²), c²/5 on average as a
+sphere's, and c²/4 (1 - ξ²/p²) on the line of a long spheroid.
 """
 
 from __future__ import annotations
@@ -154,9 +154,9 @@ def _outside(reach: float, *, flat: bool) -> tuple[FloatArray, FloatArray, Float
 
 
 def _terms(ratio: float) -> int:
-    """Order from which terms that fall like ratio^-n are negligible, in derivatives too: those of order 7 grow so."""
+    """Order from which terms that fall like ratio^-n are negligible, in derivatives too: those of order 5 grow so."""
     n = 1
-    while comb(n + 7, 7) * ratio**-n > SOURCE_DIGITS:
+    while comb(n + 5, 5) * ratio**-n > SOURCE_DIGITS:
         n += 1
     return n
 
