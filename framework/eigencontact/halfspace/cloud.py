@@ -129,13 +129,14 @@ def _sum_of_sources(
     nu = float(poisson_ratio)
     rows = sources.rows.copy()
     rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
+    half = True if space == "half" else None
     tables = (rows, sources.centers, sources.starts, sources.levels)
     numba.set_num_threads(min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS))
     out = np.zeros((QUANTITIES[quantity], points[0].size))
     if quantity == "displacement":
-        sum_displacement(*points, *tables, nu, space == "half", out)
+        sum_displacement(*points, *tables, nu, half, out)
         return out
-    sum_stress(*points, *tables, nu, space == "half", out)
+    sum_stress(*points, *tables, nu, half, out)
     if quantity == "strain":
         out[:3] -= nu / (1.0 + nu) * out[:3].sum(axis=0)
         out *= 0.5

@@ -46,9 +46,12 @@ def _rows_for_block(x: Any, y: Any, z: Any, centers: Any, starts: Any, levels: A
 
 @_compiled
 def sum_stress(
-    x: Any, y: Any, z: Any, sources: Any, centers: Any, starts: Any, levels: Any, nu: float, half: bool, out: Any  # noqa: FBT001
+    x: Any, y: Any, z: Any, sources: Any, centers: Any, starts: Any, levels: Any, nu: float, half: Any, out: Any
 ) -> None:  # fmt: skip
-    """Add stress components xx, yy, zz, yz, xz, xy (plain tensor, in units of `scale`) to `out` (6, n)."""
+    """Add stress components xx, yy, zz, yz, xz, xy (plain tensor, in units of `scale`) to `out` (6, n).
+
+    `half` is True, or None for full space.
+    """
     count, n1, n2 = x.size, 1.0 - nu, 1.0 - 2.0 * nu
     for block in numba.prange((count + _CHUNK - 1) // _CHUNK):
         first = block * _CHUNK
@@ -81,7 +84,7 @@ def sum_stress(
                     total[3, i] += scale * (dyad * Y * Z + own * eyz + mixed * (wy * Z + wz * Y))
                     total[4, i] += scale * (dyad * X * Z + own * exz + mixed * (wx * Z + wz * X))
                     total[5, i] += scale * (dyad * X * Y + own * exy + mixed * (wx * Y + wy * X))
-                    if not half:
+                    if half is None:  # settled when it is compiled
                         continue
                     # Its mirror image; q is the mirrored eigenstrain.
                     Z = depth + sz
@@ -166,9 +169,12 @@ def sum_stress(
 
 @_compiled
 def sum_displacement(
-    x: Any, y: Any, z: Any, sources: Any, centers: Any, starts: Any, levels: Any, nu: float, half: bool, out: Any  # noqa: FBT001
+    x: Any, y: Any, z: Any, sources: Any, centers: Any, starts: Any, levels: Any, nu: float, half: Any, out: Any
 ) -> None:  # fmt: skip
-    """Add displacement components x, y, z (in units of `scale`) to `out` (3, n)."""
+    """Add displacement components x, y, z (in units of `scale`) to `out` (3, n).
+
+    `half` is True, or None for full space.
+    """
     count, n1, n2 = x.size, 1.0 - nu, 1.0 - 2.0 * nu
     for block in numba.prange((count + _CHUNK - 1) // _CHUNK):
         first = block * _CHUNK
@@ -195,7 +201,7 @@ def sum_displacement(
                     total[0, i] += scale * (along * X + row * wx)
                     total[1, i] += scale * (along * Y + row * wy)
                     total[2, i] += scale * (along * Z + row * wz)
-                    if not half:
+                    if half is None:  # settled when it is compiled
                         continue
                     Z = depth + sz
                     r2 = max(X * X + Y * Y + Z * Z, least)

@@ -12,7 +12,7 @@ import numpy as np
 from eigencontact.convolution import Layout
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads
-from eigencontact.halfspace.potentials import HasPotentials
+from eigencontact.halfspace.potentials import HasFarField, HasPotentials
 from eigencontact.planning.blocks import Cost
 from eigencontact.planning.cost import Speed, speed, timed
 from eigencontact.planning.regions import RegionLattice
@@ -27,7 +27,7 @@ CLOUD = 16
 #: Points on which the closed form of a shape is timed, spread over those wanted.
 _SAMPLE = 1024
 #: Seconds of one pair of a point source and a field point on one thread; and once, to load the compiled loop.
-_PAIR, _LOAD = 8e-8, 0.3
+_PAIR, _LOAD = 2e-8, 0.5
 
 _KNOWN: dict[tuple[object, ...], float] = {}
 
@@ -39,9 +39,33 @@ def closed_form_cost(
     count, workers = int(np.prod(lattice.shape)), 0.8 * (threads or available_threads())
     held = 8.0 * count * (3 if quantity == "displacement" else 6) * 3 + 2e6
     if len(sources) >= CLOUD:
-        return Cost(memory=held, seconds_once=_LOAD + count * len(sources) * _PAIR / workers)
+        seconds = sum(_cloud_pace(source, quantity, lattice, body, space) for source in sources)
+        return Cost(memory=held, seconds_once=_LOAD + count * seconds / workers)
     seconds = sum(_point_pace(source, quantity, lattice, body, space) for source in sources)
     return Cost(memory=held, seconds_once=count * seconds / workers + 1e-3 * len(sources))
+
+
+def _cloud_pace(source: Source, quantity: str, lattice: RegionLattice, body: Material, space: str) -> float:
+    """Time of one point on one thread [s], for one shape of many: point sources by distance, near by its potentials."""
+    from eigencontact.halfspace.cloud import uses_point_sources
+
+    shape = cast("HasPotentials", source.shape)
+    if not uses_point_sources(shape):
+        return _point_pace(source, quantity, lattice, body, space)
+    finest = cast("HasFarField", shape).far_field()
+    points = lattice.flat_points(every=max(1, int(np.prod(lattice.shape)) // _SAMPLE))
+    distance, above = (
+        np.linalg.norm([x - c for x, c in zip(points, finest.center * (1.0, 1.0, side), strict=True)], axis=0)
+        for side in (1.0, -1.0)
+    )
+    used = np.full(distance.size, len(finest.volumes))
+    for far in reversed(finest.levels):
+        used[distance >= far.distance] = len(far.volumes)
+    near = float(np.mean(distance < finest.distance)) + (
+        2.0 * np.mean(above < finest.distance) if space == "half" else 0
+    )
+    own = near * _point_pace(source, quantity, lattice, body, space) if near else 0.0
+    return float(used.mean()) * _PAIR + own
 
 
 def _point_pace(source: Source, quantity: str, lattice: RegionLattice, body: Material, space: str) -> float:

@@ -121,9 +121,10 @@ class Source:
             elif self.exact:
                 why = "the half-space is periodic"
             return f"cut into {self.lattice.cells} cells, {nx} x {ny} x {nz} ({why})"
+        method = self.shape.method if isinstance(self.shape, InclusionShape) else "closed form"
         if isinstance(self.shape, HasMirrorPotential):
-            return "closed form"
-        return "closed form, and quadrature of the mirror image (the shape gives no chi)"
+            return method
+        return f"{method}, and quadrature of the mirror image (the shape gives no chi)"
 
     def uniform_eigenstrain(self, time: float) -> FloatArray:
         """Mandel eigenstrain ``(6,)`` of a uniform field."""

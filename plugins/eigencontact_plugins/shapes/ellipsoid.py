@@ -50,6 +50,7 @@ class Ellipsoid(InclusionShape):
     """
 
     key: ClassVar[str] = "ellipsoid"
+    method: ClassVar[str] = "elliptic integrals, and cubature of the mirror image"
     references: ClassVar[tuple[str, ...]] = (
         "J. D. Eshelby 1957, doi:10.1098/rspa.1957.0133",
         "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173",
