@@ -109,9 +109,10 @@ def _report(name: str, result: Any) -> None:
         ("largest von Mises stress", "max_von_mises", "Pa"),
         ("  at depth", "max_von_mises_depth", "m"),
         ("largest uplift of the surface", "max_uplift", "m"),
+        ("largest sink of the surface", "max_sink", "m"),
     )
     for text, key, unit in rows:
-        if summary.get(key) is not None:
+        if summary.get(key) is not None and (summary[key] or key not in ("max_uplift", "max_sink")):
             numbers.add_row(text, readable(float(summary[key]), unit))
     if summary["gap_residual"] is not None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")

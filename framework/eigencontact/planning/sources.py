@@ -26,6 +26,8 @@ Point = tuple[float, float, float]
 
 #: A region may reach above the surface by this part of its size: rounding of coordinates.
 _ROUND_OFF = 1e-12
+# Layers of a patch, by default and at least and at most.
+_LAYERS, _FEWEST, _MOST = 32, 16, 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,16 +225,28 @@ def with_lattices(sources: tuple[Source, ...], scene: Scene, grid: Grid) -> tupl
     return tuple(fitted)
 
 
+def _layers(depth: float, scene: Scene, body: int) -> int:
+    """Layers of a patch that are the steps of depth of a region of stress, where some are of a sensible size."""
+    for region in scene.stress:
+        if region.depth_max is not None and region.body == body:
+            count = depth * region.depth_cells / region.depth_max
+            if _FEWEST <= round(count) <= _MOST and abs(count - round(count)) < 1e-6 * count:
+                return round(count)
+    return _LAYERS
+
+
 def _lattice(source: Source, scene: Scene, grid: Grid) -> Lattice:
     """Whole cells around a region: columns of the grid, layers counted from the surface."""
     low, high = source.shape.bounds
-    if low[2] < 0 and source.layers is None:
+    patch = isinstance(source.shape, Patch)
+    if low[2] < 0 and not patch:
         raise SceneError(
             f"{source.where} ({source.name!r}) must lie in z >= 0 to be cut into cells (got z from {low[2]:g} m); "
             "move it down: in a full space only the place of the points beside it matters"
         )
     extents = [hi - lo for lo, hi in zip(low, high, strict=True)]
-    dz = extents[2] / source.layers if source.layers else min(extents) / scene.numerics.inclusion_cells
+    layers = source.layers or (_layers(extents[2], scene, source.body) if patch else None)
+    dz = extents[2] / layers if layers else min(extents) / scene.numerics.inclusion_cells
     # An inclusion of which whole layers fit keeps its faces.
     dz = extents[2] / max(1, round(extents[2] / dz))
     edges = (dz, grid.dy, grid.dx)

@@ -84,8 +84,9 @@ class EigenstrainPatch(_Component):
     ----------
     depth : float
         Lower end [m]; the upper end is the surface.
-    layers : int
-        Layers of cells that the depth is cut into.
+    layers : int, optional
+        Layers of cells that the depth is cut into; by default 32, or the steps of depth of a region of stress where 16
+        to 64 of them fit: the field there then takes one transform in space.
     size : (float, float), optional
         Extent of the patch along x and y [m]; the whole window by default. It is rounded to whole cells.
     center : (float, float), optional
@@ -95,7 +96,7 @@ class EigenstrainPatch(_Component):
     """
 
     depth: PositiveLength
-    layers: _Layers = 32
+    layers: _Layers | None = None
     size: tuple[PositiveLength, PositiveLength] | None = None
     center: tuple[FiniteLength, FiniteLength] | None = None
 

@@ -153,8 +153,12 @@ def _from_sources(sources: PointSources, which: str, orders: list[Order], places
 
 @check
 def check_far_field(shape: Any) -> None:
-    """Point sources lie in the body, hold the volume, and give all orders from their distance on (to 1e-8)."""
-    sources: PointSources = shape.far_field()
+    """Point sources, coarser ones too, lie in the body, hold the volume, and give all orders beyond (to 1e-8)."""
+    for sources in shape.far_field().levels:
+        _check_sources(shape, sources)
+
+
+def _check_sources(shape: Any, sources: PointSources) -> None:
     shapes = {
         "center": (np.shape(sources.center), (3,)),
         "positions": (np.shape(sources.positions), (np.size(sources.volumes), 3)),
