@@ -354,6 +354,9 @@ def test_ball_tangent_to_the_surface_on_its_axis():
     assert just_below[0, 0] == pytest.approx(1.048, abs=5e-4)
     assert beside[0, 0] == pytest.approx(2.476, abs=5e-4)
     assert beside[0, 0] - just_below[0, 0] == pytest.approx(1 / 0.7, abs=1e-5)
+    as_ellipsoid = eigencontact.make("ellipsoid", center=(0, 0, 1), semi_axes=(1, 1, 1))
+    touching = [field(shape, np.eye(3), [(0, 0, 0)], 0.3, "stress")[0, 0, 0] / 2.6 for shape in (ball, as_ellipsoid)]
+    assert touching == pytest.approx([beside[0, 0]] * 2, abs=1e-5)
     depth, sigma_xx, sigma_zz = np.array(eshelby.TANGENT_BALL_AXIS[1:]).T
     depth[depth == 2.0] -= 1e-9
     points = np.stack([0 * depth, 0 * depth, depth], axis=1)

@@ -59,8 +59,8 @@ def inclusion_field(
     -------
     (n, 3) [m] or (n, 3, 3) [-] or [Pa]
         Displacement, or symmetric tensors. Components that jump across a face of the region take the mean of both
-        sides on it; in the surface, the limit from inside. On edges strain and stress are infinite (a logarithm);
-        they come out large and finite.
+        sides on it; in the surface, the limit from inside (where a round shape touches it, that along the surface). On
+        edges strain and stress are infinite (a logarithm); they come out large and finite.
 
     Raises
     ------

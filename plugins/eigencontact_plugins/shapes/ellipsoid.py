@@ -43,10 +43,10 @@ class Ellipsoid(InclusionShape):
     Notes
     -----
     Exact to round-off inside and outside for all proportions: spheres, spheroids, nearly equal axes, needles and discs
-    (1 : 1000 is tested). On the boundary every derivative is the mean of both sides; an ellipsoid that touches z = 0
-    has the inner limit there for z = +0.0 and the outer one for z = -0.0. Chi has no closed form: it is a cubature over
-    the focal ellipse or, where that would need too many nodes (next to the image of a disc), the framework's integral
-    of Phi of the image (to 2e-11).
+    (1 : 1000 is tested). On the boundary every derivative is the mean of both sides; where an ellipsoid touches z = 0,
+    the limit along the surface, from outside, as for a sphere. Chi has no closed form: it is a cubature over the focal
+    ellipse or, where that would need too many nodes (next to the image of a disc), the framework's integral of Phi of
+    the image (to 2e-11).
     """
 
     key: ClassVar[str] = "ellipsoid"
@@ -162,7 +162,7 @@ class Ellipsoid(InclusionShape):
         border = np.abs(level) <= SNAP
         depth = np.broadcast_to(z, np.shape(x)).ravel()
         surface = border & (depth == 0)
-        outside = (level > SNAP) | (surface & np.signbit(depth))
+        outside = (level > SNAP) | surface
         halves = border & ~surface
         values = np.empty((len(own), level.size))
         for first in range(0, level.size, CHUNK):
