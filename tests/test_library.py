@@ -259,3 +259,9 @@ def test_scenes_of_any_size_give_the_same_dimensionless_answer(scale):
     peak = one.summary["max_pressure"]
     np.testing.assert_allclose(other.dataset.pressure, one.dataset.pressure, rtol=0, atol=1e-10 * peak)
     assert other.summary["approach"] == pytest.approx(one.summary["approach"] * scale, rel=1e-10)
+
+
+@pytest.mark.parametrize("center", [(0.0, 0.0, 1.0), (0.0, 1.0)])
+def test_a_key_of_two_kinds_is_refused_by_the_one_that_fits(center):
+    with pytest.raises(ec.EigencontactError, match=r"^sphere\.radius must be positive and finite \[m\] \(got -1\.0\)$"):
+        ec.make("sphere", center=center, radius=-1.0)

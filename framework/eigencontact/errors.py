@@ -94,7 +94,8 @@ def require(condition: object, where: str, field: str, value: object, rule: str)
         ``<where>.<field> must be <rule> (got <value>)``.
     """
     if not condition:
-        raise SceneError(f"{where}.{field} must be {rule} (got {value!r})")
+        shown = value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value  # a numpy scalar
+        raise SceneError(f"{where}.{field} must be {rule} (got {shown!r})")
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

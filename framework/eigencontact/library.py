@@ -71,11 +71,13 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
 
 def _only_fitting(key: str, entries: list[Entry], parameters: dict[str, Any]) -> Any:
     """Component of the one kind that accepts the parameters; a sphere's centre has two or three coordinates."""
-    from eigencontact.scene.components import instantiate
+    from eigencontact.scene.components import converted, instantiate
 
-    made, refused = {}, {}
+    made, refused, of_right_form = {}, {}, []
     for entry in entries:
         try:
+            converted(entry, parameters, key)
+            of_right_form.append(entry)
             made[entry.kind] = instantiate(entry, parameters, key)
         except EigencontactError as problem:
             refused[entry.kind] = str(problem)
@@ -83,6 +85,8 @@ def _only_fitting(key: str, entries: list[Entry], parameters: dict[str, Any]) ->
         return next(iter(made.values()))
     if made:
         raise PluginError(f"{key!r} must be told apart by kind (it may be {', '.join(map(repr, made))}); give kind=")
+    if len(of_right_form) == 1:  # its own rules refuse the values, and say so best
+        return instantiate(of_right_form[0], parameters, key)
     reasons = "; ".join(f"as {kind}: {reason}" for kind, reason in refused.items())
     raise SceneError(f"{key} must be given parameters that one kind accepts ({reasons})")
 

@@ -12,7 +12,7 @@ from eigencontact.errors import PluginError, SceneError
 from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.scene.messages import explain_error, refuse_unknown
 
-__all__ = ["build_component", "instantiate"]
+__all__ = ["build_component", "converted", "instantiate"]
 
 
 def build_component(registry: Registry, kind: str, table: Mapping[str, Any], where: str) -> Any:
@@ -33,6 +33,19 @@ def build_component(registry: Registry, kind: str, table: Mapping[str, Any], whe
 
 def instantiate(entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
     """Component of a registered class from named parameters, each converted to its annotated type."""
+    values = converted(entry, parameters, where)
+    try:
+        return entry.component(**values)
+    except SceneError:
+        raise
+    except Exception as problem:
+        raise PluginError(
+            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {type(problem).__name__}: {problem}"
+        ) from problem
+
+
+def converted(entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Parameters with the names and types of a registered class; its own rules are not asked yet."""
     cls = entry.component
     known = {item.name: item for item in fields(cls)}
     refuse_unknown(parameters, known, f"{where} ({entry.key})")
@@ -41,17 +54,7 @@ def instantiate(entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
         if name not in given and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
     adapters = _adapters(cls)
-    values = {
-        name: _convert(adapters[name], value, f"{where}.{name.replace('_', '-')}") for name, value in given.items()
-    }
-    try:
-        return cls(**values)
-    except SceneError:
-        raise
-    except Exception as problem:
-        raise PluginError(
-            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {type(problem).__name__}: {problem}"
-        ) from problem
+    return {name: _convert(adapters[name], value, f"{where}.{name.replace('_', '-')}") for name, value in given.items()}
 
 
 @cache
