@@ -1,0 +1,166 @@
+"""One case of the cross-check: the same problem solved semi-analytically and by finite elements.
+
+The list of cases is the module `eigencontact_verification.campaign.cases`, which offers
+
+- ``kernels() -> tuple[str, ...]``: keys that can be verified, installed plugins included;
+- ``cases_of(kernel) -> tuple[Case, ...]``: the cases of one key, the quick ones among them;
+- ``gaps() -> tuple[Gap, ...]``: what is known not to be covered.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["Case", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity"]
+
+Quantity = Literal["displacement", "stress"]
+#: Mesh of a case: 0 coarse, 1 medium, 2 fine.
+Level = Literal[0, 1, 2]
+#: Boundary condition on the outer faces of the finite-element model.
+Outer = Literal["fixed", "free"]
+#: Values by name of profile, each (n, components).
+Fields = dict[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profile:
+    """Points where both methods are compared, in the order in which they are drawn.
+
+    Keep points away from edges and corners where the exact field is singular: there neither method has a value.
+
+    Parameters
+    ----------
+    name : str
+        Unique within the case.
+    quantity : {"displacement", "stress"}
+        What is compared.
+    points : (n, 3) float64
+        Coordinates, z into the body; neighbours along the profile are neighbours in this array.
+    along : (n,) float64
+        Abscissa of the figures.
+    label : str
+        What the abscissa is, with its unit: ``"x / edge"``.
+    components : tuple of str
+        Name of each column of the values: ``("u_x", "u_y", "u_z")``.
+    formal_order : float
+        Largest order of convergence to be believed. Default 2.
+    unit : str
+        Unit of the values, for the figures; empty where they are dimensionless.
+
+    Examples
+    --------
+    >>> line = np.linspace(0.0, 2.0, 5)
+    >>> points = np.stack([line, 0.0 * line, 0.0 * line], axis=-1)
+    >>> Profile(name="x axis", quantity="displacement", points=points, along=line, label="x / edge",
+    ...         components=("u_x", "u_y", "u_z")).points.shape
+    (5, 3)
+    """
+
+    name: str
+    quantity: Quantity
+    points: NDArray[np.float64]
+    along: NDArray[np.float64]
+    label: str
+    components: tuple[str, ...]
+    formal_order: float = 2.0
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        points, along = np.asarray(self.points, dtype=float), np.asarray(self.along, dtype=float)
+        where = f"profile '{self.name}'"
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+            raise ValueError(f"{where} points must be (n, 3) (got {points.shape}); stack x, y, z on the last axis")
+        if along.shape != points.shape[:1]:
+            raise ValueError(f"{where} along must be ({len(points)},) (got {along.shape}); give one value a point")
+        if not self.components or len(set(self.components)) != len(self.components):
+            raise ValueError(f"{where} components must be different names (got {self.components}); name each column")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "along", along)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Case(ABC):
+    """A problem that both methods solve; subclasses add `reference` and `judged`.
+
+    An instance is sent to other processes, so it must be picklable and its class must be importable there.
+
+    Parameters
+    ----------
+    kernel : str
+        Key of what is verified: ``"cuboid"``, ``"surface-loads"``.
+    name : str
+        Unique within the kernel; part of file names: lower case, digits, hyphens.
+    parameters : dict
+        All that defines the case, as JSON allows; hashed, so that a stored solution serves no other problem.
+    quick : bool
+        Whether the case belongs to the quick campaign.
+    profiles : tuple of Profile
+        Where the methods are compared.
+    ratio : float
+        Element size of a level over that of the next finer one. Default 2.
+    bracket_level : {0, 1, 2}
+        Level at which the outer faces are also left free. Truncation hardly depends on the mesh, so that the medium
+        one (default) does at a fraction of the cost.
+    """
+
+    kernel: str
+    name: str
+    parameters: dict[str, Any]
+    quick: bool
+    profiles: tuple[Profile, ...]
+    ratio: float = 2.0
+    bracket_level: Level = 1
+
+    #: Modules outside ``fem`` and this class whose code decides what `reference` computes; their text is hashed too.
+    code: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        names = [profile.name for profile in self.profiles]
+        if not names or len(set(names)) != len(names):
+            raise ValueError(f"case '{self.key}' profiles must have different names (got {names}); rename one")
+        if not self.ratio > 1.0:
+            raise ValueError(f"case '{self.key}' ratio must be > 1 (got {self.ratio}); it is coarse over fine")
+
+    @property
+    def key(self) -> str:
+        """Kernel and name: unique in a campaign."""
+        return f"{self.kernel}/{self.name}"
+
+    @abstractmethod
+    def reference(self, level: Level, outer: Outer) -> Fields:
+        """Values of the finite-element model: by name of profile, each (n, components)."""
+
+    @abstractmethod
+    def judged(self) -> Fields:
+        """Values of the semi-analytical code: by name of profile, each (n, components)."""
+
+    def pictures(self, folder: Path) -> tuple[Path, ...]:  # noqa: ARG002
+        """Write mesh and field of the coarse model into `folder` (VTU, PNG); by default nothing."""
+        return ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gap:
+    """Something that no case covers, said in the report.
+
+    Parameters
+    ----------
+    kernel : str
+        Key of the kernel.
+    what : str
+        Quantity, component or situation.
+    reason : str
+        Why there is no case.
+    """
+
+    kernel: str
+    what: str
+    reason: str
