@@ -147,7 +147,10 @@ class Model:
     growth : float
         Largest ratio of neighbouring element edges away from there.
     order : int
-        1 (trilinear) or 2 (quadratic) hexahedra.
+        1 (trilinear) or 2 (quadratic, 20 nodes) hexahedra.
+    refine : int
+        Parts that every edge of the mesh of ``fine`` and ``growth`` is split into, along the same grading: meshes of one family
+        with exact ratios (4, 6, 9 or 1, 2, 4 for Richardson's extrapolation).
     remote_stress : (3, 3) array or None
         Uniform stress far away that regions of other moduli disturb; only without layers. The solution's displacement
         is the disturbance alone (the uniform part is linear in x), its stress is the whole stress.
@@ -164,6 +167,7 @@ class Model:
     fine: float
     growth: float = 1.3
     order: int = 2
+    refine: int = 1
     remote_stress: FloatArray | None = None
 
     def __post_init__(self) -> None:
@@ -178,6 +182,8 @@ class Model:
                 raise ValueError(f"Model.{where} must be one of {allowed} (got {value!r}); choose one of them")
         if not 0 < self.fine < self.reach:
             raise ValueError(f"Model.fine must be in (0, reach) (got {self.fine}); reach is {self.reach}")
+        if self.refine < 1:
+            raise ValueError(f"Model.refine must be at least 1 (got {self.refine}); choose a larger `fine` instead")
         if not self.growth >= 1:
             raise ValueError(f"Model.growth must be at least 1 (got {self.growth}); 1 is a uniform mesh")
         for region in self.regions:

@@ -1,0 +1,272 @@
+"""Stiffness and loads on boxes: exact integrals of the reference element, scaled; cut elements by sub-cells.
+
+In a box the gradient of a shape function is the reference gradient divided by the edges, so that the stiffness of a
+homogeneous element is a sum of nine fixed matrices. An element that a region cuts is divided into `CELLS`^3 sub-cells,
+whose moduli and eigenstress are means over `SAMPLES`^3 points each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from eigencontact_verification.fem.mesh import Grid
+from eigencontact_verification.fem.model import Model, lame
+
+__all__ = [
+    "CELLS",
+    "SAMPLES",
+    "Material",
+    "eigenstrain_load",
+    "face_weights",
+    "hooke",
+    "material",
+    "point_state",
+    "state",
+    "stiffness",
+    "traction_load",
+]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+CELLS = 4
+SAMPLES = 4
+
+
+def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Lamé's parameters and eigenstrain at points.
+
+    Parameters
+    ----------
+    model : Model
+        The body.
+    points : (n, 3) array
+        Places.
+
+    Returns
+    -------
+    lambda, mu : (n,) arrays
+        Moduli of the last region that has some of its own and contains the point, or else of the layer.
+    eigenstrain : (n, 3, 3) array
+        Sum over the regions that contain the point.
+    """
+    x, y, z = points.T
+    young, nu = np.full(x.shape, model.young_modulus), np.full(x.shape, model.poisson_ratio)
+    bottom = sum(layer.thickness for layer in model.layers)
+    for layer in reversed(model.layers):
+        above = z < bottom
+        young[above], nu[above] = layer.young_modulus, layer.poisson_ratio
+        bottom -= layer.thickness
+    strain = np.zeros((x.size, 3, 3))
+    for region in model.regions:
+        low, high = (np.asarray(corner) for corner in region.bounds)
+        near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+        hit = near[np.asarray(region.contains(x[near], y[near], z[near]), dtype=bool)]
+        strain[hit] += region.eigenstrain
+        if region.young_modulus is not None:
+            young[hit] = region.young_modulus
+        if region.poisson_ratio is not None:
+            nu[hit] = region.poisson_ratio
+    lam, mu = lame(young, nu)  # type: ignore[arg-type]
+    return np.asarray(lam), np.asarray(mu), strain
+
+
+def hooke(lam: FloatArray, mu: FloatArray, strain: FloatArray) -> FloatArray:
+    """Stress ``lambda tr(e) I + 2 mu e`` of strains (..., 3, 3)."""
+    trace = np.trace(strain, axis1=-2, axis2=-1)
+    return np.asarray((lam * trace)[..., None, None] * np.eye(3) + 2 * mu[..., None, None] * strain)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Moduli and eigenstress of every element, and of the sub-cells of elements that are cut.
+
+    Attributes
+    ----------
+    lam, mu : (elements,) arrays
+        Lamé's parameters; of cut elements the mean.
+    eigenstress : (elements, 3, 3) array
+        ``C : e*`` less the polarisation by the remote strain; of cut elements the mean.
+    cut : (c,) int array
+        Elements that are not uniform.
+    cut_lam, cut_mu, cut_eigenstress : (c, CELLS**3), (c, CELLS**3), (c, CELLS**3, 3, 3) arrays
+        The same in their sub-cells, the x index slowest.
+    """
+
+    lam: FloatArray
+    mu: FloatArray
+    eigenstress: FloatArray
+    cut: IntArray
+    cut_lam: FloatArray
+    cut_mu: FloatArray
+    cut_eigenstress: FloatArray
+
+
+def _lattice(along: FloatArray) -> FloatArray:
+    return np.stack(np.meshgrid(along, along, along, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def remote_strain(model: Model) -> FloatArray:
+    """Strain of the matrix under the remote stress, (3, 3)."""
+    if model.remote_stress is None:
+        return np.zeros((3, 3))
+    lam, mu = lame(model.young_modulus, model.poisson_ratio)
+    stress = model.remote_stress
+    return np.asarray((stress - lam * np.trace(stress) / (3 * lam + 2 * mu) * np.eye(3)) / (2 * mu))
+
+
+def state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Lamé's parameters and eigenstress at points: ``C : (e* - e_remote) + s_remote``; stress is ``C : e`` less it."""
+    lam, mu, strain = point_state(model, points)
+    stress = hooke(lam, mu, strain - remote_strain(model))
+    if model.remote_stress is not None:
+        stress = stress + model.remote_stress
+    return lam, mu, stress
+
+
+def material(model: Model, grid: Grid) -> Material:
+    """Sample the regions of a model on its mesh."""
+    lam, mu, stress = state(model, grid.low + grid.size / 2)
+    cut = []
+    probes = _lattice(np.linspace(1e-7, 1 - 1e-7, CELLS + 1))
+    for region in model.regions:
+        low, high = (np.asarray(corner) for corner in region.bounds)
+        tiny = 1e-9 * (high - low)
+        near = np.flatnonzero(((grid.low < high - tiny) & (grid.low + grid.size > low + tiny)).all(axis=1))
+        points = grid.low[near, None] + probes * grid.size[near, None]
+        inside = np.asarray(region.contains(*np.moveaxis(points, -1, 0)), dtype=bool)
+        inside &= ((points >= low) & (points <= high)).all(axis=-1)
+        cut.append(near[inside.any(axis=1) & ~inside.all(axis=1)])
+    mixed = np.unique(np.concatenate(cut)) if cut else np.empty(0, dtype=np.int64)
+    cells = CELLS**3
+    parts: tuple[FloatArray, FloatArray, FloatArray] = (
+        np.empty((mixed.size, cells)),
+        np.empty((mixed.size, cells)),
+        np.empty((mixed.size, cells, 3, 3)),
+    )
+    fine = _lattice((np.arange(SAMPLES) + 0.5) / (CELLS * SAMPLES))
+    samples = (_lattice(np.arange(CELLS) / CELLS)[:, None] + fine).reshape(-1, 3)
+    for start in range(0, mixed.size, 64):
+        chunk = slice(start, start + 64)
+        some = mixed[chunk]
+        points = (grid.low[some, None] + samples * grid.size[some, None]).reshape(-1, 3)
+        for part, value in zip(parts, state(model, points), strict=True):
+            part[chunk] = value.reshape(some.size, cells, SAMPLES**3, *value.shape[1:]).mean(axis=2)
+    for whole, part in zip((lam, mu, stress), parts, strict=True):
+        whole[mixed] = part.mean(axis=1)
+    return Material(
+        lam=lam, mu=mu, eigenstress=stress, cut=mixed, cut_lam=parts[0], cut_mu=parts[1], cut_eigenstress=parts[2]
+    )
+
+
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    """Gauss points and weights on [0, 1]^3."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return _lattice((nodes + 1) / 2), np.einsum("i,j,k->ijk", weights, weights, weights).ravel() / 8
+
+
+@lru_cache(maxsize=4)
+def _reference(order: int, cells: int) -> tuple[FloatArray, FloatArray]:
+    """Integrals of reference gradients over sub-cells: products (cells^3, 3, 3, n, n) and gradients (cells^3, n, 3)."""
+    grid = Grid(lines=(np.array([0.0, 1.0]),) * 3, order=order)
+    points, weights = _gauss(order + 1)
+    products, gradients = [], []
+    for corner in _lattice(np.arange(cells) / cells):
+        _, slopes = grid.shapes(corner + points / cells)
+        products.append(np.einsum("q,qia,qjb->abij", weights / cells**3, slopes, slopes, optimize=True))
+        gradients.append(np.einsum("q,qia->ia", weights / cells**3, slopes))
+    return np.stack(products), np.stack(gradients)
+
+
+def _pattern(grid: Grid) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+    """Rows and columns of coupled nodes in compressed form, and where each pair of an element goes."""
+    t = grid.element_nodes
+    count = len(grid.nodes)
+    keys = (t[:, :, None] * count + t[:, None, :]).ravel()
+    unique, where = np.unique(keys, return_inverse=True)
+    pointer = np.searchsorted(unique, np.arange(count + 1) * count)
+    return pointer.astype(np.int32), (unique % count).astype(np.int32), where.astype(np.int32).ravel()
+
+
+def stiffness(grid: Grid, stuff: Material) -> sp.bsr_matrix:
+    """Stiffness of all unknowns, 3 to a node, without constraints, as 3 x 3 blocks."""
+    (G,), _ = _reference(grid.order, 1)
+    cells, _ = _reference(grid.order, CELLS)
+    pointer, columns, where = _pattern(grid)
+    data = np.empty((columns.size, 3, 3))
+    h, volume = grid.size, grid.size.prod(axis=1)
+    shape = (grid.elements, *G.shape[2:])
+    cut = stuff.cut
+    scale = volume[:, None, None] / (h[:, :, None] * h[:, None, :])
+
+    def scaled(modulus: FloatArray, parts: FloatArray, a: int, b: int) -> FloatArray:
+        out = np.multiply.outer(modulus * scale[:, a, b], G[a, b])
+        if cut.size:
+            inner = np.tensordot(parts, cells[:, a, b], axes=1)
+            out[cut] = scale[cut, a, b, None, None] * inner
+        return np.asarray(out)
+
+    laplace = np.zeros(shape)
+    for c in range(3):
+        laplace += scaled(stuff.mu, stuff.cut_mu, c, c)
+    for a in range(3):
+        for b in range(3):
+            value = scaled(stuff.lam, stuff.cut_lam, a, b) + scaled(stuff.mu, stuff.cut_mu, b, a)
+            if a == b:
+                value += laplace
+            data[:, a, b] = np.bincount(where, weights=value.ravel(), minlength=columns.size)
+    unknowns = 3 * len(grid.nodes)
+    return sp.bsr_matrix((data, columns, pointer), shape=(unknowns, unknowns))
+
+
+def eigenstrain_load(grid: Grid, stuff: Material) -> FloatArray:
+    """Nodal forces of the eigenstress, (nodes, 3): the integral of ``S_ab dphi/dx_b``."""
+    _, (g,) = _reference(grid.order, 1)
+    _, cells = _reference(grid.order, CELLS)
+    turned = stuff.eigenstress / grid.size[:, None, :] * grid.size.prod(axis=1)[:, None, None]
+    values = np.einsum("eab,ib->eia", turned, g)
+    if stuff.cut.size:
+        h = grid.size[stuff.cut]
+        inner = stuff.cut_eigenstress / h[:, None, None, :] * h.prod(axis=1)[:, None, None, None]
+        values[stuff.cut] = np.einsum("csab,sib->cia", inner, cells, optimize=True)
+    return _scatter(grid, grid.element_nodes, values)
+
+
+def face_weights(grid: Grid, axis: int, end: int) -> tuple[IntArray, FloatArray]:
+    """Elements at one end of an axis (0 low, -1 high), and integrals of the shape functions over their outer faces.
+
+    Returns
+    -------
+    (faces,) int array, (faces, local nodes) array
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(grid.order + 1)
+    u, v = (m.ravel() for m in np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2, indexing="ij"))
+    at = np.insert(np.stack([u, v], axis=1), axis, 0.0 if end == 0 else 1.0, axis=1)
+    share = np.outer(weights, weights).ravel() / 4 @ grid.shapes(at)[0]
+    elements = np.arange(grid.elements).reshape(grid.shape[::-1]).take(end, axis=2 - axis).ravel()
+    area = np.delete(grid.size[elements], axis, axis=1).prod(axis=1)
+    return elements, np.outer(area, share)
+
+
+def traction_load(model: Model, grid: Grid) -> FloatArray:
+    """Nodal forces of the patches, (nodes, 3)."""
+    elements, weights = face_weights(grid, 2, 0)
+    middle = (grid.low + grid.size / 2)[elements, :2]
+    load = np.zeros((len(grid.nodes), 3))
+    for patch in model.patches:
+        hit = ((middle > patch.low) & (middle < patch.high)).all(axis=1)
+        force = np.multiply.outer(weights[hit], np.asarray(patch.traction, dtype=float))
+        load += _scatter(grid, grid.element_nodes[elements[hit]], force)
+    return load
+
+
+def _scatter(grid: Grid, nodes: IntArray, values: FloatArray) -> FloatArray:
+    count = len(grid.nodes)
+    return np.stack(
+        [np.bincount(nodes.ravel(), weights=values[..., a].ravel(), minlength=count) for a in range(3)], axis=1
+    )
