@@ -1,0 +1,360 @@
+"""Axisymmetric linear elasticity with eigenstrain on nine-node quadrilaterals, solved directly.
+
+Unknowns u_r, u_z in the half plane (r, z); strains ``e_rr = u_r,r``, ``e_tt = u_r / r``, ``e_zz = u_z,z`` and
+``e_rz = (u_r,z + u_z,r)/2``; all integrals carry the weight r (the factor 2 pi is left out on both sides). Eigenstrain
+enters as the load ``∫ C e* : e(v)``, as anisotropic thermal expansion does; a remote stress S as
+``-∫ (C - C0) C0^-1 S : e(v)`` over the regions of other moduli, for the disturbance of the uniform state.
+
+References
+----------
+O. C. Zienkiewicz and R. L. Taylor, The Finite Element Method, chapter on axisymmetric stress analysis;
+K. L. Johnson 1985, Contact Mechanics, section 3.2 (quoted as J.).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import splu
+from skfem import BilinearForm, CellBasis, ElementQuad2, ElementVector, FacetBasis, LinearForm
+
+from eigencontact_verification.fem.axisymmetric_mesh import Grid
+from eigencontact_verification.fem.axisymmetric_model import (
+    AxisymmetricLayer,
+    AxisymmetricModel,
+    AxisymmetricRegion,
+    Disc,
+)
+
+__all__ = [
+    "AxisymmetricLayer",
+    "AxisymmetricModel",
+    "AxisymmetricRegion",
+    "AxisymmetricSolution",
+    "Disc",
+    "solve_axisymmetric",
+]
+
+FloatArray = NDArray[np.float64]
+Field = Callable[[FloatArray, FloatArray], ArrayLike]
+
+#: Gauss points each way in an element, in a sub-cell, and sub-cells each way in an element that a boundary cuts.
+_POINTS, _CUT_POINTS, _CELLS = 4, 2, 8
+#: Gauss points along the loaded edge of an element.
+_EDGE_POINTS = 16
+
+
+def _strain(u: Any, r: FloatArray) -> tuple[Any, Any, Any, Any]:
+    return u.grad[0][0], u[0] / r, u.grad[1][1], u.grad[0][1] + u.grad[1][0]
+
+
+def _stiffness(u: Any, v: Any, w: Any) -> Any:
+    a, b = _strain(u, w.x[0]), _strain(v, w.x[0])
+    mean = w.lame * (a[0] + a[1] + a[2])
+    same = sum((mean + 2 * w.mu * a[k]) * b[k] for k in range(3))
+    return (same + w.mu * a[3] * b[3]) * w.x[0]
+
+
+def _initial(v: Any, w: Any) -> Any:
+    b = _strain(v, w.x[0])
+    return (w.s_r * (b[0] + b[1]) + w.s_z * b[2]) * w.x[0]
+
+
+def _body(v: Any, w: Any) -> Any:
+    return (w.f_r * v[0] + w.f_z * v[1]) * w.x[0]
+
+
+def _traction(v: Any, w: Any) -> Any:
+    return (w.t_r * v[0] + w.t_z * v[1]) * w.x[0]
+
+
+def point_force_displacement(
+    load: float, young_modulus: float, poisson_ratio: float, r: FloatArray, z: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """u_r and u_z of a normal point force on the surface of a half-space, off its point (Boussinesq; J. eq. 3.18)."""
+    nu, R = poisson_ratio, np.hypot(r, z)
+    scale = (1 + nu) * load / (2 * np.pi * young_modulus)
+    u_r = scale * (r * z / R**3 - (1 - 2 * nu) * r / (R * (R + z)))
+    return np.asarray(u_r), np.asarray(scale * (z * z / R**3 + 2 * (1 - nu) / R))
+
+
+def point_force_stress(
+    load: float, poisson_ratio: float, r: FloatArray, z: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """s_rr, s_zz and s_rz of the same force (Boussinesq; J. eq. 3.19)."""
+    R, scale = np.hypot(r, z), load / (2 * np.pi)
+    s_rr = scale * ((1 - 2 * poisson_ratio) / (R * (R + z)) - 3 * r * r * z / R**5)
+    return np.asarray(s_rr), np.asarray(-3 * scale * z**3 / R**5), np.asarray(-3 * scale * r * z * z / R**5)
+
+
+def _square_rule(points: int, cells: int = 1) -> tuple[FloatArray, FloatArray]:
+    """Gauss rule on the unit square cut into ``cells`` x ``cells``: places (2, n), weights (n,)."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    places = ((np.arange(cells)[:, None] + (x + 1) / 2) / cells).ravel()
+    weights = np.tile(w / 2 / cells, cells)
+    return np.stack(np.meshgrid(places, places)).reshape(2, -1), np.outer(weights, weights).ravel()
+
+
+def _lame(material: FloatArray) -> tuple[FloatArray, FloatArray]:
+    mu = material[0] / (2 * (1 + material[1]))
+    return np.asarray(2 * mu * material[1] / (1 - 2 * material[1])), np.asarray(mu)
+
+
+def _normal(material: FloatArray, e_r: ArrayLike, e_z: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Stress s_rr = s_tt and s_zz of the strain e_rr = e_tt, e_zz."""
+    lame, mu = _lame(material)
+    mean = lame * (2 * np.asarray(e_r) + np.asarray(e_z))
+    return mean + 2 * mu * np.asarray(e_r), mean + 2 * mu * np.asarray(e_z)
+
+
+def _remote_strain(model: AxisymmetricModel) -> tuple[float, float]:
+    if model.remote_stress is None:
+        return 0.0, 0.0
+    s_r, s_z = model.remote_stress
+    E, nu = model.young_modulus, model.poisson_ratio
+    return ((1 - nu) * s_r - nu * s_z) / E, (s_z - 2 * nu * s_r) / E
+
+
+def _bases(model: AxisymmetricModel, grid: Grid) -> Iterator[tuple[CellBasis, FloatArray]]:
+    """Bases over the whole and over the cut elements, each with the material at its points, (4, elements, points)."""
+    mesh = grid.mesh
+    cut = np.zeros(mesh.nelements, dtype=bool)
+    fine = _square_rule(_CUT_POINTS, _CELLS)
+    low, high = grid.nodes.min(axis=1), grid.nodes.max(axis=1)
+    mapping = mesh.mapping()
+    for region in model.regions:
+        if region.fitted:
+            continue
+        near = np.all([(high[k] > region.bounds[0][k]) & (low[k] < region.bounds[1][k]) for k in (0, 1)], axis=0)
+        ids = np.flatnonzero(near)
+        places = mapping.F(fine[0], ids)
+        inside = region.contains(places[0], places[1])
+        cut[ids] |= inside.any(axis=1) & ~inside.all(axis=1)
+    for ids, rule in ((np.flatnonzero(~cut), _square_rule(_POINTS)), (np.flatnonzero(cut), fine)):
+        if ids.size:
+            basis = CellBasis(mesh, ElementVector(ElementQuad2()), elements=ids, quadrature=rule)
+            places = np.asarray(basis.global_coordinates())
+            yield basis, model.material(places[0], places[1], grid, ids)
+
+
+def _surface_load(disc: Disc, basis: CellBasis) -> FloatArray:
+    """Load vector of a disc of pressure; exact for a uniform one, to round-off for Hertz's (r = a sin t)."""
+    mesh = basis.mesh
+    facets = mesh.boundary_facets()
+    ends = mesh.p[:, mesh.facets[:, facets]]
+    loaded = np.all(ends[1] == 0, axis=0) & (ends[0].max(axis=0) <= disc.radius * (1 + 1e-12))
+    facets = facets[loaded]
+    ends = np.minimum(ends[0][:, loaded], disc.radius)
+    x, w = np.polynomial.legendre.leggauss(_EDGE_POINTS)
+    x, w = (x + 1) / 2, w / 2
+    if disc.profile == "uniform":
+        span = ends[1] - ends[0]
+        r = ends[0] + span * x[:, None]
+        weight = disc.pressure * r * w[:, None] * np.abs(span)
+    else:
+        turn = np.arcsin(ends / disc.radius)
+        span = turn[1] - turn[0]
+        t = turn[0] + span * x[:, None]
+        r = disc.radius * np.sin(t)
+        weight = disc.pressure * disc.radius * np.cos(t) ** 2 * r * w[:, None] * np.abs(span)
+    s = (r - ends[0]) / (ends[1] - ends[0])
+    load = np.zeros(basis.N)
+    first, last = basis.nodal_dofs[1, mesh.facets[:, facets]]
+    for dofs, shape in ((first, (1 - s) * (1 - 2 * s)), (last, s * (2 * s - 1)), (None, 4 * s * (1 - s))):
+        np.add.at(load, basis.facet_dofs[1, facets] if dofs is None else dofs, (weight * shape).sum(axis=0))
+    return load
+
+
+def _held(
+    model: AxisymmetricModel, basis: CellBasis, *, everywhere: bool
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Unknowns with a given displacement, and which unknowns are radial.
+
+    On the axis u_r; on the outer boundary both, or only u_z on its edge, the point farthest from the sources.
+    """
+    r, z = basis.doflocs
+    radial = np.zeros(basis.N, dtype=bool)
+    for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs):
+        radial[dofs[0]] = True
+    axis, side, base = radial & (r == 0), r == model.reach, z == model.reach
+    if everywhere:
+        held = axis | side | base | (z == 0)
+    else:
+        held = axis | side | base if model.outer == "fixed" else axis | (side & base & ~radial)
+    return np.flatnonzero(held), radial
+
+
+def _outer_traction(model: AxisymmetricModel, basis: CellBasis) -> FloatArray:
+    """Load vector of the traction on side and base of a free model that balances the discs."""
+    outer = basis.mesh.facets_satisfying(lambda x: (x[0] == model.reach) | (x[1] == model.reach), boundaries_only=True)
+    rim = FacetBasis(basis.mesh, basis.elem, facets=outer, intorder=9)
+    r, z = np.asarray(rim.global_coordinates())
+    on_side = np.asarray(rim.normals)[0] > 0.5
+    if model.far_field:
+        s_rr, s_zz, s_rz = point_force_stress(model.load, model.poisson_ratio, r, z)
+        t_r, t_z = np.where(on_side, s_rr, s_rz), np.where(on_side, s_rz, s_zz)
+    else:
+        t_r, t_z = np.zeros_like(r), np.where(on_side, 0.0, -model.load / (np.pi * model.reach**2))
+    return np.asarray(LinearForm(_traction).assemble(rim, t_r=t_r, t_z=t_z))
+
+
+def solve_axisymmetric(
+    model: AxisymmetricModel, *, body_force: Field | None = None, prescribed: Field | None = None
+) -> AxisymmetricSolution:
+    """Solve a model.
+
+    Parameters
+    ----------
+    model : AxisymmetricModel
+        What to solve.
+    body_force : callable, optional
+        ``body_force(r, z)`` -> (f_r, f_z), force per volume; for manufactured solutions.
+    prescribed : callable, optional
+        ``prescribed(r, z)`` -> (u_r, u_z) on the whole boundary, the surface too, instead of the model's condition.
+
+    Returns
+    -------
+    AxisymmetricSolution
+        Displacement and stress at any points of the body.
+    """
+    start = time.perf_counter()
+    grid = model.grid()
+    e_r, e_z = _remote_strain(model)
+    body = np.array([model.young_modulus, model.poisson_ratio])
+    matrix: Any = 0.0
+    load: Any = 0.0
+    for basis, material in _bases(model, grid):
+        lame, mu = _lame(material)
+        matrix = matrix + BilinearForm(_stiffness).assemble(basis, lame=lame, mu=mu)
+        own, uniform = _normal(material, material[2] - e_r, material[3] - e_z), _normal(body, e_r, e_z)
+        load = load + LinearForm(_initial).assemble(basis, s_r=own[0] + uniform[0], s_z=own[1] + uniform[1])
+        if body_force is not None:
+            f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
+            load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
+    for disc in model.discs:
+        load = load + _surface_load(disc, basis)
+    held, radial = _held(model, basis, everywhere=prescribed is not None)
+    far = np.zeros(basis.N)  # what the resultant load would do to a half-space, on the outer boundary
+    if model.far_field and prescribed is None:
+        outer = np.flatnonzero((basis.doflocs == model.reach).any(axis=0))
+        u_r, u_z = point_force_displacement(
+            model.load, model.young_modulus, model.poisson_ratio, *basis.doflocs[:, outer]
+        )
+        far[outer] = np.where(radial[outer], u_r, u_z)
+    u = np.zeros(basis.N)
+    if prescribed is not None:
+        values = np.asarray(prescribed(*basis.doflocs[:, held]))
+        u[held] = np.where(radial[held], values[0], values[1])
+    elif model.outer == "fixed":
+        u[held] = far[held]
+    pull = np.zeros(basis.N)
+    if model.load and model.outer == "free" and prescribed is None:
+        pull = _outer_traction(model, basis)
+    free = np.setdiff1d(np.arange(basis.N), held)
+    inner = csc_matrix(matrix)[free]
+    rest = (load + pull)[free] - inner @ u
+    factors = splu(inner[:, free], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    u[free] = factors.solve(rest)
+    if model.far_field and pull.any():  # the outer traction does the same work on both displacements
+        u[~radial] -= pull @ (u - far) / pull[~radial].sum()
+    return AxisymmetricSolution(
+        model=model, grid=grid, basis=basis, vector=u, unknowns=int(free.size), seconds=time.perf_counter() - start
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisymmetricSolution:
+    """Displacement and stress of a model.
+
+    Attributes
+    ----------
+    model : AxisymmetricModel
+    unknowns : int
+        Free unknowns of the linear system.
+    seconds : float
+        Time for mesh, assembly and factorisation.
+    iterations : int
+        0: the system is solved directly.
+    """
+
+    model: AxisymmetricModel
+    grid: Grid
+    basis: CellBasis
+    vector: FloatArray
+    unknowns: int
+    seconds: float
+    iterations: int = 0
+
+    def _place(self, points: ArrayLike) -> tuple[FloatArray, FloatArray, NDArray[np.int64], FloatArray, FloatArray]:
+        x = np.atleast_2d(np.asarray(points, dtype=float))
+        r = np.hypot(x[:, 0], x[:, 1])
+        element, local = self.grid.find(r, x[:, 2])
+        on_axis = r == 0
+        safe = np.where(on_axis, 1.0, r)
+        turn = np.stack((np.where(on_axis, 1.0, x[:, 0] / safe), np.where(on_axis, 0.0, x[:, 1] / safe)))
+        return np.stack((r, x[:, 2])), turn, element, local, on_axis
+
+    def _interpolate(self, element: NDArray[np.int64], local: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Displacement (2, n) and its gradient (2, 2, n) at local coordinates of elements."""
+        mapping, elem = self.basis.mapping, self.basis.elem
+        value, grad = np.zeros((2, element.size)), np.zeros((2, 2, element.size))
+        dofs = self.basis.dofs.element_dofs[:, element]
+        for k in range(dofs.shape[0]):
+            (shape,) = elem.gbasis(mapping, local[:, :, None], k, tind=element)
+            value += self.vector[dofs[k]] * np.asarray(shape)[..., 0]
+            grad += self.vector[dofs[k]] * shape.grad[..., 0]
+        return value, grad
+
+    def displacement(self, points: ArrayLike) -> FloatArray:
+        """Displacement (n, 3) at Cartesian points (n, 3)."""
+        _, turn, element, local, _ = self._place(points)
+        value, _ = self._interpolate(element, local)
+        return np.stack((value[0] * turn[0], value[0] * turn[1], value[1]), axis=1)
+
+    def stress(self, points: ArrayLike) -> FloatArray:
+        """Stress (n, 3, 3) at Cartesian points (n, 3), from the strain inside the element that holds the point.
+
+        On a line of the mesh, an interface among them, it is the side of larger r and z that counts.
+        """
+        place, turn, element, local, on_axis = self._place(points)
+        value, grad = self._interpolate(element, local)
+        hoop = np.where(on_axis, grad[0, 0], value[0] / np.where(on_axis, 1.0, place[0]))
+        inward = place + 1e-9 * (self.grid.centres[:, element] - place)
+        material = self.model.material(inward[0], inward[1], self.grid, element)
+        e_r, e_z = _remote_strain(self.model)
+        lame, mu = _lame(material)
+        strain = np.stack((grad[0, 0] + e_r - material[2], hoop + e_r - material[2], grad[1, 1] + e_z - material[3]))
+        s = lame * strain.sum(axis=0) + 2 * mu * strain
+        shear = np.where(on_axis, 0.0, mu * (grad[0, 1] + grad[1, 0]))
+        frame = np.zeros((3, 3, element.size))  # columns: e_r, e_t, e_z
+        frame[0, 0], frame[1, 0], frame[0, 1], frame[1, 1], frame[2, 2] = turn[0], turn[1], -turn[1], turn[0], 1.0
+        polar = np.zeros_like(frame)
+        polar[[0, 1, 2], [0, 1, 2]] = s
+        polar[0, 2] = polar[2, 0] = shear
+        return np.asarray(np.einsum("ian,abn,jbn->nij", frame, polar, frame))
+
+    def write_vtu(self, path: str | Path) -> None:
+        """Mesh in the plane y = 0, displacement at nodes and stress in the middle of elements, as a VTU file."""
+        import meshio
+
+        mesh = self.basis.mesh
+        nodes = np.zeros((mesh.doflocs.shape[1], 3))
+        nodes[:, [0, 2]] = mesh.doflocs.T
+        moved = np.zeros_like(nodes)
+        scalar = mesh.dofs.element_dofs
+        for axis, part in ((0, 0), (2, 1)):
+            moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[part::2]]
+        middle = np.stack((self.grid.centres[0], 0 * self.grid.centres[0], self.grid.centres[1]), axis=1)
+        meshio.Mesh(
+            nodes,
+            [("quad9", scalar.T)],
+            point_data={"displacement": moved},
+            cell_data={"stress": [self.stress(middle).reshape(-1, 9)], "region": [self.grid.marks]},
+        ).write(path)
