@@ -1,20 +1,62 @@
-"""The command line: run, explain, plugins, gallery, plot, new-plugin."""
+"""The command line: run, explain, plugins, gallery, plot, new-plugin; other packages add commands of their own.
+
+A package adds one with an entry point of the group ``eigencontact.commands``: its name is that of the command, its
+value a function that Typer reads, in a module that imports little, because ``--help`` loads it. See `_Commands`.
+"""
 
 from __future__ import annotations
 
 import json
 import sys
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from eigencontact.errors import EigencontactError
 
 __all__ = ["main"]
 
+COMMANDS = "eigencontact.commands"
+
+
+class _Commands(TyperGroup):
+    """Own commands, then those that installed packages add; one is loaded when it is run or help is asked for."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        own = super().list_commands(ctx)
+        return [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        own = super().get_command(ctx, cmd_name)
+        found = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
+        return _loaded(found[0]) if found else own
+
+
+def _loaded(point: EntryPoint) -> Any:
+    """Command of another package; if it cannot be imported, one that says so."""
+    package = f"{point.dist.name} {point.dist.version}" if point.dist else point.value
+    group = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
+    try:
+        group.command(point.name, context_settings={"help_option_names": ["-h", "--help"]})(point.load())
+        return typer.main.get_command(group)
+    except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
+        reason = f"cannot be loaded from {package}: {type(problem).__name__}: {' '.join(str(problem).split())}"
+        group = typer.Typer(add_completion=False)
+
+        @group.command(point.name, help=reason, context_settings={"ignore_unknown_options": True})
+        def _broken(words: Annotated[list[str] | None, typer.Argument(hidden=True)] = None) -> None:  # noqa: ARG001
+            typer.echo(f"eigencontact: command '{point.name}' {reason}", err=True)
+            raise typer.Exit(2)
+
+        return typer.main.get_command(group)
+
+
 app = typer.Typer(
     name="eigencontact",
+    cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

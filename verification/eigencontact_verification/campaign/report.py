@@ -22,7 +22,7 @@ __all__ = ["Report", "write_report"]
 _MARKS = {"agrees": "✓", "inconclusive": "?", "failed": "!", "disagrees": "✗"}
 _METHOD = (
     "Each kernel is compared with a finite-element model that shares no code with it. The model's own uncertainty, "
-    "u_FE, is the sum of a grid convergence index from three meshes and half the distance of fixed and free outer faces. "
+    "u_FE, is the sum of a grid convergence index (three meshes) and half the distance of fixed and free outer faces. "
     "A component agrees if |SA − FE| ≤ u_FE at every point of a profile and u_FE is at most {limit} of the field's "
     "largest value there; it disagrees if the difference exceeds u_FE anywhere; otherwise it is inconclusive, which is "
     "no agreement. Differences and uncertainties below are parts of the field's largest value."
@@ -184,7 +184,7 @@ _TASK_HEAD = ("solution", "status", "time", "peak memory")
 
 
 def _task_cells(found: JudgedCase) -> list[tuple[str, ...]]:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for task, outcome in found.outcomes:
         status = f"{outcome.status} (from the store)" if outcome.cached else outcome.status
         said = f"{status}: {outcome.reason}" if outcome.reason else status

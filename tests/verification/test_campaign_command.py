@@ -1,0 +1,144 @@
+"""`eigencontact verify`, and how commands of other packages are found."""
+
+import json
+import subprocess
+import sys
+from importlib.metadata import EntryPoint
+
+import pytest
+
+import analytic_cases
+import eigencontact.cli
+import eigencontact_verification.campaign as package
+from eigencontact_verification.campaign.command import campaign
+from eigencontact_verification.campaign.worker import perform
+
+HEAVY = ("skfem", "scipy", "matplotlib", "pyvista", "numba", "pyamg", "eigencontact_verification.fem")
+
+
+@pytest.fixture
+def verify(command, monkeypatch, tmp_path):
+    """Run the command on the analytic cases in this process's folder."""
+    monkeypatch.setattr(package, "cases", analytic_cases, raising=False)
+    monkeypatch.setitem(sys.modules, "eigencontact_verification.campaign.cases", analytic_cases)
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: command("verify", "--workers", "1", *arguments)
+
+
+def test_everything_quick_agrees_or_is_listed(verify, tmp_path):
+    outcome = verify("--quick")
+    assert outcome.code == 0, outcome.err
+    assert "inconclusive: other/blunt, x axis, u_x: uncertainty above 0.02 of the field" in outcome.out
+    assert "analytic/full" not in outcome.out
+    assert {"report.json", "report.md", "report.html"} <= {file.name for file in (tmp_path / "cross-check").iterdir()}
+    again = verify("--quick", "--json")
+    data = json.loads(again.out)
+    assert [case["name"] for case in data["cases"]] == ["plain", "blunt"]
+    assert all(task["cached"] for case in data["cases"] for task in case["tasks"][1:])
+    assert data["counts"]["inconclusive"] > 0
+
+
+def test_one_kernel_says_what_was_left_out(verify):
+    outcome = verify("--kernel", "analytic", "--json", "-o", "out")
+    data = json.loads(outcome.out)
+    assert [case["name"] for case in data["cases"]] == ["plain", "full"]
+    assert {"kernel": "other", "what": "everything", "reason": "not asked for in this run"} in data["not_covered"]
+    assert outcome.code == 0
+
+
+def test_a_disagreement_is_an_exit_code(verify, monkeypatch):
+    monkeypatch.setattr(analytic_cases, "cases_of", lambda _: (analytic_cases.analytic("wrong", "sign"),))
+    outcome = verify("analytic", "--quiet")
+    assert outcome.code == 1
+    assert outcome.out == ""
+
+
+def test_a_failed_solution_is_an_exit_code(verify, monkeypatch):
+    monkeypatch.setattr(analytic_cases, "cases_of", lambda _: (analytic_cases.analytic("bad", "raises"),))
+    outcome = verify("analytic")
+    assert outcome.code == 1
+    assert "mesh is tangled" in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["analytik"], "got 'analytik'); did you mean 'analytic'?"),
+        (["--kernel", "zzz"], "kernel must be one of analytic, other (got 'zzz')"),
+        (["--limit", "2"], "--limit must be between 0 and 1 (got 2.0)"),
+        (["--workers", "0"], "--workers"),
+    ],
+)
+def test_wrong_input_is_refused(verify, tmp_path, arguments, words):
+    outcome = verify(*arguments)
+    assert outcome.code == 2
+    assert words in outcome.err
+    assert outcome.out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pictures_that_fail_are_said(tmp_path, monkeypatch):
+    case = analytic_cases.analytic("plain")
+
+    def here(tasks):
+        yield from ((task, perform(task)) for task in tasks)
+
+    def broken(self, folder):
+        raise OSError("no\ndisplay")
+
+    monkeypatch.setattr(analytic_cases.Analytic, "pictures", broken)
+    report, _ = campaign([case], (), tmp_path, executor=here, pictures=True)
+    assert report.notes == ("analytic/plain: no pictures, OSError: no display",)
+
+
+# --- commands of other packages ---------------------------------------------------------------------------------------
+
+
+def plant(monkeypatch, *points):
+    """Entry points as if packages had them installed."""
+
+    def found(*, group, name=None):
+        return [one for one in points if one.group == group and name in (None, one.name)]
+
+    monkeypatch.setattr(eigencontact.cli, "entry_points", found)
+
+
+def point(name, value):
+    return EntryPoint(name, value, "eigencontact.commands")
+
+
+def test_a_command_that_cannot_be_imported_says_so_and_stops_nothing_else(command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    plant(
+        monkeypatch,
+        point("broken", "no_such_module:command"),
+        point("verify", "eigencontact_verification.campaign.command:verify"),
+    )
+    outcome = command("--help")
+    assert outcome.code == 0
+    assert "cannot be loaded from no_such_module:command" in outcome.out
+    assert "Compare every kernel" in outcome.out
+    outcome = command("broken", "--anything", "x")
+    assert outcome.code == 2
+    assert outcome.err.startswith("eigencontact: command 'broken' cannot be loaded from no_such_module:command")
+    assert outcome.err.count("\n") == 1
+    assert command("gallery").code == 0
+
+
+def test_a_command_cannot_take_the_place_of_our_own(command, monkeypatch):
+    plant(monkeypatch, point("gallery", "no_such_module:command"))
+    outcome = command("gallery")
+    assert outcome.code == 0
+    assert "hertz" in outcome.out
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["verify", "--help"]])
+def test_help_imports_no_finite_elements(arguments):
+    code = (
+        "import sys\nfrom eigencontact.cli import app\n"
+        f"try:\n    app(prog_name='eigencontact', args={arguments})\nexcept SystemExit:\n    pass\n"
+        f"print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "verify" in done.stdout
+    assert done.stderr.strip() == "[]"

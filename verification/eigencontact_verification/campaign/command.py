@@ -1,0 +1,288 @@
+"""The command `eigencontact verify`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol, Self
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from eigencontact_verification.campaign.case import Case, Gap
+    from eigencontact_verification.campaign.judge import JudgedCase
+    from eigencontact_verification.campaign.report import Report
+    from eigencontact_verification.campaign.run import Executor
+    from eigencontact_verification.campaign.worker import Outcome, Task
+
+__all__ = ["CaseList", "campaign", "verify"]
+
+
+class CaseList(Protocol):
+    """What the module with the cases offers."""
+
+    def kernels(self) -> tuple[str, ...]:
+        """Keys that can be verified."""
+
+    def cases_of(self, kernel: str) -> tuple[Case, ...]:
+        """Cases of one key."""
+
+    def gaps(self) -> tuple[Gap, ...]:
+        """What no case covers."""
+
+
+def verify(
+    kernels: Annotated[
+        list[str] | None, typer.Argument(help="What to verify; by default everything installed.", metavar="[KERNEL]...")
+    ] = None,
+    *,
+    quick: Annotated[bool, typer.Option("--quick", help="Only the quick cases: minutes on two cores.")] = False,
+    kernel: Annotated[
+        list[str] | None, typer.Option("--kernel", metavar="KEY", help="The same as KERNEL; repeatable.")
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of report and finished solutions.")
+    ] = Path("cross-check"),
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes at a time; by default one a core.")
+    ] = None,
+    limit: Annotated[
+        float, typer.Option("--limit", metavar="PART", help="Largest u_FE for agreement, as a part of the field.")
+    ] = 0.02,
+    memory: Annotated[
+        float, typer.Option("--memory", metavar="GB", min=0.1, help="A task that needs more is ended and reported.")
+    ] = 6.0,
+    cluster: Annotated[
+        str | None, typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed to run on.")
+    ] = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures", help="Also write mesh and field of one case a kernel (VTU, PNG).")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+) -> None:
+    """Compare every kernel with finite elements whose own error is known; write a report.
+
+    Finished solutions are kept in the folder: an interrupted campaign continues, a repeated one only judges again.
+
+    Exit codes: 0 nothing disagrees (read what is inconclusive), 1 something disagrees or could not be solved,
+    2 wrong input, 130 interrupted.
+
+    Example: `eigencontact verify --quick --kernel cuboid`
+    """
+    from eigencontact.errors import EigencontactError
+
+    names = [*(kernels or []), *(kernel or [])]
+    if not 0.0 < limit < 1.0:
+        _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
+    try:
+        from eigencontact_verification.campaign import cases
+
+        chosen = _chosen(cases, names, quick=quick)
+        executor = _executor(workers or _cores(), memory * 1e9, cluster)
+    except (EigencontactError, ValueError, ImportError, OSError) as problem:
+        _refuse(str(problem))
+    try:
+        report, files = campaign(
+            chosen, _gaps(cases, names), output, executor=executor, limit=limit, quick=quick, pictures=pictures,
+            show=not (quiet or as_json),
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        typer.echo("eigencontact: interrupted; finished solutions are kept, run the same again to continue", err=True)
+        raise typer.Exit(130) from None
+    if as_json:
+        typer.echo(json.dumps(report.to_dict(), indent=2))
+    elif not quiet:
+        _print(report, files)
+    raise typer.Exit(report.exit_code)
+
+
+def _refuse(problem: str) -> NoReturn:
+    typer.echo(f"eigencontact: {' '.join(problem.split())}", err=True)
+    raise typer.Exit(2) from None
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _executor(workers: int, memory: float, cluster: str | None) -> Executor:
+    from eigencontact_verification.campaign.run import Limits, in_processes
+
+    if cluster is None:
+        return partial(in_processes, workers=workers, limits=Limits(memory=memory))
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ImportError(
+            "--cluster must have dask.distributed (not installed); install eigencontact[cluster]"
+        ) from None
+    from eigencontact_verification.campaign.cluster import on_cluster
+
+    return partial(on_cluster, client=Client(cluster, timeout=10))
+
+
+def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
+    """Cases of the keys asked for, in the order of the list, each key once."""
+    from eigencontact.errors import nearest
+
+    known = cases.kernels()
+    for name in names:
+        if name not in known:
+            raise ValueError(
+                f"kernel must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; "
+                "`eigencontact plugins` lists what is installed"
+            )
+    found = [case for key in known if not names or key in names for case in cases.cases_of(key)]
+    found = [case for case in found if case.quick] if quick else found
+    if not found:
+        raise ValueError(f"kernel must have a quick case (got {', '.join(names)}); run it without --quick")
+    return tuple(found)
+
+
+def _gaps(cases: CaseList, names: Sequence[str]) -> tuple[Gap, ...]:
+    """Gaps of what was asked for, and the kernels that were not."""
+    from eigencontact_verification.campaign.case import Gap
+
+    told = tuple(gap for gap in cases.gaps() if not names or gap.kernel in names)
+    left = [key for key in cases.kernels() if names and key not in names]
+    return told + tuple(Gap(kernel=key, what="everything", reason="not asked for in this run") for key in left)
+
+
+def campaign(
+    cases: Sequence[Case],
+    gaps: Sequence[Gap],
+    folder: Path,
+    *,
+    executor: Executor,
+    limit: float = 0.02,
+    quick: bool = False,
+    pictures: bool = False,
+    show: bool = False,
+) -> tuple[Report, dict[str, Path]]:
+    """Solve, judge and report.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        What to verify.
+    gaps : sequence of Gap
+        What the report lists as not covered.
+    folder : Path
+        Gets the report, and the finished solutions below ``solutions``.
+    executor : callable
+        Performs the tasks.
+    limit : float
+        Largest u_FE for agreement.
+    quick : bool
+        Said in the report. The quick cases of a kernel may leave components out; those are then not in its table.
+    pictures : bool
+        Also write mesh and field of the first case of each kernel.
+    show : bool
+        Draw a bar with the remaining time, where there is a terminal.
+
+    Returns
+    -------
+    Report, dict of str to Path
+        What was found, and the files.
+    """
+    from eigencontact_verification.campaign.judge import judge
+    from eigencontact_verification.campaign.report import Report, write_report
+    from eigencontact_verification.campaign.run import run_campaign
+    from eigencontact_verification.campaign.store import Store
+
+    start = time.perf_counter()
+    with _Bar(show=show) as bar:
+        solved = run_campaign(cases, Store(folder / "solutions"), executor=executor, progress=bar)
+    judged = tuple(judge(one, limit=limit) for one in solved)
+    notes = tuple(_pictures(judged, folder / "fields")) if pictures else ()
+    report = Report(
+        cases=judged, gaps=tuple(gaps), limit=limit, quick=quick, seconds=time.perf_counter() - start, notes=notes
+    )
+    return report, write_report(report, folder)
+
+
+def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
+    """Write mesh and field of the first case of each kernel; say what was written, or why it was not."""
+    seen = set()
+    for case in (found.case for found in judged):
+        if case.kernel in seen:
+            continue
+        seen.add(case.kernel)
+        try:
+            files = case.pictures(folder / case.key.replace("/", "-"))
+        except Exception as problem:  # noqa: BLE001 - a picture that fails must not cost the report
+            yield f"{case.key}: no pictures, {type(problem).__name__}: {' '.join(str(problem).split())}"
+            continue
+        if files:
+            yield f"{case.key}: mesh and field in {', '.join(file.name for file in files)}"
+
+
+class _Bar:
+    """Progress with the remaining time: the bar counts work, the words count solutions."""
+
+    def __init__(self, *, show: bool) -> None:
+        self._bar: Any = None
+        self._task: Any = None
+        self._left = 0
+        if show:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+            console = Console(stderr=True)
+            if console.is_terminal:
+                words = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
+                self._bar = Progress(*words, TimeRemainingColumn(), console=console, transient=True)
+
+    def __enter__(self) -> Self:
+        if self._bar is not None:
+            self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def started(self, tasks: Sequence[Task]) -> None:
+        """Show the work that is due."""
+        self._left = len(tasks)
+        if self._bar is not None:
+            self._task = self._bar.add_task(f"{self._left} solutions", total=sum(task.weight for task in tasks))
+
+    def finished(self, task: Task, outcome: Outcome) -> None:
+        """Count a solution; say what failed."""
+        self._left -= 1
+        if self._bar is not None:
+            if outcome.status != "done":
+                self._bar.console.print(f"{task.case.key}, {task.label}: {outcome.reason}", markup=False)
+            self._bar.update(self._task, advance=task.weight, description=f"{self._left} solutions to go")
+
+
+def _print(report: Report, files: dict[str, Path]) -> None:
+    """The coverage table, what is not agreement, and where the report is."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from eigencontact_verification.campaign.judge import coverage
+
+    console = Console(highlight=False)
+    table = Table("kernel", "quantity", "component", "verdict", "profiles", "u_FE", "|SA−FE|", box=None, pad_edge=False)
+    for one in coverage(report.rows):
+        numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (one.uncertainty, one.difference))
+        agreed = f"{one.counts['agrees']}/{sum(one.counts.values())}"
+        table.add_row(one.kernel, one.quantity, one.component, one.word, agreed, *numbers)
+    console.print(table)
+    for row in report.rows:
+        if row.word != "agrees":
+            words = f"{row.word}: {row.kernel}/{row.case}, {row.profile}, {row.component}: {row.reason}"
+            console.print(words, markup=False, soft_wrap=True)
+    counts = ", ".join(f"{count} {word}" for word, count in report.counts.items())
+    console.print(f"\n{counts}; {len(report.gaps)} known gaps; {report.seconds:.0f} s", markup=False)
+    console.print(f"report: {files['html'].resolve()}", markup=False, soft_wrap=True)
