@@ -76,6 +76,36 @@ def test_patch(fitted, divisions):
     np.testing.assert_allclose(solution.stress(POINTS), np.broadcast_to(stress, (len(POINTS), 3, 3)), atol=2e-12)
 
 
+def spheroid(depth, radius, half_height, ring=0.0):
+    def contains(r, z):
+        return ((r - ring) / radius) ** 2 + ((z - depth) / half_height) ** 2 <= 1
+
+    bounds = ((max(0.0, ring - radius), depth - half_height), (ring + radius, depth + half_height))
+    return AxisymmetricRegion(contains=contains, bounds=bounds, fitted=True)
+
+
+SHAPES = {
+    "shallow ball": spheroid(1.05, 1.0, 1.0),
+    "disc": spheroid(1.0, 1.5, 0.3),
+    "needle": spheroid(3.0, 0.3, 1.5),
+    "torus": spheroid(2.0, 0.5, 0.7, ring=2.0),
+    "torus at the axis": spheroid(2.0, 0.5, 0.5, ring=0.55),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_patch_on_the_meshes_of_shapes(name):
+    """Linear displacement is exact, elements are not folded, and are inside or outside as a whole."""
+    region = SHAPES[name]
+    solution = solve_axisymmetric(body(regions=(region,)), prescribed=lambda r, z: (r, z))
+    np.testing.assert_allclose(solution.displacement(POINTS), POINTS, atol=1e-11)
+    grid = solution.grid
+    jacobian = grid.mesh.mapping().detDF(np.array([[0.0, 1.0, 1.0, 0.0, 0.5], [0.0, 0.0, 1.0, 1.0, 0.5]]))
+    assert jacobian.min() > 0
+    r, z = grid.nodes[:, :4].mean(axis=1)
+    assert np.array_equal(grid.marks == 0, region.contains(r, z))
+
+
 @pytest.mark.parametrize("fitted", [True, False])
 def test_uniform_eigenstrain_is_free_of_stress(fitted):
     """A whole free body that expands uniformly: its parts, one fitted, one not, have the same eigenstrain."""
@@ -151,7 +181,7 @@ def test_dilatational_ball_on_cut_elements():
 def test_fixed_and_free_bracket_the_half_space():
     """Uplift of a hot ball: the two conditions err in opposite senses, and less with reach."""
     parts = {
-        (o, R): hot_ball(2, fitted=True, outer=o, reach=R)[0] for o in ("fixed", "free") for R in (10.0, 20.0, 40.0)
+        (o, R): hot_ball(1, fitted=True, outer=o, reach=R)[0] for o in ("fixed", "free") for R in (10.0, 20.0, 40.0)
     }
     for R in (10.0, 20.0, 40.0):
         assert np.all(parts["fixed", R][:3, 2] > 0)
@@ -203,7 +233,7 @@ def hertz_displacement(r, nu):
     return (1 - nu**2) * np.where(r <= 1, np.pi / 4 * (2 - r * r), far)
 
 
-@pytest.mark.parametrize(("nu", "outer"), [(0.0, "free"), (0.3, "fixed"), (0.3, "free"), (0.45, "free")])
+@pytest.mark.parametrize(("nu", "outer"), [(0.0, "free"), (0.3, "fixed"), (0.45, "free")])
 def test_hertz_pressure(nu, outer):
     disc = Disc(radius=1.0, pressure=1.0, profile="hertz")
     model = body(poisson_ratio=nu, reach=20.0, fine=0.1, growth=1.15, divisions=2, discs=(disc,), outer=outer)
@@ -260,11 +290,13 @@ def test_stress_concentration_at_a_void():
     """Goodier 1933: s_zz at the equator of a void under uniaxial tension is 3 (9 - 5 nu) / (2 (7 - 5 nu))."""
     exact = (27 - 15 * NU) / (2 * (7 - 5 * NU))
     errors = []
-    for divisions in (1, 2, 4):
+    for divisions in (1, 2, 3):
         region = ball(20.0, young_modulus=0.0, fitted=True)
-        model = body(reach=40.0, growth=1.6, fine=0.3, regions=(region,), divisions=divisions, remote_stress=(0.0, 1.0))
+        model = body(
+            reach=40.0, growth=1.6, fine=0.25, regions=(region,), divisions=divisions, remote_stress=(0.0, 1.0)
+        )
         errors.append(solve_axisymmetric(model).stress([[1 + 1e-9, 0, 20.0]])[0, 2, 2] / exact - 1)
-    assert abs(slope(np.abs(errors)) - 1.8) < 0.3
+    assert abs(slope(np.abs(errors), (1, 2, 3)) - 1.8) < 0.3
     assert abs(errors[-1]) < 4e-3
 
 

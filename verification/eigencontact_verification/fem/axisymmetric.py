@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
-from skfem import BilinearForm, CellBasis, ElementQuad2, ElementVector, FacetBasis, LinearForm
+from skfem import CellBasis, ElementQuad2, ElementVector, FacetBasis, LinearForm
 
 from eigencontact_verification.fem.axisymmetric_mesh import Grid
 from eigencontact_verification.fem.axisymmetric_model import (
@@ -47,24 +47,42 @@ Field = Callable[[FloatArray, FloatArray], ArrayLike]
 
 #: Gauss points each way in an element, in a sub-cell, and sub-cells each way in an element that a boundary cuts.
 _POINTS, _CUT_POINTS, _CELLS = 4, 2, 8
+#: Integration points that are worked on at a time.
+_CHUNK = 1 << 15
 #: Gauss points along the loaded edge of an element.
 _EDGE_POINTS = 16
 
 
-def _strain(u: Any, r: FloatArray) -> tuple[Any, Any, Any, Any]:
-    return u.grad[0][0], u[0] / r, u.grad[1][1], u.grad[0][1] + u.grad[1][0]
+def _strains(basis: CellBasis, part: slice) -> FloatArray:
+    """Strains e_rr, e_tt, e_zz, 2 e_rz of the shape functions, (4, elements, functions, points)."""
+    value = np.array([np.asarray(shape)[0, part] for (shape,) in basis.basis])
+    grad = np.array([shape.grad[:, :, part] for (shape,) in basis.basis])
+    r = np.asarray(basis.global_coordinates())[0, part]
+    strains = np.stack((grad[:, 0, 0], value / r, grad[:, 1, 1], grad[:, 0, 1] + grad[:, 1, 0]))
+    return np.swapaxes(strains, 1, 2)
 
 
-def _stiffness(u: Any, v: Any, w: Any) -> Any:
-    a, b = _strain(u, w.x[0]), _strain(v, w.x[0])
-    mean = w.lame * (a[0] + a[1] + a[2])
-    same = sum((mean + 2 * w.mu * a[k]) * b[k] for k in range(3))
-    return (same + w.mu * a[3] * b[3]) * w.x[0]
-
-
-def _initial(v: Any, w: Any) -> Any:
-    b = _strain(v, w.x[0])
-    return (w.s_r * (b[0] + b[1]) + w.s_z * b[2]) * w.x[0]
+def _assemble(
+    basis: CellBasis, lame: FloatArray, mu: FloatArray, s_r: FloatArray, s_z: FloatArray
+) -> tuple[csc_matrix, FloatArray]:
+    """Stiffness matrix, and load vector of an initial stress s_rr = s_tt, s_zz; all (elements, points)."""
+    dofs = np.asarray(basis.element_dofs).T
+    count = dofs.shape[1]
+    matrices = np.empty((len(dofs), count, count))
+    load = np.zeros(basis.N)
+    weight = basis.dx * np.asarray(basis.global_coordinates())[0]
+    step = max(1, _CHUNK // weight.shape[1])
+    for part in (slice(k, k + step) for k in range(0, len(dofs), step)):
+        strains = _strains(basis, part)
+        w, first, second = (x[part, None] for x in (weight, lame, mu))
+        stresses = 2 * second * strains
+        stresses[3] /= 2
+        stresses[:3] += first * strains[:3].sum(axis=0)
+        matrices[part] = sum(np.matmul(w * stresses[k], np.swapaxes(strains[k], 1, 2)) for k in range(4))
+        force = s_r[part, None] * (strains[0] + strains[1]) + s_z[part, None] * strains[2]
+        np.add.at(load, dofs[part], (w * force).sum(axis=2))
+    rows, columns = (np.broadcast_to(x, matrices.shape).ravel() for x in (dofs[:, :, None], dofs[:, None]))
+    return csc_matrix((matrices.ravel(), (rows, columns)), shape=(basis.N, basis.N)), load
 
 
 def _body(v: Any, w: Any) -> Any:
@@ -232,9 +250,9 @@ def solve_axisymmetric(
     load: Any = 0.0
     for basis, material in _bases(model, grid):
         lame, mu = _lame(material)
-        matrix = matrix + BilinearForm(_stiffness).assemble(basis, lame=lame, mu=mu)
         own, uniform = _normal(material, material[2] - e_r, material[3] - e_z), _normal(body, e_r, e_z)
-        load = load + LinearForm(_initial).assemble(basis, s_r=own[0] + uniform[0], s_z=own[1] + uniform[1])
+        parts = _assemble(basis, lame, mu, own[0] + uniform[0], own[1] + uniform[1])
+        matrix, load = matrix + parts[0], load + parts[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
             load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
@@ -258,7 +276,7 @@ def solve_axisymmetric(
     if model.load and model.outer == "free" and prescribed is None:
         pull = _outer_traction(model, basis)
     free = np.setdiff1d(np.arange(basis.N), held)
-    inner = csc_matrix(matrix)[free]
+    inner = matrix[free]
     rest = (load + pull)[free] - inner @ u
     factors = splu(inner[:, free], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     u[free] = factors.solve(rest)
