@@ -55,6 +55,20 @@ def test_the_interval_covers_and_is_not_idle(formal, order, noise, points, profi
     assert 1.0 <= np.median(width) <= excess
 
 
+@pytest.mark.parametrize("order", [1.0, 2.0, 3.0])
+def test_errors_whose_sign_follows_the_mesh_are_covered_and_not_idle(order):
+    """Where a point lies within its element changes from mesh to mesh: only the size of the error converges."""
+    rng, whole, width = np.random.default_rng(21), [], []
+    for _ in range(200):
+        exact, size = smooth(rng), np.exp(-3.0 * X)
+        meshes = [exact + size * h**order * rng.uniform(-1.0, 1.0, size=X.size) for h in SIZES]
+        found = estimate(*meshes, ratio=2.0, formal_order=3.0)
+        whole.append(np.all(np.abs(found.value - exact) <= found.uncertainty))
+        width.append(found.uncertainty.max() / np.abs(meshes[2] - exact).max())
+    assert np.mean(whole) >= 0.95
+    assert 1.0 <= np.median(width) <= 15.0
+
+
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0, 3.0])
 @pytest.mark.parametrize("ratio", [1.5, 2.0, 3.0])
 def test_pure_powers_give_order_value_and_roaches_index(order, ratio):

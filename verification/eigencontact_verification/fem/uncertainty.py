@@ -6,11 +6,12 @@ Three meshes give the discretisation error, two outer boundary conditions the er
   because the order near a source need not be that of the far field;
 - *Richardson value* where the order is credible, the fine mesh elsewhere;
 - *grid convergence index*: safety factor 1.25, and 3 where the order is not credible (below 0.5, more than two above
-  the formal order) or the differences change sign from mesh to mesh; then no order above 1 is used either. The
-  difference that enters is the larger of fine-medium and medium-coarse brought to the fine mesh, and the largest among
-  neighbours: where one difference happens to vanish, the error does not. Twice the scatter of both differences about
-  the order in use (as Eça and Hoekstra add the deviation of their fit) and a floor of a tenth of the largest value on
-  the profile make the interval hold at all points together, which is what a verdict asks;
+  the formal order) or the differences change sign from mesh to mesh; there the order in use is at least 1. The smaller
+  of both orders counts, never more than the formal one. The difference that enters is the larger of fine-medium and
+  medium-coarse brought to the fine mesh, and the largest among neighbours: where one difference happens to vanish, the
+  error does not. Twice the scatter of both differences about the order in use is added to 1.25 times the difference
+  (as Eça and Hoekstra add the deviation of their fit), and nowhere less than a tenth of the largest value on the
+  profile is used: both make the interval hold at all points together, which is what a verdict asks;
 - *truncation*: the mean of fixed and free outer faces is the value, half their distance the uncertainty. It is a smooth
   field of the size of the body, so nowhere less than half of its largest value on the profile is used. That the truth
   lies between both is an assumption (it holds exactly for a dilating ball in a concentric ball); check it with another
@@ -177,12 +178,13 @@ def _discretisation(
     local = np.where(np.isfinite(local), local, order)
     sound = credible & (same | _believed(local, kept, formal))
     low = np.minimum(np.where(np.isfinite(order), order, formal), np.where(np.isfinite(local), local, formal))
-    used = np.clip(low, LOWEST_ORDER, np.where(sound, formal, min(formal, 1.0)))
+    used = np.clip(low, np.where(sound, LOWEST_ORDER, min(formal, 1.0)), formal)
 
     difference = np.maximum(np.abs(newer), np.abs(older) / ratio**used)
     difference = _window(difference, 1).max(axis=0)
     scatter = np.sqrt(np.mean(_window(newer - older / ratio**used, 2) ** 2, axis=0))
-    uncertainty = (np.where(sound, SAFETY, CAUTIOUS) * difference + 2.0 * scatter) / (ratio**used - 1.0)
+    index = SAFETY * difference + 2.0 * scatter
+    uncertainty = np.where(sound, index, np.maximum(index, CAUTIOUS * difference)) / (ratio**used - 1.0)
     uncertainty = np.maximum(uncertainty, FLOOR * uncertainty.max(axis=0))
     whole = np.clip(np.where(np.isfinite(order), order, formal), LOWEST_ORDER, formal)
     value = np.where(sound, fine - newer / (ratio**whole - 1.0), fine)
