@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz
+from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, trade
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
@@ -509,3 +509,22 @@ def test_a_cloud_is_measured_and_judged(case):
     row = cloud.summarise(task, [sample, sample])
     assert row["points"] == 720
     assert row["ns_per_pair"] > 0
+
+
+# --- finite elements against the semi-analytical ways ------------------------------------------------------------
+
+
+def test_the_trade_is_measured_judged_and_drawn(tmp_path):
+    rows = []
+    for name, low, high in (
+        (trade.POINTWISE, 0.0, 1e-12),
+        ("exact", 0.0, 1e-12),
+        ("image-pressure", 1e-4, 0.05),
+        ("FE, linear, h = 1/2", 0.02, 0.3),
+    ):
+        task = Task(benchmark="trade", code=name, n=1)
+        sample = trade.measure(trade.METHODS[name], task)
+        assert low <= sample["error"] <= high
+        rows.append(trade.summarise(task, [sample]))
+    trade.draw(rows, tmp_path / "trade.png")
+    assert (tmp_path / "trade.png").stat().st_size > 10_000

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, trade
 from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
 from eigencontact_verification.benchmarks.machine import describe, facts
@@ -41,8 +41,9 @@ def _count(text: str) -> int:
 
 
 def _code(text: str) -> str:
-    if ":" not in text and text not in {**CODES, **fidelity.METHODS}:
-        known = ", ".join(sorted({**CODES, **fidelity.METHODS}))
+    names = {**CODES, **fidelity.METHODS, **trade.METHODS}
+    if ":" not in text and text not in names:
+        known = ", ".join(sorted(names))
         raise argparse.ArgumentTypeError(f"must be one of {known} or package.module:OBJECT (got {text})")
     return text
 
@@ -92,6 +93,9 @@ def parser() -> argparse.ArgumentParser:
     five = commands.add_parser("cloud", parents=[common], help="hundreds of inclusions off the grid")
     five.add_argument("--sizes", type=_count, nargs="+", default=cloud.SIZES, metavar="INCLUSIONS")
     five.add_argument("--cases", nargs="+", choices=list(cloud.CASES), default=list(cloud.CASES))
+    six = commands.add_parser("trade", parents=[common], help="finite elements against the semi-analytical ways")
+    six.add_argument("--picture", type=Path, metavar="FILE", help="draw error against time and memory")
+    six.set_defaults(size=1)
     return top
 
 
@@ -114,7 +118,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one benchmark; return 1 if nothing could be measured, 2 for files that cannot be written."""
     options = parser().parse_args(arguments)
     peers = PEERS if getattr(options, "peers", False) else ()
-    codes = options.codes or (list(fidelity.METHODS) if options.benchmark == "fidelity" else [*OURS, *peers])
+    ways = {"fidelity": fidelity.METHODS, "trade": trade.METHODS}.get(options.benchmark)
+    codes = options.codes or (list(ways) if ways else [*OURS, *peers])
     sizes = options.sizes if "sizes" in options else [options.size]
     elsewhere = dict(options.interpreter)
     machine = facts()
@@ -158,6 +163,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "settings": out.settings,
             }
             options.json.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        if getattr(options, "picture", None) and out.rows:
+            trade.draw(out.rows, options.picture)
         if options.markdown and out.rows:
             text = _report(out, options.benchmark, describe(machine), brief=True)
             replace_section(options.markdown, options.section or options.benchmark, text)

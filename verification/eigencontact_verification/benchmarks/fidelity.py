@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["CASES", "COLUMNS", "DEPTHS", "METHODS", "measure", "reference", "summarise"]
+__all__ = ["BUILDERS", "CASES", "COLUMNS", "DEPTHS", "METHODS", "Case", "Problem", "measure", "reference", "summarise"]
 
 FloatArray = NDArray[np.float64]
 
@@ -168,7 +168,8 @@ def periodic(problem: Problem, quantity: str, padding: float) -> Callable[[Float
     return lambda eigenstrain: unit * space.apply(eigenstrain, quantity, depths=depths)
 
 
-_BUILDERS: dict[str, Callable[[Problem, str], Callable[[FloatArray], FloatArray]]] = {
+#: What makes a function from eigenstrain to field, by name of the way.
+BUILDERS: dict[str, Callable[[Problem, str], Callable[[FloatArray], FloatArray]]] = {
     "exact": exact,
     "exact, single": exact_single,
     "image-pressure": image_pressure,
@@ -202,7 +203,7 @@ METHODS = {
             name, f"PeriodicHalfSpace, {2 * ALIASES + 1} x {2 * ALIASES + 1} waves for each of the grid"
         ),
     )
-    for name in _BUILDERS
+    for name in BUILDERS
 }
 
 
@@ -246,7 +247,7 @@ def reference(case: Case, quantity: Literal["displacement", "stress"], depth: fl
 def measure(code: Code, task: Task) -> Sample:
     """Time set-up and application for stress in the volume, then judge stress and surface displacement."""
     code.load()
-    case, build = CASES[task.case], _BUILDERS[code.name]
+    case, build = CASES[task.case], BUILDERS[code.name]
     problem = Problem(case=case, n=task.n, threads=task.threads)
     eigenstrain = DIRECTION[:, None, None, None] * case.amplitude(task.n)
     memory = PeakMemory()

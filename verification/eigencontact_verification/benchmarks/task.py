@@ -19,7 +19,7 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"`` or ``"cloud"``.
+        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"`` or ``"trade"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, trade
 from eigencontact_verification.benchmarks.codes import Code, find_code
 from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
@@ -18,7 +18,7 @@ from eigencontact_verification.benchmarks.task import Sample, Task
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["MEASURES", "main", "perform"]
+__all__ = ["MEASURES", "METHODS", "main", "perform"]
 
 MEASURES: dict[str, Callable[[Code, Task], Sample]] = {
     "hertz": hertz.measure,
@@ -26,15 +26,22 @@ MEASURES: dict[str, Callable[[Code, Task], Sample]] = {
     "fidelity": fidelity.measure,
     "eigenstrain": eigenstrain.measure,
     "cloud": cloud.measure,
+    "trade": trade.measure,
+}
+
+#: Ways of computing of benchmarks that do not compare codes.
+METHODS = {
+    "fidelity": fidelity.METHODS,
+    "eigenstrain": eigenstrain.METHODS,
+    "cloud": cloud.METHODS,
+    "trade": trade.METHODS,
 }
 
 
 def perform(task: Task) -> Sample:
     """Measure, and turn every failure into words: one code's fault must not end the run of the others."""
     try:
-        methods = {"fidelity": fidelity.METHODS, "eigenstrain": eigenstrain.METHODS, "cloud": cloud.METHODS}.get(
-            task.benchmark
-        )
+        methods = METHODS.get(task.benchmark)
         code = methods[task.code] if methods else find_code(task.code)
         found = MEASURES[task.benchmark](code, task)
     except ImportError as error:
