@@ -14,6 +14,7 @@ from eigencontact_verification.fem.axisymmetric import (
     Disc,
     point_force_stress,
     solve_axisymmetric,
+    surface_load,
 )
 from eigencontact_verification.fem.axisymmetric_mesh import graded_lines
 from eigencontact_verification.oracles import boussinesq, eshelby, hertz
@@ -86,6 +87,7 @@ def spheroid(depth, radius, half_height, ring=0.0):
 
 SHAPES = {
     "shallow ball": spheroid(1.05, 1.0, 1.0),
+    "ball that touches the surface": spheroid(1.000001, 1.0, 1.0),
     "disc": spheroid(1.0, 1.5, 0.3),
     "needle": spheroid(3.0, 0.3, 1.5),
     "torus": spheroid(2.0, 0.5, 0.7, ring=2.0),
@@ -213,17 +215,32 @@ def test_eshelby_sphere_with_uniaxial_eigenstrain(nu):
     assert errors[-1] < 2e-3
 
 
-@pytest.mark.parametrize(("profile", "share"), [("uniform", 1.0), ("hertz", 2 / 3)])
-def test_load_of_a_disc_is_exact(profile, share):
-    """Reaction: mean s_zz over a deep plane of a slender free column."""
-    model = body(reach=4.0, discs=(Disc(radius=1.0, pressure=3.0, profile=profile),), outer="free")
-    assert model.load == pytest.approx(3 * np.pi * share, rel=1e-15)
-    x, w = np.polynomial.legendre.leggauss(40)
-    r = 2 * (x + 1)
-    sheet = np.stack((r, 0 * r, np.full_like(r, 3.999)), axis=1)
-    solution = solve_axisymmetric(replace(model, divisions=4))
-    reaction = -(solution.stress(sheet)[:, 2, 2] * r * w * 2 * 2 * np.pi).sum()
-    assert reaction == pytest.approx(model.load, rel=3e-3)
+@pytest.mark.parametrize(("profile", "force", "moment"), [("uniform", 1.0, 1 / 2), ("hertz", 2 / 3, 4 / 15)])
+def test_load_of_a_disc_is_exact(profile, force, moment):
+    """Force and work on u_z = r^2: the integrals of p and p r^2 over the disc, in units of p0 pi a^2 and p0 pi a^4."""
+    disc = Disc(radius=1.7, pressure=3.0, profile=profile)
+    model = body(fine=0.7, discs=(disc,))
+    basis = solve_axisymmetric(model).basis
+    load = surface_load(disc, basis) * 2 * np.pi
+    assert load.sum() == pytest.approx(force * 3 * np.pi * 1.7**2, rel=1e-14)
+    assert load @ basis.doflocs[0] ** 2 == pytest.approx(moment * 3 * np.pi * 1.7**4, rel=1e-13)
+    assert model.load == pytest.approx(load.sum(), rel=1e-14)
+
+
+@pytest.mark.parametrize("outer", ["fixed", "free"])
+def test_stiff_ball_that_swells(outer):
+    """Moduli and eigenstrain at once, deep in the body: hydrostatic, total strain e 3 K1 / (3 K1 + 4 mu0) (Lame)."""
+    young, nu, e = 4.0, 0.2, 0.01
+    region = ball(20.0, eigenstrain=(e, e), young_modulus=young, poisson_ratio=nu, fitted=True)
+    model = body(reach=40.0, growth=1.6, fine=0.25, regions=(region,), divisions=2, outer=outer)
+    bulk, mu = young / 3 / (1 - 2 * nu), 0.5 / (1 + NU)
+    strain = e * 3 * bulk / (3 * bulk + 4 * mu)
+    solution = solve_axisymmetric(model)
+    inside = solution.stress([[0, 0, 20.0], [0.3, 0.4, 20.3], [-0.6, 0.1, 19.5]])
+    pressure = 3 * bulk * (e - strain)
+    np.testing.assert_allclose(inside, np.broadcast_to(-pressure * np.eye(3), inside.shape), atol=2e-3 * pressure)
+    outward = solution.displacement([[1.0, 0, 20.0], [2.0, 0, 20.0]])[:, 0]
+    np.testing.assert_allclose(outward, [strain, strain / 4], rtol=2e-3)
 
 
 def hertz_displacement(r, nu):
@@ -346,6 +363,15 @@ def test_cartesian_components_turn_with_the_point():
     here = np.array([[0.4, 0.0, 0.7], [1.7, 0.0, 2.1], [0.0, 0.0, 2.0]])
     np.testing.assert_allclose(solution.displacement(here @ turn.T), solution.displacement(here) @ turn.T, atol=1e-13)
     np.testing.assert_allclose(solution.stress(here @ turn.T), turn @ solution.stress(here) @ turn.T, atol=1e-12)
+
+
+def test_normal_stresses_are_continuous_towards_the_axis():
+    """u_r / r is noise very near r = 0, where its limit takes over."""
+    solution = solve_axisymmetric(body(regions=(rod(1.0, 1.0, 3.0, eigenstrain=(1.0, -0.5)),)))
+    stress = solution.stress([[0.0, 0, 0.7], [1e-17, 0, 0.7], [1e-11, 0, 0.7], [1e-6, 0, 0.7]])
+    normal = np.diagonal(stress, axis1=1, axis2=2)
+    np.testing.assert_allclose(normal[1:], np.broadcast_to(normal[0], (3, 3)), atol=1e-6)
+    assert normal[0, 0] == normal[0, 1]
 
 
 def test_graded_lines_keep_bounds_size_and_growth():

@@ -39,7 +39,10 @@ __all__ = [
     "AxisymmetricRegion",
     "AxisymmetricSolution",
     "Disc",
+    "point_force_displacement",
+    "point_force_stress",
     "solve_axisymmetric",
+    "surface_load",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -162,8 +165,8 @@ def _bases(model: AxisymmetricModel, grid: Grid) -> Iterator[tuple[CellBasis, Fl
             yield basis, model.material(places[0], places[1], grid, ids)
 
 
-def _surface_load(disc: Disc, basis: CellBasis) -> FloatArray:
-    """Load vector of a disc of pressure; exact for a uniform one, to round-off for Hertz's (r = a sin t)."""
+def surface_load(disc: Disc, basis: CellBasis) -> FloatArray:
+    """Load vector (without the factor 2 pi) of a disc of pressure, exact to round-off; Hertz's by r = a sin t."""
     mesh = basis.mesh
     facets = mesh.boundary_facets()
     ends = mesh.p[:, mesh.facets[:, facets]]
@@ -257,7 +260,7 @@ def solve_axisymmetric(
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
             load = load + LinearForm(_body).assemble(basis, f_r=f_r, f_z=f_z)
     for disc in model.discs:
-        load = load + _surface_load(disc, basis)
+        load = load + surface_load(disc, basis)
     held, radial = _held(model, basis, everywhere=prescribed is not None)
     far = np.zeros(basis.N)  # what the resultant load would do to a half-space, on the outer boundary
     if model.far_field and prescribed is None:
@@ -314,7 +317,7 @@ class AxisymmetricSolution:
         x = np.atleast_2d(np.asarray(points, dtype=float))
         r = np.hypot(x[:, 0], x[:, 1])
         element, local = self.grid.find(r, x[:, 2])
-        on_axis = r == 0
+        on_axis = r < 1e-9 * self.model.fine  # u_r / r is noise; its limit is u_r,r
         safe = np.where(on_axis, 1.0, r)
         turn = np.stack((np.where(on_axis, 1.0, x[:, 0] / safe), np.where(on_axis, 0.0, x[:, 1] / safe)))
         return np.stack((r, x[:, 2])), turn, element, local, on_axis

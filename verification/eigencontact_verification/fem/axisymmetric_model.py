@@ -51,8 +51,10 @@ class AxisymmetricRegion:
         Moduli; None: those of the body around it. Young's modulus 0 makes a void (1e-10 of the body's).
     fitted : bool
         Whether the mesh follows the boundary. It must lie below the surface and be star-shaped about the centre of
-        its bounds (about the axis' point at that depth if it meets the axis). If not fitted, elements that the boundary
-        cuts are integrated on sub-cells; a region that fills its bounds cuts none.
+        its bounds (about the axis' point at that depth if it meets the axis); one that touches the surface is moved down
+        by, say, 1e-6 of its size. If not fitted, elements that the boundary cuts are integrated on sub-cells: fair for
+        displacement, of first order at best for the stress inside and beside them. A region that fills its bounds (a
+        cylinder) cuts no element and needs no fit.
     """
 
     contains: Contains
@@ -67,7 +69,7 @@ class AxisymmetricRegion:
         ordered = 0 <= low[0] < high[0] and 0 <= low[1] < high[1]
         _require(ordered, "region bounds", "(low, high) with 0 <= low < high", self.bounds, "give (r, z) of both")
         if self.fitted:
-            gap = low[1] > 1e-3 * (high[1] - low[1])
+            gap = low[1] > 1e-9 * (high[1] - low[1])
             _require(gap, "fitted region bounds", "below the surface z = 0", self.bounds, "use fitted=False")
 
 
