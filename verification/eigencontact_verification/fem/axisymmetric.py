@@ -244,6 +244,16 @@ def solve_axisymmetric(
     -------
     AxisymmetricSolution
         Displacement and stress at any points of the body.
+
+    Examples
+    --------
+    >>> disc = Disc(radius=1.0, pressure=1.0)  # in the middle u_z = 2 (1 - nu^2) p a / E
+    >>> model = AxisymmetricModel(
+    ...     young_modulus=1.0, poisson_ratio=0.0, reach=20.0, fine=0.1, discs=(disc,), far_field=True
+    ... )
+    >>> solution = solve_axisymmetric(model)
+    >>> round(float(solution.displacement([[0.0, 0.0, 0.0]])[0, 2]), 3)
+    2.0
     """
     start = time.perf_counter()
     grid = model.grid()

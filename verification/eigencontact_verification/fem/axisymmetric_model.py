@@ -51,8 +51,8 @@ class AxisymmetricRegion:
         Moduli; None: those of the body around it. Young's modulus 0 makes a void (1e-10 of the body's).
     fitted : bool
         Whether the mesh follows the boundary. It must lie below the surface and be star-shaped about the centre of
-        its bounds (about the axis' point at that depth if it meets the axis); one that touches the surface is moved down
-        by, say, 1e-6 of its size. If not fitted, elements that the boundary cuts are integrated on sub-cells: fair for
+        its bounds (about the axis' point at that depth if it meets the axis); move one that touches the surface down
+        by 1e-6 of its size. If not fitted, elements that the boundary cuts are integrated on sub-cells: fair for
         displacement, of first order at best for the stress inside and beside them. A region that fills its bounds (a
         cylinder) cuts no element and needs no fit.
     """
