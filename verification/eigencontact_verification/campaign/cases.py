@@ -1,0 +1,178 @@
+"""The list of cases: every kernel with what it is compared for, installed shapes of strangers included.
+
+Lengths are in units of an edge or a diameter, which is 1; Young's modulus and the eigenstrain or traction are 1 too.
+Depths are those of the centre. Kernels are the keys of inclusion shapes and of surface influences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from eigencontact.library import installed_plugins
+from eigencontact_verification.campaign.case import Case, Gap
+from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusion_case, shape_of
+from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
+from eigencontact_verification.campaign.tractions import TRACTIONS, rectangle_case
+
+__all__ = ["cases_of", "gaps", "kernels"]
+
+POISSON_RATIOS = (0.0, 0.3, 0.45)
+DEPTHS = (0.5, 1.5, 5.0)
+_REVOLVED = ("uniform", "zz")
+_OCTAHEDRON = {
+    "vertices": [[0.5, 0, 0], [-0.5, 0, 0], [0, 0.5, 0], [0, -0.5, 0], [0, 0, 0.5], [0, 0, -0.5]],
+    "faces": [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]],
+}
+
+
+def _tractions(kernel: str) -> tuple[Case, ...]:
+    return tuple(rectangle_case(kernel, nu, quick=nu == 0.3) for nu in POISSON_RATIOS)
+
+
+def _cuboid() -> tuple[Case, ...]:
+    cases: list[Case] = []
+    for depth in DEPTHS:
+        cube = {"key": "cuboid", "center": [0.0, 0.0, depth], "edges": [1.0, 1.0, 1.0]}
+        for nu in POISSON_RATIOS:
+            for name in EIGENSTRAINS:
+                if name != "uniform":
+                    quick = nu == 0.3 and (depth, name) in {(1.5, "zz"), (1.5, "xz"), (5.0, "xy")}
+                    cases.append(inclusion_case(cube, name, nu, name=f"depth-{_text(depth)}", quick=quick))
+    brick = {"key": "cuboid", "center": [0.0, 0.0, 0.6], "edges": [1.6, 1.0, 0.6]}
+    cases += [inclusion_case(brick, name, 0.3, name="brick") for name in ("xx", "yy", "zz", "xy", "xz", "yz")]
+    return tuple(cases)
+
+
+def _sphere() -> tuple[Case, ...]:
+    cases: list[Case] = []
+    for depth in (0.75, 1.5, 5.0):
+        ball = {"key": "sphere", "center": [0.0, 0.0, depth], "radius": 0.5}
+        for nu in POISSON_RATIOS:
+            for name in _REVOLVED:
+                quick = nu == 0.3 or depth == 1.5
+                cases.append(inclusion_case(ball, name, nu, name=f"depth-{_text(depth)}", revolved=True, quick=quick))
+    ball = {"key": "sphere", "center": [0.0, 0.0, 1.5], "radius": 0.5}
+    cases += [inclusion_case(ball, name, 0.3, name="solid-depth-1-5") for name in ("xx", "xy", "xz")]
+    return tuple(cases)
+
+
+def _ellipsoid() -> tuple[Case, ...]:
+    cases: list[Case] = []
+    for title, axes in (("oblate", [0.5, 0.5, 0.2]), ("prolate", [0.25, 0.25, 0.5])):
+        spheroid = {"key": "ellipsoid", "center": [0.0, 0.0, 1.0], "semi_axes": axes}
+        for nu in POISSON_RATIOS:
+            cases += [inclusion_case(spheroid, name, nu, name=title, revolved=True, quick=True) for name in _REVOLVED]
+    triaxial = {"key": "ellipsoid", "center": [0.0, 0.0, 1.0], "semi_axes": [0.5, 0.35, 0.25]}
+    cases += [inclusion_case(triaxial, name, 0.3, name="triaxial") for name in ("xx", "yy", "zz", "xy", "xz", "yz")]
+    turned = {**triaxial, "rotation": [0.5, 0.0, 0.0]}
+    cases.append(inclusion_case(turned, "zz", 0.3, name="turned", mirrored=(False, False), outer_elements=1))
+    return tuple(cases)
+
+
+def _cylinder() -> tuple[Case, ...]:
+    cases: list[Case] = []
+    for title, depth, length in (("upright", 1.0, 1.0), ("disc", 0.6, 0.25)):
+        upright = {"key": "cylinder", "center": [0.0, 0.0, depth], "radius": 0.5, "length": length}
+        for nu in POISSON_RATIOS:
+            cases += [
+                inclusion_case(upright, name, nu, name=title, revolved=True, quick=nu == 0.3, cells=40)
+                for name in _REVOLVED
+            ]
+    lying = {"key": "cylinder", "center": [0.0, 0.0, 1.0], "radius": 0.4, "length": 1.0, "axis": "x"}
+    cases += [inclusion_case(lying, name, 0.3, name="lying", cells=40) for name in ("xx", "zz", "xz")]
+    return tuple(cases)
+
+
+def _layer() -> tuple[Case, ...]:
+    layer = {"key": "layer", "size": [2.0, 2.0], "thickness": 0.25, "top": 0.25}
+    flush = {**layer, "top": 0.0}
+    names = ("xx", "zz", "xy", "xz")
+    return (
+        *(inclusion_case(layer, name, 0.3, name="buried", refine=0.25) for name in names),
+        *(inclusion_case(flush, name, 0.3, name="flush", refine=0.25) for name in names),
+    )
+
+
+def _polyhedron() -> tuple[Case, ...]:
+    shape = {"key": "polyhedron", "mesh": _OCTAHEDRON, "offset": [0.0, 0.0, 1.0]}
+    return tuple(inclusion_case(shape, name, 0.3, name="octahedron", cells=40) for name in ("uniform", "xz"))
+
+
+def _stranger(kernel: str) -> tuple[Case, ...]:
+    """Uniform expansion and one shear of a shape that is known by `contains` and `bounds` alone."""
+    entry = installed_plugins().get("inclusion-shape", kernel)
+    given = {"key": kernel, **example_of(entry.component)}
+    shape = shape_of(given)
+    revolved, anchor = is_revolved(shape), point_inside(shape)
+    planes = (is_mirrored(shape, 0), is_mirrored(shape, 1))
+    return (
+        inclusion_case(
+            given, "uniform", 0.3, name="example", revolved=revolved, mirrored=planes, anchor=anchor, cells=40,
+            quick=revolved,
+        ),
+        inclusion_case(given, "xz", 0.3, name="example", mirrored=planes, anchor=anchor, cells=40),
+    )  # fmt: skip
+
+
+_OWN: dict[str, Callable[[], tuple[Case, ...]]] = {
+    "cuboid": _cuboid,
+    "sphere": _sphere,
+    "ellipsoid": _ellipsoid,
+    "cylinder": _cylinder,
+    "layer": _layer,
+    "polyhedron": _polyhedron,
+}
+
+
+def _shapes() -> list[str]:
+    return [entry.key for entry in installed_plugins().of_kind("inclusion-shape")]
+
+
+def kernels() -> tuple[str, ...]:
+    """Keys that can be verified: surface influences first, then inclusion shapes, installed ones of strangers last."""
+    shapes = _shapes()
+    strangers = [key for key in shapes if key not in _OWN and not _refusal(key)]
+    return (*TRACTIONS, *(key for key in _OWN if key in shapes), *strangers)
+
+
+def cases_of(kernel: str) -> tuple[Case, ...]:
+    """Cases of one key, the quick ones among them.
+
+    Raises
+    ------
+    ValueError
+        Nothing of this key is installed, or its shape cannot be built without being told how.
+    """
+    if kernel in TRACTIONS:
+        return _tractions(kernel)
+    if kernel not in _shapes():
+        raise ValueError(f"kernel must be one of {', '.join(kernels())} (got {kernel!r}); install its plugin")
+    return _OWN[kernel]() if kernel in _OWN else _stranger(kernel)
+
+
+def gaps() -> tuple[Gap, ...]:
+    """What is known not to be covered, and why."""
+    unsaid = "no closed form without the elements' locking at 1/2"
+    return (
+        Gap(kernel="cuboid", what="Poisson's ratio 0.5", reason=unsaid),
+        Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
+        *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
+    )
+
+
+def _refusal(key: str) -> str:
+    """Why a stranger's shape cannot be built; empty if it can."""
+    if key in _OWN:
+        return ""
+    component: Any = installed_plugins().get("inclusion-shape", key).component
+    try:
+        example_of(component)
+    except ValueError as problem:
+        return str(problem)
+    return ""
+
+
+def _text(depth: float) -> str:
+    """Depth for a name: 1.5 is 1-5."""
+    return f"{depth:g}".replace(".", "-")

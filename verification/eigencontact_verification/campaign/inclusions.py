@@ -1,0 +1,275 @@
+"""Cases of inclusions: one shape, one eigenstrain, one Poisson's ratio, by solid or axisymmetric elements.
+
+Everything a case needs is in its `parameters`; the shape is built from them with `eigencontact.make`, and the elements
+see nothing of it but `contains` and `bounds`.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.campaign.case import Case, Fields, Level, Outer
+from eigencontact_verification.campaign.lines import (
+    STRESSES,
+    chosen,
+    growth_to,
+    inner_lines,
+    planes_of,
+    read,
+    read_solid,
+    surface_lines,
+)
+from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion
+from eigencontact_verification.fem.model import Model, Region
+
+__all__ = ["EIGENSTRAINS", "InclusionCase", "inclusion_case", "shape_of", "tensor_of"]
+
+FloatArray = NDArray[np.float64]
+
+_AXES = "xyz"
+_LINES, _RECOVERY = (f"eigencontact_verification.campaign.{name}" for name in ("lines", "recovery"))
+_MODULUS = 1.0
+#: Eigenstrains by name: components and their values. Those of Table 2.3 of the thesis are xx-yy, xx-zz and the shears.
+EIGENSTRAINS: dict[str, dict[str, float]] = {
+    "xx": {"xx": 1.0},
+    "yy": {"yy": 1.0},
+    "zz": {"zz": 1.0},
+    "xy": {"xy": 1.0},
+    "xz": {"xz": 1.0},
+    "yz": {"yz": 1.0},
+    "xx-yy": {"xx": 1.0, "yy": -1.0},
+    "xx-zz": {"xx": 1.0, "zz": -1.0},
+    "uniform": {"xx": 1.0, "yy": 1.0, "zz": 1.0},
+}
+#: Parts of every element of the coarse mesh at the three levels, and its elements from the source outwards.
+_REFINE = (4, 6, 9)
+_OUTER_ELEMENTS = 2
+_GROWTH_ROUND = 4.0
+#: Reach of the body in depths or extents. Displacement of the surface by a strain in its plane decays slowest.
+_REACH, _REACH_IN_PLANE = 12.0, 40.0
+
+
+def tensor_of(name: str) -> FloatArray:
+    """Unit eigenstrain of a name in `EIGENSTRAINS`, ``(3, 3)``; a shear has both entries 1."""
+    tensor = np.zeros((3, 3))
+    for component, value in EIGENSTRAINS[name].items():
+        i, j = (_AXES.index(axis) for axis in component)
+        tensor[i, j] = tensor[j, i] = value
+    return tensor
+
+
+def shape_of(given: Mapping[str, Any]) -> Any:
+    """Shape from ``{"key": ..., parameters}``; ``mesh`` (vertices and faces) is written to a file for the shape."""
+    from eigencontact import make
+
+    parameters = {name: value for name, value in given.items() if name not in ("key", "mesh")}
+    if "mesh" not in given:
+        return make(given["key"], kind="inclusion-shape", **parameters)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "surface.off"
+        vertices, faces = given["mesh"]["vertices"], given["mesh"]["faces"]
+        rows = [f"OFF\n{len(vertices)} {len(faces)} 0"]
+        rows += [" ".join(map(str, vertex)) for vertex in vertices]
+        rows += [" ".join(map(str, (len(face), *face))) for face in faces]
+        file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+        return make(given["key"], kind="inclusion-shape", file=str(file), **parameters)
+
+
+def section_bounds(shape: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Bounds ((r, z), (r, z)) of the half section of a shape of revolution; r starts at 0 where it meets the axis."""
+    (_, _, top), (radius, _, bottom) = shape.bounds
+    r, z = np.linspace(0.0, radius, 801), np.linspace(top, bottom, 801)[1:-1]
+    found = np.asarray(shape.contains(r[:, None], np.zeros((1, 1)), z[None, :])).any(axis=1)
+    first = int(np.argmax(found))
+    return (float(r[max(first - 1, 0)]), float(top)), (float(radius), float(bottom))
+
+
+def _fills_its_section(shape: Any) -> bool:
+    """Whether the half section is the rectangle of its bounds."""
+    (inner, top), (outer, bottom) = section_bounds(shape)
+    r, z = (low + (high - low) * (np.arange(60) + 0.5) / 60 for low, high in ((inner, outer), (top, bottom)))
+    return bool(np.all(shape.contains(r[:, None], np.zeros((1, 1)), z[None, :])))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class InclusionCase(Case):
+    """A region with uniform eigenstrain below a free surface."""
+
+    code: ClassVar[tuple[str, ...]] = (__name__, _LINES, _RECOVERY)
+
+    @property
+    def eigenstrain(self) -> FloatArray:
+        """Tensor ``(3, 3)``."""
+        return tensor_of(self.parameters["eigenstrain"])
+
+    def solid_model(self, level: Level, outer: Outer) -> Model:
+        """Model of hexahedra."""
+        given, shape = self.parameters, shape_of(self.parameters["shape"])
+        return Model(
+            young_modulus=_MODULUS,
+            poisson_ratio=given["poisson_ratio"],
+            regions=(Region(contains=shape.contains, bounds=shape.bounds, eigenstrain=self.eigenstrain),),
+            reach=given["reach"],
+            symmetry=tuple(given["symmetry"]),
+            outer=outer,
+            fine=given["fine"],
+            growth=given["growth"],
+            refine=given["refine"][level],
+        )
+
+    def axisymmetric_model(self, level: Level, outer: Outer) -> AxisymmetricModel:
+        """Model of quadrilaterals in the half plane (r, z)."""
+        given, shape = self.parameters, shape_of(self.parameters["shape"])
+        low, high = section_bounds(shape)
+        strain = self.eigenstrain
+        region = AxisymmetricRegion(
+            contains=lambda r, z: np.asarray(shape.contains(r, np.zeros_like(r), z)),
+            bounds=(low, high),
+            eigenstrain=(float(strain[0, 0]), float(strain[2, 2])),
+            fitted=given["fitted"],
+        )
+        return AxisymmetricModel(
+            young_modulus=_MODULUS,
+            poisson_ratio=given["poisson_ratio"],
+            regions=(region,),
+            reach=given["reach"],
+            outer=outer,
+            fine=given["fine"],
+            growth=given["growth"],
+            divisions=given["refine"][level],
+            lines=((), (0.0,)),
+        )
+
+    def reference(self, level: Level, outer: Outer) -> Fields:
+        """Values of the finite-element model."""
+        if self.parameters["elements"] == "axisymmetric":
+            from eigencontact_verification.fem.axisymmetric import solve_axisymmetric
+
+            return read(solve_axisymmetric(self.axisymmetric_model(level, outer)), self.profiles)
+        from eigencontact_verification.fem.solve import solve
+
+        shape = shape_of(self.parameters["shape"])
+        return read_solid(solve(self.solid_model(level, outer)), self.profiles, [shape.contains])
+
+    def judged(self) -> Fields:
+        """Values of the half-space theorem."""
+        from eigencontact import inclusion_field
+
+        shape, fields = shape_of(self.parameters["shape"]), {}
+        for profile in self.profiles:
+            values = inclusion_field(
+                shape,
+                self.eigenstrain,
+                profile.points,
+                young_modulus=_MODULUS,
+                poisson_ratio=self.parameters["poisson_ratio"],
+                quantity=profile.quantity,
+                cells=self.parameters["cells"],
+            )
+            fields[profile.name] = chosen(values, profile)
+        return fields
+
+
+def inclusion_case(
+    shape: Mapping[str, Any],
+    eigenstrain: str,
+    poisson_ratio: float,
+    *,
+    name: str,
+    revolved: bool = False,
+    mirrored: tuple[bool, bool] = (True, True),
+    anchor: tuple[float, float, float] | None = None,
+    cells: int = 16,
+    quick: bool = False,
+    refine: float = 1.0,
+    outer_elements: int = _OUTER_ELEMENTS,
+) -> InclusionCase:
+    """Case of one shape.
+
+    Parameters
+    ----------
+    shape : mapping
+        ``{"key": ..., parameters of make}``.
+    eigenstrain : str
+        A name in `EIGENSTRAINS`.
+    poisson_ratio : float
+        Of the body.
+    name : str
+        First part of the case's name.
+    revolved : bool
+        Whether shape and eigenstrain are of revolution about the axis z, so that axisymmetric elements do.
+    mirrored : (bool, bool)
+        Whether the shape is its own mirror image in x = 0 and in y = 0.
+    anchor : (x, y, z), optional
+        Point inside, through which the lines go; by default a little off the middle.
+    cells : int
+        Cells across a shape without potentials.
+    quick : bool
+        Whether the case belongs to the quick campaign.
+    refine : float
+        Elements of the undivided mesh along the shortest extent (along half of it in axisymmetric models).
+    outer_elements : int
+        Elements of the undivided mesh from the source outwards.
+    """
+    made = shape_of(shape)
+    low, high = (np.asarray(corner, dtype=float) for corner in made.bounds)
+    size, thinnest = float(np.max(high - low)), float(np.min(high - low))
+    middle = (low + high) / 2
+    if anchor is None:
+        x, y, z = (middle + np.array([0.21, 0.13, -0.17]) * (high - low) / 2).tolist()
+        anchor = (x, y, z)
+    planes = ("none", "none")
+    if not revolved:
+        wanted = planes_of(EIGENSTRAINS[eigenstrain])
+        planes = (wanted[0] if mirrored[0] else "none", wanted[1] if mirrored[1] else "none")
+    voxelised = not (hasattr(made, "phi") and hasattr(made, "psi"))
+    in_plane = set(EIGENSTRAINS[eigenstrain]) & {"xx", "yy", "xy"} and eigenstrain != "uniform"
+    reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))
+    fine = thinnest / (2 * refine if revolved else refine)
+    parameters: dict[str, Any] = {
+        "shape": dict(shape),
+        "eigenstrain": eigenstrain,
+        "poisson_ratio": poisson_ratio,
+        "elements": "axisymmetric" if revolved else "solid",
+        "fitted": revolved and not _fills_its_section(made),
+        "symmetry": list(planes),
+        "reach": reach,
+        "fine": fine,
+        "growth": _GROWTH_ROUND if revolved else growth_to(reach / fine, outer_elements),
+        "refine": list(_REFINE),
+        "cells": cells,
+    }
+    lines = surface_lines(
+        max(2.0 * size, 2.0 * float(middle[2])),
+        ("even", "even") if revolved else planes,
+        paths=("x",) if revolved else ("x", "y", "diagonal"),
+        source=made.contains if low[2] <= 0.05 * size else None,
+        margin=0.15 * thinnest,
+        both_sides=not revolved and "none" in planes,
+    )
+    stresses = tuple(name for name in STRESSES if name.count("y") != 1) if revolved else STRESSES
+    if revolved:
+        anchor = (anchor[0], 0.0, anchor[2])
+    inner = inner_lines(
+        made.contains,
+        made.bounds,
+        anchor,
+        margin=max(0.08 * thinnest, 1.5 * size / cells if voxelised else 0.0),
+        components=stresses,
+        formal_order=2.0 if revolved else 3.0,
+    )
+    return InclusionCase(
+        kernel=str(shape["key"]),
+        name=f"{name}-{eigenstrain}-nu-{round(100 * poisson_ratio):02d}",
+        parameters=parameters,
+        quick=quick,
+        profiles=(*lines, *inner),
+        ratio=1.5,
+    )
