@@ -56,7 +56,7 @@ def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArra
         Sum over the regions that contain the point.
     """
     x, y, z = points.T
-    young, nu = np.full(x.shape, model.young_modulus), np.full(x.shape, model.poisson_ratio)
+    young, nu = np.full(x.shape, float(model.young_modulus)), np.full(x.shape, float(model.poisson_ratio))
     bottom = sum(layer.thickness for layer in model.layers)
     for layer in reversed(model.layers):
         above = z < bottom
@@ -183,45 +183,82 @@ def _reference(order: int, cells: int) -> tuple[FloatArray, FloatArray]:
     return np.stack(products), np.stack(gradients)
 
 
-def _pattern(grid: Grid) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """Rows and columns of coupled nodes in compressed form, and where each pair of an element goes."""
-    t = grid.element_nodes
-    count = len(grid.nodes)
-    keys = (t[:, :, None] * count + t[:, None, :]).ravel()
-    unique, where = np.unique(keys, return_inverse=True)
-    pointer = np.searchsorted(unique, np.arange(count + 1) * count)
-    return pointer.astype(np.int32), (unique % count).astype(np.int32), where.astype(np.int32).ravel()
+def _neighbours(grid: Grid, axis: int) -> tuple[IntArray, IntArray]:
+    """First and number of the nodes along one axis that share an element with each node of it."""
+    place = np.arange(grid.axes[axis].size)
+    last = grid.shape[axis] - 1
+    low = np.clip((place - 1) // grid.order, 0, last) * grid.order
+    high = (np.clip(place // grid.order, 0, last) + 1) * grid.order
+    return low, high - low + 1
+
+
+def _pattern(grid: Grid) -> tuple[IntArray, NDArray[np.int32]]:
+    """Pointers and columns of coupled nodes in compressed form."""
+    (x, nx), (y, ny), (z, nz) = (_neighbours(grid, axis) for axis in range(3))
+    mx, my = grid.axes[0].size, grid.axes[1].size
+    counts = (nz[:, None, None] * ny[:, None] * nx).ravel()
+    pointer = np.concatenate(([0], np.cumsum(counts)))
+    rows = np.repeat(np.arange(counts.size, dtype=np.int32), counts)
+    offset = np.arange(pointer[-1]) - pointer[rows]
+    i, j, k = rows % mx, rows // mx % my, rows // (mx * my)
+    wide, tall = nx[i], ny[j]
+    columns = ((z[k] + offset // (wide * tall)) * my + y[j] + offset // wide % tall) * mx + x[i] + offset % wide
+    return pointer, columns.astype(np.int32)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Slab:
+    """Products of gradients of the elements between two planes z = const, weighted with a modulus."""
+
+    scale: FloatArray  # (elements, 3, 3)
+    some: slice
+    inner: IntArray  # elements of the slab that are cut
+    cut: IntArray  # the same, numbered among all that are cut
+    whole: FloatArray  # reference products (3, 3, n, n)
+    cells: FloatArray  # of the sub-cells (cells^3, 3, 3, n, n)
+
+    def products(self, modulus: FloatArray, parts: FloatArray, a: int, b: int) -> FloatArray:
+        """Integrals ``modulus dphi_i/dx_a dphi_j/dx_b``, (elements, n, n)."""
+        out = np.multiply.outer(modulus[self.some] * self.scale[:, a, b], self.whole[a, b])
+        if self.inner.size:
+            inside = np.tensordot(parts[self.cut], self.cells[:, a, b], axes=1)
+            out[self.inner] = self.scale[self.inner, a, b, None, None] * inside
+        return np.asarray(out)
 
 
 def stiffness(grid: Grid, stuff: Material) -> sp.bsr_matrix:
     """Stiffness of all unknowns, 3 to a node, without constraints, as 3 x 3 blocks."""
-    (G,), _ = _reference(grid.order, 1)
-    cells, _ = _reference(grid.order, CELLS)
-    pointer, columns, where = _pattern(grid)
-    data = np.empty((columns.size, 3, 3))
-    h, volume = grid.size, grid.size.prod(axis=1)
-    shape = (grid.elements, *G.shape[2:])
-    cut = stuff.cut
-    scale = volume[:, None, None] / (h[:, :, None] * h[:, None, :])
-
-    def scaled(modulus: FloatArray, parts: FloatArray, a: int, b: int) -> FloatArray:
-        out = np.multiply.outer(modulus * scale[:, a, b], G[a, b])
-        if cut.size:
-            inner = np.tensordot(parts, cells[:, a, b], axes=1)
-            out[cut] = scale[cut, a, b, None, None] * inner
-        return np.asarray(out)
-
-    laplace = np.zeros(shape)
-    for c in range(3):
-        laplace += scaled(stuff.mu, stuff.cut_mu, c, c)
-    for a in range(3):
-        for b in range(3):
-            value = scaled(stuff.lam, stuff.cut_lam, a, b) + scaled(stuff.mu, stuff.cut_mu, b, a)
-            if a == b:
-                value += laplace
-            data[:, a, b] = np.bincount(where, weights=value.ravel(), minlength=columns.size)
+    (whole,), _ = _reference(grid.order, 1)
+    cells = _reference(grid.order, CELLS)[0] if stuff.cut.size else np.empty(0)
+    pointer, columns = _pattern(grid)
+    first, count = zip(*(_neighbours(grid, axis) for axis in range(3)), strict=True)
+    data = np.zeros((columns.size, 3, 3))
+    scale = grid.size.prod(axis=1)[:, None, None] / (grid.size[:, :, None] * grid.size[:, None, :])
+    nx, ny, nz = grid.shape
+    flat = np.arange(nx * ny)
+    for layer in range(nz):
+        some = slice(layer * nx * ny, (layer + 1) * nx * ny)
+        # where each pair of nodes of an element is in its row, whose columns are a box of nodes
+        start = np.stack([flat % nx, flat // nx, np.full_like(flat, layer)], axis=1)
+        at = np.moveaxis(grid.order * start[:, None] + grid.local, -1, 0)
+        i, j, k = (at[a][:, None, :] - first[a][at[a]][:, :, None] for a in range(3))
+        wide, tall = (count[a][at[a]][:, :, None] for a in (0, 1))
+        where = pointer[grid.element_nodes[some]][:, :, None] + (k * tall + j) * wide + i
+        begin, end = int(where.min()), int(where.max()) + 1
+        where = (where - begin).ravel()
+        cut = np.flatnonzero((stuff.cut >= some.start) & (stuff.cut < some.stop))
+        slab = _Slab(
+            scale=scale[some], some=some, inner=stuff.cut[cut] - some.start, cut=cut, whole=whole, cells=cells
+        )  # fmt: skip
+        laplace = sum(slab.products(stuff.mu, stuff.cut_mu, c, c) for c in range(3))
+        for a in range(3):
+            for b in range(3):
+                value = slab.products(stuff.lam, stuff.cut_lam, a, b) + slab.products(stuff.mu, stuff.cut_mu, b, a)
+                if a == b:
+                    value += laplace
+                data[begin:end, a, b] += np.bincount(where, weights=value.ravel(), minlength=end - begin)
     unknowns = 3 * len(grid.nodes)
-    return sp.bsr_matrix((data, columns, pointer), shape=(unknowns, unknowns))
+    return sp.bsr_matrix((data, columns, pointer.astype(np.int32)), shape=(unknowns, unknowns))
 
 
 def eigenstrain_load(grid: Grid, stuff: Material) -> FloatArray:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import skfem
 from numpy.typing import NDArray
-from skfem.assembly import Dofs
 from skfem.refdom import RefHex
 
 from eigencontact_verification.fem.model import Model
@@ -93,7 +92,7 @@ class Grid:
     lines : (x, y, z) of arrays
         Coordinates of the mesh lines; element (i, j, k) has the number ``(k ny + j) nx + i``.
     order : int
-        1: 8 nodes, 2: 20 nodes (serendipity).
+        1: 8 nodes, 2: 27 nodes (triquadratic).
     """
 
     lines: tuple[FloatArray, FloatArray, FloatArray]
@@ -113,7 +112,7 @@ class Grid:
     @cached_property
     def element(self) -> Any:
         """Scalar element of scikit-fem."""
-        return skfem.ElementHex1() if self.order == 1 else skfem.ElementHexS2()
+        return skfem.ElementHex1() if self.order == 1 else skfem.ElementHex2()
 
     @cached_property
     def low(self) -> FloatArray:
@@ -141,25 +140,34 @@ class Grid:
         return skfem.MeshHex(np.stack([x.ravel(), y.ravel(), z.ravel()]), np.stack(corners))
 
     @cached_property
-    def _numbered(self) -> tuple[IntArray, FloatArray]:
-        dofs = Dofs(self.mesh, self.element).element_dofs
-        places = np.empty((int(dofs.max()) + 1, 3))
-        for local, place in enumerate(self.element.doflocs):
-            places[dofs[local]] = self.low + place * self.size
-        order = np.lexsort(np.round(places / self.size.min(axis=0), 3).T)
-        number = np.empty_like(order)
-        number[order] = np.arange(order.size)
-        return number[dofs.T], places[order]
+    def axes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Coordinates of the nodes along x, y, z; the nodes are their tensor product."""
+        x, y, z = (
+            line if self.order == 1 else np.interp(np.arange(2 * line.size - 1) / 2, np.arange(line.size), line)
+            for line in self.lines
+        )
+        return x, y, z
 
-    @property
+    @cached_property
     def element_nodes(self) -> IntArray:
-        """Nodes of every element, (elements, 8 or 20), in scikit-fem's local order."""
-        return self._numbered[0]
+        """Nodes of every element, (elements, 8 or 27), in scikit-fem's local order."""
+        nx, ny, _ = self.shape
+        mx, my, _ = (axis.size for axis in self.axes)
+        first = np.arange(self.elements)
+        start = (first % nx, first // nx % ny, first // (nx * ny))
+        a, b, c = (self.order * s[:, None] + p for s, p in zip(start, self.local.T, strict=True))
+        return np.asarray((c * my + b) * mx + a)
 
     @property
+    def local(self) -> IntArray:
+        """Places of an element's nodes along x, y, z, (8 or 27, 3), from 0 to order."""
+        return np.asarray(np.rint(self.order * self.element.doflocs), dtype=np.int64)
+
+    @cached_property
     def nodes(self) -> FloatArray:
         """Coordinates of the nodes, (nodes, 3), sorted by z, then y, then x."""
-        return self._numbered[1]
+        z, y, x = np.meshgrid(*self.axes[::-1], indexing="ij")
+        return np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
 
     def shapes(self, at: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Shape functions and their reference gradients.
@@ -181,7 +189,7 @@ class Grid:
 
 def build_grid(model: Model) -> Grid:
     """Mesh of a model: lines on the bounds of regions, edges of patches and interfaces of layers."""
-    breaks: list[list[float]] = [[], [], []]
+    breaks: list[list[float]] = [[0.0], [0.0], []]  # a full model has the mesh of its halves
     anchors: list[list[tuple[float, float]]] = [[], [], [(0.0, 0.0)]]
     lows = [-model.reach if kind == "none" else 0.0 for kind in model.symmetry] + [0.0]
     boxes = [tuple(zip(*region.bounds, strict=True)) for region in model.regions]

@@ -147,10 +147,10 @@ class Model:
     growth : float
         Largest ratio of neighbouring element edges away from there.
     order : int
-        1 (trilinear) or 2 (quadratic, 20 nodes) hexahedra.
+        1 (trilinear) or 2 (triquadratic, 27 nodes) hexahedra.
     refine : int
-        Parts that every edge of the mesh of ``fine`` and ``growth`` is split into, along the same grading: meshes of one family
-        with exact ratios (4, 6, 9 or 1, 2, 4 for Richardson's extrapolation).
+        Parts that every edge of the mesh of `fine` and `growth` is split into, along the same grading: meshes of one
+        family, with exact ratios (4, 6, 9 or 1, 2, 4 for Richardson's extrapolation).
     remote_stress : (3, 3) array or None
         Uniform stress far away that regions of other moduli disturb; only without layers. The solution's displacement
         is the disturbance alone (the uniform part is linear in x), its stress is the whole stress.
@@ -190,7 +190,7 @@ class Model:
             young, nu = self.material_of(region)
             _check_material("Region", young, nu)
             low, high = region.bounds
-            if low[2] < 0 or max(-low[0], -low[1], *high) >= self.reach:
+            if low[2] < 0 or max(-low[0], -low[1], *high) > self.reach:
                 raise ValueError(f"Region.bounds must be inside the block (got {region.bounds}); reach is {self.reach}")
         for patch in self.patches:
             if max(-patch.low[0], -patch.low[1], *patch.high) >= self.reach:

@@ -1,4 +1,4 @@
-"""Solve a model: conjugate gradients, preconditioned by smoothed aggregation that knows the rigid motions."""
+"""Solve a model by preconditioned conjugate gradients, and evaluate it at points."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact_verification.fem import assembly, planes
 from eigencontact_verification.fem.mesh import Grid, build_grid
 from eigencontact_verification.fem.model import Model
+from eigencontact_verification.fem.preconditioners import contrast, multigrid, separable
 
 __all__ = ["NotConverged", "Solution", "solve", "solve_system"]
 
@@ -21,6 +21,8 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 TOLERANCE = 1e-9
+PRECONDITIONERS = ("auto", "multigrid", "separable")
+CONTRAST = 100.0
 _ITERATIONS = 1000
 
 
@@ -53,7 +55,7 @@ def peak_memory() -> int:
 
 
 def _conjugate_gradients(
-    matrix: sp.spmatrix,
+    matrix: Callable[[FloatArray], FloatArray],
     load: FloatArray,
     precondition: Callable[[FloatArray], FloatArray],
     project: Callable[[FloatArray], FloatArray],
@@ -69,7 +71,7 @@ def _conjugate_gradients(
     while history[-1] > tolerance:
         if len(history) > _ITERATIONS or not rz > 0:
             raise NotConverged(history, tolerance)
-        q = matrix @ p
+        q = matrix(p)
         step = rz / float(p @ q)
         x += step * p
         r -= step * q
@@ -81,26 +83,29 @@ def _conjugate_gradients(
 
 
 def solve_system(
-    stiffness: sp.bsr_matrix,
+    grid: Grid,
+    stuff: assembly.Material,
     load: FloatArray,
-    places: FloatArray,
     fixed: BoolArray,
     *,
     values: FloatArray | None = None,
+    preconditioner: str = "auto",
     tolerance: float = TOLERANCE,
 ) -> tuple[FloatArray, list[float]]:
     """Displacement of the nodes under a load.
 
     Parameters
     ----------
-    stiffness : (3 n, 3 n) matrix in 3 x 3 blocks
-        Without constraints.
-    load, places : (n, 3) arrays
-        Nodal forces and coordinates.
+    grid, stuff : Grid, Material
+        Mesh and moduli.
+    load : (n, 3) array
+        Nodal forces.
     fixed : (n, 3) bool array
         Constrained unknowns.
     values : (n, 3) array or None
         Their values; None = zero.
+    preconditioner : str
+        ``"multigrid"``, ``"separable"``, or ``"auto"``: separable below a contrast of moduli of `CONTRAST`.
     tolerance : float
         Relative residual to reach.
 
@@ -116,36 +121,28 @@ def solve_system(
     NotConverged
         If the tolerance is not reached.
     """
-    import pyamg
-
+    if preconditioner not in PRECONDITIONERS:
+        raise ValueError(
+            f"preconditioner must be one of {PRECONDITIONERS} (got {preconditioner!r}); choose one of them"
+        )
+    stiffness = assembly.stiffness(grid, stuff)
     full = np.zeros(load.shape) if values is None else np.where(fixed, values, 0.0)
-    rest = load.ravel() - (stiffness @ full.ravel() if values is not None else 0.0)
-    keep = np.flatnonzero(~fixed.all(axis=1))
-    free = ~fixed[keep]
-    rows = (3 * keep[:, None] + np.arange(3)).ravel()
-    # a node that is partly constrained stays a whole 3 x 3 block, its constrained rows replaced by the diagonal
-    kept = stiffness.tocsr()[rows][:, rows]
-    mask = sp.diags(free.ravel().astype(float))
-    kept = mask @ kept @ mask + sp.diags(np.where(free.ravel(), 0.0, kept.diagonal()))
-    matrix = sp.bsr_matrix(kept.tocsr(), blocksize=(3, 3))
-    motions = planes.rigid_motions(places[keep])
-    near_null = np.where(free[:, :, None], motions, 0.0).reshape(-1, 6)
-    null = np.linalg.qr(planes.free_motions(planes.rigid_motions(places), fixed)[keep].reshape(rows.size, -1))[0]
-    smoother = ("block_gauss_seidel", {"sweep": "symmetric", "blocksize": 3})
-    hierarchy = pyamg.smoothed_aggregation_solver(
-        matrix, B=near_null, strength=("symmetric", {"theta": 0.0}), presmoother=smoother, postsmoother=smoother,
-        improve_candidates=None, max_coarse=500,
-    )  # fmt: skip
-    precondition = hierarchy.aspreconditioner(cycle="V")
+    rest = load.ravel() if values is None else load.ravel() - stiffness @ full.ravel()
+    free = (~fixed).ravel().astype(float)
+    if preconditioner == "auto":
+        preconditioner = "separable" if contrast(grid, stuff) <= CONTRAST else "multigrid"
+    one = preconditioner == "separable"
+    precondition = separable(grid, stuff, fixed) if one else multigrid(stiffness, grid, fixed)
+    motions = planes.free_motions(planes.rigid_motions(grid.nodes), fixed)
+    null = np.linalg.qr(motions.reshape(free.size, -1))[0]
     found, history = _conjugate_gradients(
-        matrix,
-        np.where(free.ravel(), rest[rows], 0.0),
-        lambda r: np.asarray(precondition @ r),
+        lambda x: free * (stiffness @ x),
+        free * rest,
+        precondition,
         lambda v: v - null @ (null.T @ v),
         tolerance,
     )
-    full[keep] += np.where(free, found.reshape(-1, 3), 0.0)
-    return full, history
+    return full + found.reshape(-1, 3), history
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,14 +206,15 @@ class Solution:
         import meshio
 
         grid = self.grid
-        low = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], dtype=float)
-        corners = np.concatenate([low, low + np.array([0, 0, 1])])
+        base = np.array([(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)])
+        corners = np.concatenate([base, base + (0, 0, 2)])  # noqa: RUF005
         pairs = [(a, (a + 1) % 4) for a in range(4)]
         pairs = pairs + [(a + 4, b + 4) for a, b in pairs] + [(a, a + 4) for a in range(4)]
-        middles = np.array([(corners[a] + corners[b]) / 2 for a, b in pairs])
-        wanted = corners if grid.order == 1 else np.concatenate([corners, middles])
-        place = [int(np.abs(grid.element.doflocs - w).sum(axis=1).argmin()) for w in wanted]
-        kind = "hexahedron" if grid.order == 1 else "hexahedron20"
+        edges = np.array([(corners[a] + corners[b]) // 2 for a, b in pairs])
+        faces = np.array([(0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)])
+        wanted = corners // 2 if grid.order == 1 else np.concatenate([corners, edges, faces])
+        place = [int(np.abs(grid.local - w).sum(axis=1).argmin()) for w in wanted]
+        kind = "hexahedron" if grid.order == 1 else "hexahedron27"
         centres = grid.low + grid.size / 2
         lam, mu, eigenstrain = assembly.point_state(self.model, centres)
         meshio.Mesh(
@@ -265,13 +263,15 @@ class Solution:
         return element, reference, nudged
 
 
-def solve(model: Model, *, tolerance: float = TOLERANCE) -> Solution:
+def solve(model: Model, *, preconditioner: str = "auto", tolerance: float = TOLERANCE) -> Solution:
     """Displacement and stress of a model.
 
     Parameters
     ----------
     model : Model
         Body, sources, boundary and mesh.
+    preconditioner : str
+        As in `solve_system`.
     tolerance : float
         Relative residual of the linear system.
 
@@ -297,7 +297,7 @@ def solve(model: Model, *, tolerance: float = TOLERANCE) -> Solution:
     if motions.shape[2]:
         works = np.einsum("nac,na->c", motions, load)
         load = load - weights[:, None] * (motions @ np.linalg.solve(gram, works))
-    nodal, history = solve_system(assembly.stiffness(grid, stuff), load, grid.nodes, fixed, tolerance=tolerance)
+    nodal, history = solve_system(grid, stuff, load, fixed, preconditioner=preconditioner, tolerance=tolerance)
     if motions.shape[2]:
         mean = np.einsum("nac,n,na->c", motions, weights, nodal)
         nodal = nodal - motions @ np.linalg.solve(gram, mean)
