@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Case", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity"]
+__all__ = ["Case", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
 
 Quantity = Literal["displacement", "stress"]
 #: Mesh of a case: 0 coarse, 1 medium, 2 fine.
@@ -86,6 +86,11 @@ class Profile:
         object.__setattr__(self, "along", along)
 
 
+def own_error(profile: str) -> str:
+    """Name under which `Case.judged` gives the numerical error of its own values of a profile."""
+    return f"{profile}: own error"
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Case(ABC):
     """A problem that both methods solve; subclasses add `reference` and `judged`.
@@ -140,7 +145,11 @@ class Case(ABC):
 
     @abstractmethod
     def judged(self) -> Fields:
-        """Values of the semi-analytical code: by name of profile, each (n, components)."""
+        """Values of the semi-analytical code: by name of profile, each (n, components).
+
+        Where the method itself discretises (a shape cut into cells), a second entry named `own_error` of the profile
+        gives the error of the values, of the same shape; it is added to the reference's uncertainty.
+        """
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:  # noqa: ARG002
         """Write mesh and field of the coarse model into `folder` (VTU, PNG); by default nothing."""

@@ -76,11 +76,10 @@ def _cylinder() -> tuple[Case, ...]:
         upright = {"key": "cylinder", "center": [0.0, 0.0, depth], "radius": 0.5, "length": length}
         for nu in POISSON_RATIOS:
             cases += [
-                inclusion_case(upright, name, nu, name=title, revolved=True, quick=nu == 0.3, cells=40)
-                for name in _REVOLVED
+                inclusion_case(upright, name, nu, name=title, revolved=True, quick=nu == 0.3) for name in _REVOLVED
             ]
     lying = {"key": "cylinder", "center": [0.0, 0.0, 1.0], "radius": 0.4, "length": 1.0, "axis": "x"}
-    cases += [inclusion_case(lying, name, 0.3, name="lying", cells=40) for name in ("xx", "zz", "xz")]
+    cases += [inclusion_case(lying, name, 0.3, name="lying") for name in ("xx", "zz", "xz")]
     return tuple(cases)
 
 
@@ -89,14 +88,14 @@ def _layer() -> tuple[Case, ...]:
     flush = {**layer, "top": 0.0}
     names = ("xx", "zz", "xy", "xz")
     return (
-        *(inclusion_case(layer, name, 0.3, name="buried", refine=0.25) for name in names),
-        *(inclusion_case(flush, name, 0.3, name="flush", refine=0.25) for name in names),
+        *(inclusion_case(layer, name, 0.3, name="buried", refine=0.25, cells=8, exact_cells=True) for name in names),
+        *(inclusion_case(flush, name, 0.3, name="flush", refine=0.25, cells=8, exact_cells=True) for name in names),
     )
 
 
 def _polyhedron() -> tuple[Case, ...]:
     shape = {"key": "polyhedron", "mesh": _OCTAHEDRON, "offset": [0.0, 0.0, 1.0]}
-    return tuple(inclusion_case(shape, name, 0.3, name="octahedron", cells=40) for name in ("uniform", "xz"))
+    return tuple(inclusion_case(shape, name, 0.3, name="octahedron") for name in ("uniform", "xz"))
 
 
 def _stranger(kernel: str) -> tuple[Case, ...]:
@@ -108,10 +107,10 @@ def _stranger(kernel: str) -> tuple[Case, ...]:
     planes = (is_mirrored(shape, 0), is_mirrored(shape, 1))
     return (
         inclusion_case(
-            given, "uniform", 0.3, name="example", revolved=revolved, mirrored=planes, anchor=anchor, cells=40,
+            given, "uniform", 0.3, name="example", revolved=revolved, mirrored=planes, anchor=anchor,
             quick=revolved,
         ),
-        inclusion_case(given, "xz", 0.3, name="example", mirrored=planes, anchor=anchor, cells=40),
+        inclusion_case(given, "xz", 0.3, name="example", mirrored=planes, anchor=anchor),
     )  # fmt: skip
 
 

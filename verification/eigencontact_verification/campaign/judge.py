@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Fields, Profile
+from eigencontact_verification.campaign.case import Case, Fields, Profile, own_error
 from eigencontact_verification.campaign.run import Solved
 from eigencontact_verification.campaign.worker import Outcome, Task
 from eigencontact_verification.fem.uncertainty import Estimate, Verdict, estimate, verdicts
@@ -110,6 +110,11 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
             coarse, medium, fine, ratio=case.ratio, formal_order=profile.formal_order,
             other_outer=found[case.bracket_level, "free"][profile.name], other_level=case.bracket_level,
         )  # fmt: skip
+        if own_error(profile.name) in judged:
+            own = judged[own_error(profile.name)]
+            reference = replace(
+                reference, uncertainty=reference.uncertainty + own, parts=reference.parts | {"judged": own}
+            )
         estimates[profile.name] = reference
         given = verdicts(judged[profile.name], reference, limit=limit)
         for k, (component, one) in enumerate(zip(profile.components, given, strict=True)):

@@ -23,7 +23,7 @@ __all__ = [
     "growth_to",
     "inner_lines",
     "planes_of",
-    "read",
+    "read_section",
     "read_solid",
     "surface_lines",
 ]
@@ -144,7 +144,6 @@ def inner_lines(
     margin: float,
     count: int = 25,
     components: Sequence[str] = STRESSES,
-    formal_order: float = 3.0,
 ) -> tuple[Profile, ...]:
     """Stress along a vertical line through the region, a vertical one beside it, and a horizontal one across it.
 
@@ -160,8 +159,6 @@ def inner_lines(
         Points of each line, before some are left out.
     components : sequence of str
         Components of stress to compare.
-    formal_order : float
-        Order of convergence of the stress: 3 where it is recovered, 2 where displacement is differentiated.
     """
     low, high = np.asarray(bounds[0]), np.asarray(bounds[1])
     size = float(np.max(high - low))
@@ -185,7 +182,7 @@ def inner_lines(
                 along=along[kept],
                 label=label,
                 components=tuple(components),
-                formal_order=formal_order,
+                formal_order=3.0,
             )
         )
     return tuple(profiles)
@@ -195,9 +192,18 @@ def _column(x: float, y: float, depths: FloatArray) -> FloatArray:
     return np.stack([np.full(depths.size, x), np.full(depths.size, y), depths], axis=1)
 
 
-def read(solution: Any, profiles: Sequence[Profile]) -> Fields:
-    """Components that the profiles ask for, of a finite-element solution."""
-    return {profile.name: chosen(getattr(solution, profile.quantity)(profile.points), profile) for profile in profiles}
+def read_section(solution: Any, profiles: Sequence[Profile], contains: Contains) -> Fields:
+    """Read what the profiles ask for of an axisymmetric model with one source; stress is recovered on its own side."""
+    from eigencontact_verification.campaign.recovery import recovered_section_stress
+
+    fields = {}
+    for profile in profiles:
+        if profile.quantity == "displacement":
+            values = solution.displacement(profile.points)
+        else:
+            values = recovered_section_stress(solution, profile.points, contains=contains)
+        fields[profile.name] = chosen(values, profile)
+    return fields
 
 
 def read_solid(solution: Any, profiles: Sequence[Profile], sources: Sequence[Contains] = ()) -> Fields:

@@ -1,9 +1,10 @@
-"""Stress of a solid model at points, recovered from where it is most exact.
+"""Stress of a model at points, recovered from where it is most exact.
 
 Differentiated displacement is one order less exact than displacement, and its error changes sign within each element,
 so that values at given points do not fall smoothly from mesh to mesh. At the 2 x 2 x 2 Gauss points of quadratic
 hexahedra it is an order more exact (Barlow's points). On a tensor mesh these lie on lines along x, y and z: the stress
-at a point is interpolated by cubics from the nearest ones on the point's own side of every face of the source.
+at a point is interpolated by cubics from the nearest ones on the point's own side of every face of the source. The
+axisymmetric meshes have curved parts: there a cubic is fitted to the nearest of 2 x 2 Gauss points by least squares.
 
 References
 ----------
@@ -19,12 +20,15 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["recovered_stress"]
+__all__ = ["recovered_section_stress", "recovered_stress"]
 
 FloatArray = NDArray[np.float64]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
 
 _COUNT = 4
+#: Points that a cubic in (r, z) with its ten coefficients is fitted to.
+_NEAREST = 30
+_POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
 _OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 
 
@@ -108,3 +112,46 @@ def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: 
                 weights[:, i] *= np.where(np.isnan(places[:, j]), 1.0, factor)
     lost = np.isnan(places)
     return np.where(lost, at[:, None], places), np.where(lost, 0.0, weights)
+
+
+def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, contains: Contains) -> FloatArray:
+    """Stress ``(n, 3, 3)`` of an axisymmetric model at points ``(n, 3)`` of the plane y = 0.
+
+    Parameters
+    ----------
+    solution : AxisymmetricSolution
+        Of `eigencontact_verification.fem.axisymmetric`.
+    points : (n, 3) array
+        Places off the boundary of the source, y = 0.
+    contains : callable
+        The source; each point takes part of its own side of it only.
+    """
+    from scipy.spatial import cKDTree
+
+    nodes = solution.grid.nodes  # (2, 9, elements); corners, middles of edges, centre
+    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
+    places = []
+    for s in _OFFSETS:
+        for t in _OFFSETS:
+            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
+            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
+    gauss = np.concatenate(places)
+    gauss = np.concatenate([gauss, gauss * (-1.0, 1.0)])  # beyond the axis, so that points near it have neighbours
+    side = np.asarray(contains(gauss[:, 0], np.zeros(len(gauss)), gauss[:, 1]))
+    own = np.asarray(contains(*points.T))
+    found = np.empty((len(points), 3, 3))
+    for inside in (False, True):
+        chosen, wanted = gauss[side == inside], np.flatnonzero(own == inside)
+        if not wanted.size:
+            continue
+        distance, index = cKDTree(chosen).query(points[wanted][:, [0, 2]], k=_NEAREST)
+        needed, back = np.unique(index, return_inverse=True)
+        values = solution.stress(np.insert(chosen[needed], 1, 0.0, axis=1))[back.reshape(index.shape)]
+        for row, at in enumerate(wanted):
+            size = distance[row, -1]
+            local = (chosen[index[row]] - points[at, [0, 2]]) / size
+            weight = np.exp(-2.0 * (distance[row] / size) ** 2)
+            matrix = np.stack([local[:, 0] ** i * local[:, 1] ** j for i, j in _POWERS], axis=1)
+            fitted = np.linalg.lstsq(weight[:, None] * matrix, weight[:, None] * values[row].reshape(-1, 9), rcond=None)
+            found[at] = fitted[0][0].reshape(3, 3)
+    return found

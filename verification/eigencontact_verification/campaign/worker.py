@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer
+from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, own_error
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -113,6 +113,8 @@ def _checked(case: Case, found: Fields) -> Fields:
                 f"profile '{profile.name}' must be {expected} (got {values.shape}); one column a component"
             )
         fields[profile.name] = values
+        if own_error(profile.name) in found:
+            fields[own_error(profile.name)] = np.abs(found[own_error(profile.name)]).reshape(expected)
     return fields
 
 
