@@ -285,6 +285,7 @@ def inclusion_case(
         anchor,
         margin=max(0.08 * thinnest, 1.5 * size / cells if cut else 0.0),
         components=stresses,
+        formal_order=2.0 if revolved else 3.0,  # curved elements are not promised to be more exact anywhere
     )
     return InclusionCase(
         kernel=str(shape["key"]),

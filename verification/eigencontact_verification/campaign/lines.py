@@ -144,6 +144,7 @@ def inner_lines(
     margin: float,
     count: int = 25,
     components: Sequence[str] = STRESSES,
+    formal_order: float = 3.0,
 ) -> tuple[Profile, ...]:
     """Stress along a vertical line through the region, a vertical one beside it, and a horizontal one across it.
 
@@ -159,6 +160,8 @@ def inner_lines(
         Points of each line, before some are left out.
     components : sequence of str
         Components of stress to compare.
+    formal_order : float
+        Largest order of convergence of the stress to be believed.
     """
     low, high = np.asarray(bounds[0]), np.asarray(bounds[1])
     size = float(np.max(high - low))
@@ -182,7 +185,7 @@ def inner_lines(
                 along=along[kept],
                 label=label,
                 components=tuple(components),
-                formal_order=3.0,
+                formal_order=formal_order,
             )
         )
     return tuple(profiles)
