@@ -19,8 +19,9 @@ __all__ = ["Grid", "build_grid", "graded_lines"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Points that the grading of one segment is tabulated at.
-_TABLE = 4001
+#: Places where the grading of one segment is tabulated: dense at its ends, where anchors begin.
+_HALF = np.geomspace(1e-8, 0.5, 3000)
+_TABLE = np.concatenate(([0.0], _HALF, 1 - _HALF[-2::-1], [1.0]))
 
 
 def graded_lines(
@@ -72,7 +73,7 @@ def graded_lines(
     ends.append(high)
     parts = [np.array([low])]
     for start, stop in pairwise(ends):
-        t = np.linspace(start, stop, _TABLE)
+        t = start + (stop - start) * _TABLE
         distance = np.min([np.maximum(np.maximum(a - t, t - b), 0.0) for a, b in anchors], axis=0)
         density = 1 / (fine + np.log(growth) * distance)
         count = np.concatenate(([0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(t))))
