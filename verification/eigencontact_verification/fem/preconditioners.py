@@ -77,13 +77,13 @@ def multigrid(matrix: sp.bsr_matrix, grid: Grid, fixed: BoolArray) -> Operator:
     )
     kept = sp.bsr_matrix((data, number.indices, number.indptr), shape=(3 * keep.size, 3 * keep.size))
     near_null = np.where(free[:, :, None], planes.rigid_motions(grid.nodes[keep]), 0.0).reshape(-1, 6)
-    smoother = ("block_gauss_seidel", {"sweep": "symmetric", "blocksize": 3})
+    smoother = "block_gauss_seidel"
     hierarchy = pyamg.smoothed_aggregation_solver(
         kept,
         B=near_null,
         strength=("symmetric", {"theta": 0.0}),
-        presmoother=smoother,
-        postsmoother=smoother,
+        presmoother=(smoother, {"sweep": "forward", "blocksize": 3}),
+        postsmoother=(smoother, {"sweep": "backward", "blocksize": 3}),
         improve_candidates=None,
         max_coarse=500,
     )
