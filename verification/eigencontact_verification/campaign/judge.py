@@ -116,13 +116,15 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
                 reference, uncertainty=reference.uncertainty + own, parts=reference.parts | {"judged": own}
             )
         estimates[profile.name] = reference
-        given = verdicts(judged[profile.name], reference, limit=limit, scale=_largest(found[2, "fixed"], case, profile))
+        given = verdicts(
+            judged[profile.name], reference, limit=limit, scale=_size_of_field(found[2, "fixed"], case, profile)
+        )
         for k, (component, one) in enumerate(zip(profile.components, given, strict=True)):
             rows.append(_judged_row(case, profile, component, one, reference, k))
     return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates=estimates)
 
 
-def _largest(fine: Fields, case: Case, profile: Profile) -> float:
+def _size_of_field(fine: Fields, case: Case, profile: Profile) -> float:
     """Largest value of the profile's quantity in the whole case: the field whose parts the profiles are."""
     alike = (other.name for other in case.profiles if other.quantity == profile.quantity)
     return max(float(np.max(np.abs(fine[name]))) for name in alike)
