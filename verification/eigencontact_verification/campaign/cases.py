@@ -62,7 +62,12 @@ def _ellipsoid() -> tuple[Case, ...]:
     for title, axes in (("oblate", [0.5, 0.5, 0.2]), ("prolate", [0.25, 0.25, 0.5])):
         spheroid = {"key": "ellipsoid", "center": [0.0, 0.0, 1.0], "semi_axes": axes}
         for nu in POISSON_RATIOS:
-            cases += [inclusion_case(spheroid, name, nu, name=title, revolved=True, quick=True) for name in _REVOLVED]
+            cases += [
+                inclusion_case(
+                    spheroid, name, nu, name=title, revolved=True, quick=True, refine=1 + (title == "oblate")
+                )
+                for name in _REVOLVED
+            ]
     triaxial = {"key": "ellipsoid", "center": [0.0, 0.0, 1.0], "semi_axes": [0.5, 0.35, 0.25]}
     cases += [inclusion_case(triaxial, name, 0.3, name="triaxial") for name in ("xx", "yy", "zz", "xy", "xz", "yz")]
     turned = {**triaxial, "rotation": [0.5, 0.0, 0.0]}

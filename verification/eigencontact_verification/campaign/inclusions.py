@@ -48,8 +48,8 @@ EIGENSTRAINS: dict[str, dict[str, float]] = {
     "xx-zz": {"xx": 1.0, "zz": -1.0},
     "uniform": {"xx": 1.0, "yy": 1.0, "zz": 1.0},
 }
-#: Parts of every element of the coarse mesh at the three levels.
-_REFINE = (4, 6, 9)
+#: Parts of every element of the undivided mesh at the three levels, where the boundary is near and where it is far.
+_REFINE, _REFINE_FAR = (5, 7, 10), (4, 6, 9)
 _GROWTH_ROUND = 2.5
 #: Cells across a shape without potentials over those of the coarser cutting that gives the error.
 _CELL_RATIO = 1.5
@@ -186,11 +186,13 @@ class InclusionCase(Case):
 def _error_of_cells(fine: FloatArray, coarse: FloatArray) -> FloatArray:
     """Error of the finer of two cuttings, as if it fell with the cell size; it falls with its square or faster.
 
-    The largest of three neighbours: where the two values happen to be equal, their error does not vanish.
+    The largest of three neighbours, nowhere less than a tenth of the largest of all: where the two values happen to be
+    equal, their error does not vanish.
     """
     difference = np.abs(fine - coarse)
     index = np.arange(len(difference))
     near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
+    near.append(np.broadcast_to(0.1 * difference.max(axis=0), difference.shape))
     return np.asarray(np.maximum.reduce(near) / (_CELL_RATIO - 1))
 
 
@@ -254,6 +256,7 @@ def inclusion_case(
     reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))
     far = reach * (1.0 if revolved else refine) > 30 * thinnest
     fine = thinnest / (2 * refine if revolved else refine)
+    refine_by = _REFINE_FAR if revolved or far else _REFINE
     parameters: dict[str, Any] = {
         "shape": dict(shape),
         "eigenstrain": eigenstrain,
@@ -264,7 +267,7 @@ def inclusion_case(
         "reach": reach,
         "fine": fine,
         "growth": _GROWTH_ROUND if revolved else growth_to(reach / fine, outer_elements or (3 if far else 2)),
-        "refine": list(_REFINE),
+        "refine": list(refine_by),
         "cells": cells,
         "cut": cut,
     }
@@ -293,5 +296,5 @@ def inclusion_case(
         parameters=parameters,
         quick=quick,
         profiles=(*lines, *inner),
-        ratio=1.5,
+        ratio=(refine_by[2] / refine_by[0]) ** 0.5,
     )

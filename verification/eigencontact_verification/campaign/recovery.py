@@ -28,6 +28,8 @@ Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
 _COUNT = 4
 #: Points that a cubic in (r, z) with its ten coefficients is fitted to.
 _NEAREST = 30
+#: Points among which those are looked for.
+_CANDIDATES = 400
 _POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
 _OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 
@@ -137,21 +139,29 @@ def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, con
             places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
     gauss = np.concatenate(places)
     gauss = np.concatenate([gauss, gauss * (-1.0, 1.0)])  # beyond the axis, so that points near it have neighbours
+    element = np.tile(np.arange(nodes.shape[2]), 2 * len(places))
     side = np.asarray(contains(gauss[:, 0], np.zeros(len(gauss)), gauss[:, 1]))
     own = np.asarray(contains(*points.T))
     found = np.empty((len(points), 3, 3))
     for inside in (False, True):
-        chosen, wanted = gauss[side == inside], np.flatnonzero(own == inside)
+        chosen, wanted = np.flatnonzero(side == inside), np.flatnonzero(own == inside)
         if not wanted.size:
             continue
-        distance, index = cKDTree(chosen).query(points[wanted][:, [0, 2]], k=_NEAREST)
-        needed, back = np.unique(index, return_inverse=True)
-        values = solution.stress(np.insert(chosen[needed], 1, 0.0, axis=1))[back.reshape(index.shape)]
-        for row, at in enumerate(wanted):
-            size = distance[row, -1]
-            local = (chosen[index[row]] - points[at, [0, 2]]) / size
-            weight = np.exp(-2.0 * (distance[row] / size) ** 2)
+        count = min(_CANDIDATES, chosen.size)
+        near = chosen[cKDTree(gauss[chosen]).query(points[wanted][:, [0, 2]], k=count)[1]]
+        for at, candidates in zip(wanted, near, strict=True):
+            local = gauss[candidates] - points[at, [0, 2]]
+            # distances in edges of the element at hand, which may be long and thin
+            spread = np.linalg.cholesky(np.cov(nodes[:, :, element[candidates[0]]]))
+            if gauss[candidates[0], 0] < 0:
+                spread = spread * np.array([[-1.0], [1.0]])
+            local = np.linalg.solve(spread, local.T).T
+            distance = np.hypot(*local.T)
+            nearest = np.argsort(distance)[:_NEAREST]
+            size = distance[nearest[-1]]
+            local = local[nearest] / size
+            values = solution.stress(np.insert(gauss[candidates[nearest]], 1, 0.0, axis=1)).reshape(-1, 9)
+            weight = np.exp(-2.0 * (distance[nearest] / size) ** 2)[:, None]
             matrix = np.stack([local[:, 0] ** i * local[:, 1] ** j for i, j in _POWERS], axis=1)
-            fitted = np.linalg.lstsq(weight[:, None] * matrix, weight[:, None] * values[row].reshape(-1, 9), rcond=None)
-            found[at] = fitted[0][0].reshape(3, 3)
+            found[at] = np.linalg.lstsq(weight * matrix, weight * values, rcond=None)[0][0].reshape(3, 3)
     return found

@@ -135,7 +135,7 @@ def rectangle_case(
     inner = inner_lines(
         loaded,
         ((-a, -b, 0.0), (a, b, 1e-3 * size)),
-        (0.23 * a, 0.17 * b, 0.37 * size),
+        (0.23 * a, 0.17 * b, 0.5 * size),
         margin=0.1 * size,
     )
     return RectangleCase(
