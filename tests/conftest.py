@@ -1,5 +1,6 @@
 """Shared fixtures: the command line called in process, and plugin packages installed into a folder of the test."""
 
+import os
 import shutil
 import sys
 from dataclasses import dataclass
@@ -7,6 +8,10 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+
+# Several test processes share the cores; threads of BLAS that spin in each of them would stand in each other's way.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 #: A package of its own: `test_third_party` installs it and runs its tests.
 collect_ignore = ["sample_package"]
