@@ -89,12 +89,12 @@ def _cylinder() -> tuple[Case, ...]:
 
 
 def _layer() -> tuple[Case, ...]:
-    layer = {"key": "layer", "size": [2.0, 2.0], "thickness": 0.25, "top": 0.25}
+    layer = {"key": "layer", "size": [1.0, 1.0], "thickness": 0.25, "top": 0.25}
     flush = {**layer, "top": 0.0}
     names = ("xx", "zz", "xy", "xz")
     return (
-        *(inclusion_case(layer, name, 0.3, name="buried", refine=0.25, cells=8, exact_cells=True) for name in names),
-        *(inclusion_case(flush, name, 0.3, name="flush", refine=0.25, cells=8, exact_cells=True) for name in names),
+        *(inclusion_case(layer, name, 0.3, name="buried", refine=0.25, cells=4, exact_cells=True) for name in names),
+        *(inclusion_case(flush, name, 0.3, name="flush", refine=0.25, cells=4, exact_cells=True) for name in names),
     )
 
 
@@ -157,9 +157,14 @@ def cases_of(kernel: str) -> tuple[Case, ...]:
 
 def gaps() -> tuple[Gap, ...]:
     """What is known not to be covered, and why."""
-    unsaid = "no closed form without the elements' locking at 1/2"
+    inside = "cut elements do not resolve it; axisymmetric models do for eigenstrains of revolution"
+    unsaid = "displacement elements lock there"
     return (
         Gap(kernel="cuboid", what="Poisson's ratio 0.5", reason=unsaid),
+        *(
+            Gap(kernel=key, what="stress inside, without symmetry of revolution", reason=inside)
+            for key in ("sphere", "ellipsoid", "cylinder", "polyhedron")
+        ),
         Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
         *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
     )

@@ -92,6 +92,14 @@ def section_bounds(shape: Any) -> tuple[tuple[float, float], tuple[float, float]
     return (float(r[max(first - 1, 0)]), float(top)), (float(radius), float(bottom))
 
 
+def _is_a_box(shape: Any) -> bool:
+    """Whether the shape fills its bounds."""
+    low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
+    along = (np.arange(24) + 0.5) / 24
+    x, y, z = (low[axis] + (high[axis] - low[axis]) * along for axis in range(3))
+    return bool(np.all(shape.contains(x[None, None, :], y[None, :, None], z[:, None, None])))
+
+
 def _fills_its_section(shape: Any) -> bool:
     """Whether the half section is the rectangle of its bounds."""
     (inner, top), (outer, bottom) = section_bounds(shape)
@@ -276,17 +284,23 @@ def inclusion_case(
         ("even", "even") if revolved else planes,
         paths=("x",) if revolved else ("x", "y", "diagonal"),
         source=made.contains if low[2] <= 0.05 * size else None,
-        margin=0.15 * thinnest,
+        margin=0.25 * thinnest,
         both_sides=not revolved and "none" in planes,
     )
     stresses = tuple(name for name in STRESSES if name.count("y") != 1) if revolved else STRESSES
     if revolved:
         anchor = (anchor[0], 0.0, anchor[2])
+    # hexahedra that a curved boundary cuts say little of the stress beside it, and less of that inside
+    resolved = revolved or _is_a_box(made)
+    margin = min(0.12 * size, 0.35 * thinnest) if resolved else 0.25 * size
+    if revolved:
+        margin = 0.08 * thinnest
     inner = inner_lines(
         made.contains,
         made.bounds,
         anchor,
-        margin=max(0.08 * thinnest, 1.5 * size / cells if cut else 0.0),
+        margin=max(margin, 1.5 * size / cells if cut else 0.0),
+        inside=resolved,
         components=stresses,
         formal_order=2.0 if revolved else 3.0,  # curved elements are not promised to be more exact anywhere
     )

@@ -145,6 +145,7 @@ def inner_lines(
     count: int = 25,
     components: Sequence[str] = STRESSES,
     formal_order: float = 3.0,
+    inside: bool = True,
 ) -> tuple[Profile, ...]:
     """Stress along a vertical line through the region, a vertical one beside it, and a horizontal one across it.
 
@@ -162,6 +163,8 @@ def inner_lines(
         Components of stress to compare.
     formal_order : float
         Largest order of convergence of the stress to be believed.
+    inside : bool
+        Whether points inside the region are kept.
     """
     low, high = np.asarray(bounds[0]), np.asarray(bounds[1])
     size = float(np.max(high - low))
@@ -177,6 +180,8 @@ def inner_lines(
     profiles = []
     for name, (points, along, label) in lines.items():
         kept = clear_of(contains, points, margin) & (points[:, 2] >= 0)
+        if not inside:
+            kept &= ~np.asarray(contains(*points.T))
         profiles.append(
             Profile(
                 name=f"{name}-stress",
@@ -241,7 +246,7 @@ def growth_to(distance: float, elements: int) -> float:
     Examples
     --------
     >>> round(growth_to(60.0, 2), 2)
-    14.0
+    12.31
     """
     low, high = 1e-6, 50.0
     for _ in range(100):
