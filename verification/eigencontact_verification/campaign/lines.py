@@ -146,6 +146,7 @@ def inner_lines(
     components: Sequence[str] = STRESSES,
     formal_order: float = 3.0,
     inside: bool = True,
+    gap: float = 0.6,
 ) -> tuple[Profile, ...]:
     """Stress along a vertical line through the region, a vertical one beside it, and a horizontal one across it.
 
@@ -165,13 +166,15 @@ def inner_lines(
         Largest order of convergence of the stress to be believed.
     inside : bool
         Whether points inside the region are kept.
+    gap : float
+        How far the line beside the region is from its bounds, in its longest extents.
     """
     low, high = np.asarray(bounds[0]), np.asarray(bounds[1])
     size = float(np.max(high - low))
     x, y, z = anchor
     top, bottom = max(0.06 * size, low[2] - 1.2 * size), high[2] + 1.2 * size
     depths, outwards = np.linspace(top, bottom, count), np.linspace(x, high[0] + 1.5 * size, count)
-    beside = high[0] + 0.3 * size
+    beside = high[0] + gap * size
     lines = {
         "through": (_column(x, y, depths), depths, "depth"),
         "beside": (_column(beside, y, depths), depths, "depth"),
