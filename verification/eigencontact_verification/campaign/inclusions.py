@@ -301,7 +301,6 @@ def inclusion_case(
         anchor,
         margin=max(margin, 1.5 * size / cells if cut else 0.0),
         inside=resolved,
-        gap=0.3 if revolved else 0.6,
         components=stresses,
         formal_order=2.0 if revolved else 3.0,  # curved elements are not promised to be more exact anywhere
     )
