@@ -194,13 +194,13 @@ class InclusionCase(Case):
 def _error_of_cells(fine: FloatArray, coarse: FloatArray) -> FloatArray:
     """Error of the finer of two cuttings, as if it fell with the cell size; it falls with its square or faster.
 
-    The largest of three neighbours, nowhere less than a tenth of the largest of all: where the two values happen to be
-    equal, their error does not vanish.
+    The largest of three neighbours, nowhere less than half of the largest of all: it is a smooth field, and where the
+    two values happen to be equal their error does not vanish.
     """
     difference = np.abs(fine - coarse)
     index = np.arange(len(difference))
     near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
-    near.append(np.broadcast_to(0.1 * difference.max(axis=0), difference.shape))
+    near.append(np.broadcast_to(0.5 * difference.max(axis=0), difference.shape))
     return np.asarray(np.maximum.reduce(near) / (_CELL_RATIO - 1))
 
 
