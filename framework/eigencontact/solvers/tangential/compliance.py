@@ -1,0 +1,151 @@
+"""Matrices of influence coefficients between boxes of one grid: shear to tangential displacement, and cross terms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.grid import Box, Grid
+from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.preconditioner import circulant_inverse
+
+__all__ = ["MatrixOperator", "Pair", "ParityCoefficients"]
+
+FloatArray = NDArray[np.float64]
+#: (direction of the displacement, direction of the traction): ``("x", "y")``.
+Pair = tuple[str, str]
+
+_KEPT = 4
+
+
+class ParityCoefficients(Protocol):
+    """Influence coefficients of one response to one traction, with their parity."""
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Parity (in y, in x)."""
+        ...
+
+    def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
+        """Response at offsets x, y [m] of a rectangle under unit traction, ``(ny, nx)`` [m/Pa]."""
+        ...
+
+    def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
+        """Amplitude of the response to a unit traction wave; for periodic contact."""
+        ...
+
+
+class MatrixOperator:
+    """Displacements by tractions, several of each, on one grid.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells.
+    coefficients : mapping of (str, str) to ParityCoefficients
+        By directions of displacement and traction; what is missing is zero.
+    targets, sources : str
+        Directions of the displacements and of the tractions, in the order of the arrays: ``"xy"``.
+    periodic, precision, threads
+        See `eigencontact.solvers.operator.Compliance`.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        coefficients: Mapping[Pair, ParityCoefficients],
+        targets: str,
+        sources: str,
+        *,
+        periodic: bool,
+        precision: str,
+        threads: int | None,
+    ) -> None:
+        self.grid, self.targets, self.sources = grid, targets, sources
+        self.periodic, self.precision, self.threads = periodic, precision, threads
+        self._coefficients = {pair: coefficients[pair] for pair in coefficients if self._wanted(pair)}
+        self._tables: dict[Pair, FloatArray] = {}
+        self._operators: dict[tuple[Box, Box], tuple[Convolver, list[list[Spectrum | None]]]] = {}
+        self._preconditioners: dict[Box, Any] = {}
+        self._diagonal: dict[str, Compliance] = {}
+        #: Times that all displacements were computed.
+        self.applications = 0
+
+    def _wanted(self, pair: Pair) -> bool:
+        return pair[0] in self.targets and pair[1] in self.sources
+
+    def apply(self, tractions: FloatArray, source: Box, target: Box) -> FloatArray:
+        """Displacements on a box ``(len(targets), ny, nx)`` by the tractions on another ``(len(sources), ny, nx)``."""
+        if (source, target) not in self._operators:
+            if len(self._operators) >= _KEPT:
+                self._operators.pop(next(iter(self._operators)))
+            self._operators[source, target] = self._make(source, target)
+        convolver, kernels = self._operators[source, target]
+        self.applications += 1
+        return np.asarray(convolver.apply(tractions, kernels), dtype=float)
+
+    def unit(self) -> float:
+        """Displacement of one cell under a unit traction along the first direction [m/Pa]."""
+        pair = (self.targets[0], self.sources[0])
+        half = (0.5 * self.grid.dx, 0.5 * self.grid.dy)
+        return float(self._coefficients[pair].table(np.zeros(1), np.zeros(1), half)[0, 0])
+
+    def _make(self, source: Box, target: Box) -> tuple[Convolver, list[list[Spectrum | None]]]:
+        if self.periodic:  # shifts between boxes of one period are rolls; the whole window is as cheap
+            layout = Layout(self.grid.shape, self.grid.shape, periodic=True)
+        else:
+            layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
+        kernels = [
+            [self._spectrum((i, j), layout) if (i, j) in self._coefficients else None for j in self.sources]
+            for i in self.targets
+        ]
+        return Convolver(layout, precision=self.precision, threads=self.threads), kernels
+
+    def _spectrum(self, pair: Pair, layout: Layout) -> Spectrum:
+        parity = self._coefficients[pair].parity
+        if self.periodic:
+            ky, kx = layout.wavenumbers(self.grid.dy, self.grid.dx)
+            response = self._coefficients[pair].response(kx[None, :], ky[:, None])
+            return layout.spectrum_from_response(response, parity, precision=self.precision)
+        y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
+        table = self._table(pair, int(y.max()) + 1, int(x.max()) + 1)
+        if not (layout.y.symmetric and layout.x.symmetric):
+            sign_y = np.sign(layout.lattice_y) if parity[0] < 0 else np.ones(y.size)
+            sign_x = np.sign(layout.lattice_x) if parity[1] < 0 else np.ones(x.size)
+            table = table[np.ix_(y, x)] * (sign_y[:, None] * sign_x[None, :])
+        return layout.spectrum(table, parity, precision=self.precision)
+
+    def _table(self, pair: Pair, ny: int, nx: int) -> FloatArray:
+        """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, sampled once as far as needed."""
+        known = self._tables.get(pair, np.empty((0, 0)))
+        if known.shape[0] < ny or known.shape[1] < nx:
+            ny, nx = max(ny, known.shape[0]), max(nx, known.shape[1])
+            dx, dy = self.grid.dx, self.grid.dy
+            x, y = np.arange(nx, dtype=float) * dx, np.arange(ny, dtype=float) * dy
+            known = self._tables[pair] = self._coefficients[pair].table(x, y, (0.5 * dx, 0.5 * dy))
+        return known[:ny, :nx]
+
+    def precondition(self, displacements: FloatArray, box: Box) -> FloatArray:
+        """Rough inverse of the diagonal terms on a box, in units of one over `unit`."""
+        if box not in self._preconditioners:
+            self._preconditioners.clear()
+            made = []
+            for direction in self.sources:
+                if direction not in self._diagonal:
+                    self._diagonal[direction] = Compliance(
+                        self.grid, self._coefficients[direction, direction], periodic=self.periodic,
+                        precision="double", threads=self.threads,
+                    )  # fmt: skip
+                compliance = self._diagonal[direction]
+                inverse = circulant_inverse(compliance, box)
+                made.append((inverse, compliance.unit / self.unit()))
+            self._preconditioners[box] = made
+        parts = [
+            np.asarray(inverse(field), dtype=float) / ratio
+            for field, (inverse, ratio) in zip(displacements, self._preconditioners[box], strict=True)
+        ]
+        return np.stack(parts)

@@ -1,0 +1,264 @@
+"""Normal and tangential contact together: one load increment of two bodies with friction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Box, Grid
+from eigencontact.errors import NotConverged
+from eigencontact.solvers.anderson import Anderson
+from eigencontact.solvers.control import Control
+from eigencontact.solvers.normal import NormalSolver
+from eigencontact.solvers.report import Progress
+from eigencontact.solvers.solution import NormalOptions, NormalSolution
+from eigencontact.solvers.tangential.compliance import MatrixOperator, Pair, ParityCoefficients
+from eigencontact.solvers.tangential.control import TangentialControl
+from eigencontact.solvers.tangential.solver import TangentialOptions, TangentialSolution, TangentialSolver
+
+__all__ = ["FrictionalContact", "FrictionalSolution", "Sliding"]
+
+FloatArray = NDArray[np.float64]
+
+#: Part of the tolerance that the normal and the tangential solve may use up inside the coupling.
+_INNER = 0.2
+#: Rounds of normal and tangential solves in one increment.
+_ROUNDS = 60
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sliding:
+    """What one load increment hands to the next (thesis eq. 2.75).
+
+    Attributes
+    ----------
+    pressure : (ny, nx) float64
+        [Pa].
+    shear : (k, ny, nx) float64
+        On body 1 [Pa].
+    position : (k, ny, nx) float64
+        Where body 1 is on body 2, counted from where both were unloaded [m].
+    lift : (ny, nx) float64
+        Normal displacement by the shear [m].
+    rigid : (3,) float64
+        δ_x, δ_y [m], φ_z [rad].
+    slip_distance : (ny, nx) float64
+        Length of the path slipped in contact so far [m].
+    dissipated : (ny, nx) float64
+        Work of friction so far [J/m²].
+    """
+
+    pressure: FloatArray
+    shear: FloatArray
+    position: FloatArray
+    lift: FloatArray
+    rigid: FloatArray = field(default_factory=lambda: np.zeros(3))
+    slip_distance: FloatArray
+    dissipated: FloatArray
+
+    @classmethod
+    def at_rest(cls, grid: Grid, components: str = "xy") -> Sliding:
+        """Nothing touches yet."""
+        plane, zero = np.zeros((len(components), *grid.shape)), np.zeros(grid.shape)
+        return cls(pressure=zero, shear=plane, position=plane, lift=zero, slip_distance=zero, dissipated=zero)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FrictionalSolution:
+    """A converged increment.
+
+    Attributes
+    ----------
+    normal : NormalSolution
+        Its displacement is that of the pressure.
+    tangential : TangentialSolution
+        Its displacement is that of the shear.
+    sliding : Sliding
+        State at the end of the increment.
+    tangential_by_pressure : (k, ny, nx) float64
+        Tangential displacement by the pressure, body 1 less body 2 [m]; zero where the coupling leaves it out.
+    rounds : int
+        Normal and tangential solves until they agreed.
+    coupling_residual : float
+        Last change of the normal displacement by the shear, relative to the largest deflection.
+    normal_convolutions, tangential_convolutions : int
+        Over all rounds.
+    """
+
+    normal: NormalSolution
+    tangential: TangentialSolution
+    sliding: Sliding
+    tangential_by_pressure: FloatArray
+    rounds: int
+    coupling_residual: float
+    normal_convolutions: int
+    tangential_convolutions: int
+
+
+class FrictionalContact:
+    """Two bodies with friction on one grid, increment by increment.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells.
+    coefficients : mapping of (str, str) to ParityCoefficients
+        By directions of displacement and traction, of ``"x"``, ``"y"``, ``"z"``. Which are given is the coupling: only
+        equal directions (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
+        (full). ``("z", "z")`` and one tangential direction are needed.
+    bound : callable
+        Shear bound [Pa] ``(ny, nx)`` from the pressure and the state at the start of the increment.
+    normal_options, options
+        Of the two solvers; the tolerance of the second is that of the coupling too.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        coefficients: Mapping[Pair, ParityCoefficients],
+        bound: Callable[[FloatArray, Sliding], FloatArray],
+        normal_options: NormalOptions | None = None,
+        options: TangentialOptions | None = None,
+    ) -> None:
+        self.grid, self.bound = grid, bound
+        self.options = options or TangentialOptions()
+        normal_options = normal_options or NormalOptions()
+        self.components = "".join(c for c in "xy" if (c, c) in coefficients)
+        self._by_pressure = self._matrix(coefficients, self.components, "z")
+        self._by_shear = self._matrix(coefficients, "z", self.components)
+        share = _INNER if self._by_shear is not None else 1.0
+        inner = replace(self.options, tolerance=share * self.options.tolerance)
+        self.normal = NormalSolver(
+            grid, coefficients["z", "z"], replace(normal_options, tolerance=share * normal_options.tolerance)
+        )
+        self.tangential = TangentialSolver(grid, coefficients, self.components, inner)
+        self._last: tuple[FloatArray, Control, NormalSolution] | None = None
+
+    def _matrix(
+        self, coefficients: Mapping[Pair, ParityCoefficients], targets: str, sources: str
+    ) -> MatrixOperator | None:
+        if not any((i, j) in coefficients for i in targets for j in sources):
+            return None
+        return MatrixOperator(
+            self.grid, coefficients, targets, sources, periodic=self.options.periodic,
+            precision=self.options.precision, threads=self.options.threads,
+        )  # fmt: skip
+
+    def step(
+        self,
+        separation: FloatArray,
+        control: Control,
+        tangential: TangentialControl,
+        before: Sliding | None = None,
+        *,
+        offset: FloatArray | None = None,
+        progress: Progress | None = None,
+    ) -> FrictionalSolution:
+        """Solve one increment.
+
+        Parameters
+        ----------
+        separation : (ny, nx) float64
+            Initial separation, with everything but pressure and shear that changes it [m].
+        control, tangential
+            Loads or rigid displacements at the end of the increment.
+        before : Sliding, optional
+            End of the last increment; at rest by default.
+        offset : (k, ny, nx) float64, optional
+            Tangential displacement by anything but pressure and shear, body 1 less body 2 [m].
+        progress : callable, optional
+            Told the residual of each iteration.
+
+        Raises
+        ------
+        NotConverged, SceneError, DomainTooSmall
+            See `NormalSolver` and `TangentialSolver`.
+        """
+        before = before or Sliding.at_rest(self.grid, self.components)
+        lift, shear, pressure = before.lift, before.shear, before.pressure
+        mixer, counts, change = Anderson(), [0, 0], 0.0
+        for rounds in range(1, _ROUNDS + 1):
+            start = pressure if rounds > 1 or np.any(before.lift) else None
+            normal = self._normal(separation + lift, control, start, progress)
+            pressure = normal.pressure
+            carried = self._carried(pressure, offset)
+            found = self.tangential.solve(
+                self.bound(pressure, before), carried - before.position, tangential, start=shear, progress=progress
+            )
+            shear = found.shear
+            counts[0] += normal.report.convolutions
+            counts[1] += found.report.convolutions
+            if self._by_shear is None:
+                break
+            image = self._lift(shear)
+            change = self._change(image - lift, normal)
+            if progress is not None:
+                progress("normal and tangential", change, self.options.tolerance)
+            if change <= self.options.tolerance:
+                lift = image
+                break
+            lift = mixer.next(lift, image)
+        else:
+            raise NotConverged(
+                f"normal and tangential contact did not agree in {_ROUNDS} rounds (last change {change:.1e} of the "
+                f"deflection, tolerance {self.options.tolerance:.1e}); take smaller increments or loosen the tolerance",
+                found.report,
+            )
+        return FrictionalSolution(
+            normal=normal, tangential=found, sliding=self._after(before, pressure, found, lift),
+            tangential_by_pressure=self._carried(pressure, None), rounds=rounds, coupling_residual=change,
+            normal_convolutions=counts[0], tangential_convolutions=counts[1],
+        )  # fmt: skip
+
+    def _normal(
+        self, separation: FloatArray, control: Control, start: FloatArray | None, progress: Progress | None
+    ) -> NormalSolution:
+        """Solution of the normal contact; the last one where nothing has changed for it."""
+        if start is None and self._last is not None:
+            known, asked, found = self._last
+            if asked == control and np.array_equal(known, separation):
+                found.report.convolutions = 0
+                return found
+        found = self.normal.solve(separation, control, start=start, progress=progress)
+        self._last = (separation, control, found) if start is None else None
+        return found
+
+    def _carried(self, pressure: FloatArray, offset: FloatArray | None) -> FloatArray:
+        """Tangential displacement without shear."""
+        total = np.zeros((len(self.components), *self.grid.shape)) if offset is None else offset
+        if self._by_pressure is None:
+            return total
+        return total + self._everywhere(self._by_pressure, pressure[None])
+
+    def _lift(self, shear: FloatArray) -> FloatArray:
+        """Normal displacement by the shear."""
+        assert self._by_shear is not None
+        return np.asarray(self._everywhere(self._by_shear, shear)[0])
+
+    def _everywhere(self, operator: MatrixOperator, tractions: FloatArray) -> FloatArray:
+        whole = Box(0, self.grid.ny, 0, self.grid.nx)
+        box = whole if self.options.periodic else Box.around(np.any(tractions != 0, axis=0))
+        if box is None:
+            return np.zeros((len(operator.targets), *self.grid.shape))
+        return operator.apply(tractions[:, *box.slices], box, whole)
+
+    def _change(self, difference: FloatArray, normal: NormalSolution) -> float:
+        """Largest change of the normal displacement in contact, relative to the largest deflection there."""
+        loaded = normal.pressure > 0
+        deflection = float(np.max(normal.displacement, where=loaded, initial=0.0))
+        largest = float(np.max(np.abs(difference), where=loaded, initial=0.0))
+        return largest / deflection if deflection > 0 else 0.0
+
+    def _after(self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray) -> Sliding:
+        """State at the end of the increment; friction works with the mean of the tractions at its two ends."""
+        loaded = pressure > 0
+        slip = found.slip * (loaded & ~found.stick)
+        distance = np.sqrt(np.einsum("kij,kij->ij", slip, slip))
+        work = -0.5 * np.einsum("kij,kij->ij", before.shear + found.shear, slip)
+        return Sliding(
+            pressure=pressure, shear=found.shear, position=before.position + found.slip, lift=lift, rigid=found.rigid,
+            slip_distance=before.slip_distance + distance, dissipated=before.dissipated + work,
+        )  # fmt: skip

@@ -1,0 +1,121 @@
+"""Shear tractions that friction allows: in each cell a disc, all together carrying the prescribed forces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import EigencontactError
+
+__all__ = ["Infeasible", "RigidPlane", "inner", "length_of", "to_discs"]
+
+FloatArray = NDArray[np.float64]
+
+_TINY = np.finfo(float).tiny
+#: Forces that the projected tractions miss, relative to what all cells at their bound could carry.
+_EXACT, _ENOUGH = 1e-14, 1e-9
+
+
+class Infeasible(EigencontactError):
+    """No tractions within their bounds carry the prescribed forces."""
+
+
+def inner(a: FloatArray, b: FloatArray) -> float:
+    """Sum of products of two vector fields; not through BLAS, see `eigencontact.solvers.rigid.dot`."""
+    return float(np.einsum("kij,kij->", a, b))
+
+
+def length_of(vectors: FloatArray) -> FloatArray:
+    """Euclidean length of each vector of a field ``(k, ny, nx)``."""
+    if len(vectors) == 1:
+        return np.asarray(np.abs(vectors[0]))
+    return np.asarray(np.sqrt(np.einsum("kij,kij->ij", vectors, vectors)))
+
+
+def to_discs(vectors: FloatArray, bound: FloatArray) -> FloatArray:
+    """Shorten each vector to its bound."""
+    return np.asarray(vectors * np.minimum(1.0, bound / np.maximum(length_of(vectors), _TINY)))
+
+
+class RigidPlane:
+    """Rigid modes of the surface plane whose forces are prescribed.
+
+    Parameters
+    ----------
+    fields : (m, k, ny, nx) float64
+        Displacement of each unit mode, scaled to order one.
+    forces : (m,) float64
+        Their forces: ``sum(mode * traction)``.
+    """
+
+    def __init__(self, fields: FloatArray, forces: FloatArray) -> None:
+        self.fields, self.forces = fields, forces
+
+    def __len__(self) -> int:
+        return len(self.fields)
+
+    def combine(self, amounts: FloatArray) -> FloatArray:
+        """Sum of the modes times `amounts`, ``(k, ny, nx)``."""
+        return np.asarray(np.einsum("m,mkij->kij", amounts, self.fields))
+
+    def work(self, vectors: FloatArray) -> FloatArray:
+        """Sums of each mode times a field, ``(m,)``."""
+        return np.asarray(np.einsum("mkij,kij->m", self.fields, vectors))
+
+    def closest(self, vectors: FloatArray, bound: FloatArray) -> FloatArray:
+        """Tractions within the discs that carry the forces and are closest to the given ones.
+
+        The multipliers of the forces maximise a concave dual function of as many variables as there are modes; it is
+        climbed by Newton's method.
+
+        Raises
+        ------
+        Infeasible
+            There are none.
+        """
+        if not len(self):
+            return to_discs(vectors, bound)
+        capacity = np.einsum("mij,ij->m", np.sqrt(np.einsum("mkij,mkij->mij", self.fields, self.fields)), bound) + _TINY
+        amounts, value = np.zeros(len(self)), np.inf
+        error = self.forces
+        for _ in range(80):
+            moved = vectors + self.combine(amounts)
+            size = length_of(moved)
+            outside = size > bound
+            factor = np.where(outside, bound / np.maximum(size, _TINY), 1.0)
+            closest = moved * factor
+            error = self.work(closest) - self.forces
+            if np.all(np.abs(error) <= _EXACT * capacity):
+                return closest
+            value = self._dual(size, outside, bound, amounts)
+            direction = np.where(outside, moved / np.maximum(size, _TINY), 0.0) * np.sqrt(factor)
+            along = np.einsum("mkij,kij->mij", self.fields, direction)
+            slope = np.einsum("mkij,ij,lkij->ml", self.fields, factor, self.fields)
+            slope -= np.einsum("mij,lij->ml", along, along)
+            slope += (1e-13 * np.trace(slope) + _TINY) * np.eye(len(self))
+            change = -np.linalg.solve(slope, error)
+            share, expected = 1.0, float(error @ change)
+            for _ in range(40):
+                trial = amounts + share * change
+                size = length_of(vectors + self.combine(trial))
+                reached = self._dual(size, size > bound, bound, trial)
+                if reached <= value + 1e-4 * share * expected or abs(reached - value) <= 1e-13 * abs(value):
+                    break
+                share *= 0.5
+            amounts = trial
+        if np.all(np.abs(error) <= _ENOUGH * capacity):
+            return closest
+        raise Infeasible(f"friction must carry the prescribed forces (got {error / capacity} of its capacity missing)")
+
+    def _dual(self, size: FloatArray, outside: NDArray[np.bool_], bound: FloatArray, amounts: FloatArray) -> float:
+        """Negative of the dual function, to be minimised."""
+        inside = 0.5 * size**2
+        return float(np.sum(np.where(outside, bound * size - 0.5 * bound**2, inside))) - float(self.forces @ amounts)
+
+    def gram(self, slipping: FloatArray, loaded: NDArray[np.bool_]) -> FloatArray:
+        """Matrix of products of the modes over the directions in which tractions may still change, ``(m, m)``."""
+        fields = self.fields * loaded
+        along = np.einsum("mkij,kij->mij", fields, slipping)
+        return np.asarray(
+            np.einsum("mkij,lkij->ml", fields, fields) - np.einsum("mij,lij->ml", along, along), dtype=float
+        )

@@ -1,0 +1,241 @@
+"""Projected Newton iteration for shear tractions within discs.
+
+The tractions q of one load increment minimise ``1/2 q.Aq + q.e`` over ``|q| <= g`` with the prescribed forces: then the
+slip ``s = A q + e - rigid`` is zero where |q| < g, and opposes q where |q| = g. Cells at their bound may turn, not
+grow; with the curvature |s|/g of their disc the Newton step is a symmetric positive definite problem on the directions
+left free, solved by preconditioned conjugate gradients. Tractions that leave their disc are brought back to it. Where a
+step does not lower the energy it is shortened; where that does not help, a projected gradient step does.
+
+References
+----------
+J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer 1990, chapter 4 (the variational statement).
+D. P. Bertsekas, SIAM J. Control Optim. 20 (1982) 221 (projected Newton methods).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.solvers.tangential.discs import RigidPlane, inner, length_of
+
+__all__ = ["DiscProblem", "DiscState", "solve_discs"]
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_TINY = np.finfo(float).tiny
+#: Conjugate-gradient steps in one Newton step at most.
+_INNER = 80
+#: Stiffness of a cell, in units of the largest coefficient, from which the first gradient step is taken.
+_SOFTEST = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class DiscProblem:
+    """Shear tractions on one box, in the solver's own units: displacements of coefficients scaled to order one.
+
+    Attributes
+    ----------
+    apply : callable
+        Tractions ``(k, ny, nx)`` to displacements, symmetric positive definite.
+    precondition : callable
+        Rough inverse of that.
+    offset : (k, ny, nx) array
+        e: slip of the increment without tractions, less the prescribed rigid displacements.
+    bound : (ny, nx) array
+        g >= 0; cells with g = 0 carry nothing.
+    modes : RigidPlane
+        Rigid modes whose force is prescribed.
+    """
+
+    apply: Callable[[FloatArray], FloatArray]
+    precondition: Callable[[FloatArray], FloatArray]
+    offset: FloatArray
+    bound: FloatArray
+    modes: RigidPlane
+
+
+@dataclass(slots=True)
+class DiscState:
+    """Iterate: tractions, their displacements, amounts of the free rigid modes, which cells slip, residual."""
+
+    tractions: FloatArray
+    displacement: FloatArray
+    rigid: FloatArray
+    slipping: BoolArray
+    residual: float = np.inf
+    energy: float = 0.0
+
+
+def solve_discs(
+    problem: DiscProblem,
+    start: FloatArray,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    on_iteration: Callable[[float], None],
+) -> DiscState:
+    """Iterate until the slip is right to the tolerance, or the iterations are used up.
+
+    Parameters
+    ----------
+    problem : DiscProblem
+        The problem.
+    start : (k, ny, nx) array
+        Any tractions; they are brought into the discs first.
+    tolerance : float
+        Bound on the wrong part of the slip (all of it in stick, across the traction in slip), relative to the largest
+        displacement by the tractions.
+    max_iterations : int
+        Newton steps allowed.
+    on_iteration : callable
+        Told the residual of each iterate.
+
+    Returns
+    -------
+    DiscState
+        ``residual`` tells whether it got there.
+
+    Raises
+    ------
+    Infeasible
+        The bounds cannot carry the prescribed forces.
+    """
+    return _Iteration(problem).run(start, tolerance, max_iterations, on_iteration)
+
+
+class _Iteration:
+    """One solve."""
+
+    def __init__(self, problem: DiscProblem) -> None:
+        self.problem = problem
+        self.loaded = problem.bound > 0
+        self.gradient_step = _SOFTEST
+
+    def run(
+        self, start: FloatArray, tolerance: float, max_iterations: int, on_iteration: Callable[[float], None]
+    ) -> DiscState:
+        state = self._state(self.problem.modes.closest(start * self.loaded, self.problem.bound))
+        for number in range(max_iterations + 1):
+            slip, free, outward = self._look(state)
+            on_iteration(state.residual)
+            if state.residual <= tolerance or number == max_iterations:
+                break
+            looseness = min(0.1, max(0.3 * state.residual**0.5, 0.01))
+            step = self._newton(free, outward, max(looseness, 0.3 * tolerance / state.residual))
+            state = self._moved(state, slip, step) or self._descended(state, slip)
+        return state
+
+    def _state(self, tractions: FloatArray) -> DiscState:
+        displacement = self.problem.apply(tractions)
+        energy = 0.5 * inner(tractions, displacement) + inner(tractions, self.problem.offset)
+        none = np.zeros(0)
+        return DiscState(tractions, displacement, none, self.loaded, energy=energy)
+
+    def _look(self, state: DiscState) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+        """Tell stick from slip, fit the free rigid modes, and measure what is wrong with the slip."""
+        problem = self.problem
+        size = length_of(state.tractions)
+        at_bound = self.loaded & (size >= problem.bound * (1.0 - 1e-12))
+        unit = np.where(at_bound, state.tractions / np.maximum(size, _TINY), 0.0)
+        raw = (state.displacement + problem.offset) * self.loaded
+        slipping, slip, outward = at_bound, raw, np.zeros_like(size)
+        for _ in range(6):  # cells that would slip along their traction stick; that changes the fit a little
+            state.rigid = self._fit(raw, np.where(slipping, unit, 0.0))
+            slip = raw - problem.modes.combine(state.rigid) * self.loaded if len(problem.modes) else raw
+            outward = -np.einsum("kij,kij->ij", slip, unit)
+            found = at_bound & (outward > 0)
+            if np.array_equal(found, slipping):
+                break
+            slipping = found
+        state.slipping = slipping
+        unit = np.where(slipping, unit, 0.0)
+        curvature = np.where(slipping, outward / np.maximum(problem.bound, _TINY), 0.0)
+        wrong = _across(slip, unit)
+        largest = float(np.max(length_of(state.displacement * self.loaded), initial=0.0))
+        state.residual = _ratio(float(np.max(length_of(wrong), initial=0.0)), largest)
+        return slip, wrong, (unit, curvature)
+
+    def _fit(self, slip: FloatArray, unit: FloatArray) -> FloatArray:
+        """Free rigid modes that leave the least slip in the directions that stick."""
+        modes = self.problem.modes
+        if not len(modes):
+            return np.zeros(0)
+        gram = modes.gram(unit, self.loaded)
+        return np.asarray(np.linalg.lstsq(gram, modes.work(_across(slip, unit)), rcond=1e-12)[0])
+
+    def _newton(self, wrong: FloatArray, discs: tuple[FloatArray, FloatArray], looseness: float) -> FloatArray:
+        """Conjugate gradients on the directions left free, without a change of the prescribed forces."""
+        problem, modes = self.problem, self.problem.modes
+        unit, curvature = discs
+        gram = modes.gram(unit, self.loaded) if len(modes) else None
+
+        def allowed(field: FloatArray) -> FloatArray:
+            field = _across(field * self.loaded, unit)
+            if gram is not None:
+                amounts = np.asarray(np.linalg.lstsq(gram, modes.work(field), rcond=1e-12)[0], dtype=float)
+                field -= _across(modes.combine(amounts) * self.loaded, unit)
+            return field
+
+        # Strongly curved cells hardly turn: the preconditioner, which knows nothing of them, must not turn them either.
+        weight = 1.0 / np.sqrt(1.0 + curvature)
+
+        def preconditioned(field: FloatArray) -> FloatArray:
+            return allowed(weight * problem.precondition(weight * field))
+
+        step = np.zeros_like(wrong)
+        residual = -allowed(wrong)
+        stop = looseness * np.sqrt(inner(residual, residual))
+        direction = preconditioned(residual)
+        slope = inner(residual, direction)
+        for _ in range(_INNER):
+            change = allowed(problem.apply(direction) + curvature * direction)
+            bend = inner(direction, change)
+            if not bend > 0.0:
+                break
+            amount = slope / bend
+            step += amount * direction
+            residual -= amount * change
+            if np.sqrt(inner(residual, residual)) <= stop:
+                break
+            better = preconditioned(residual)
+            before, slope = slope, inner(residual, better)
+            direction = better + (slope / before) * direction
+        return step
+
+    def _moved(self, state: DiscState, slip: FloatArray, step: FloatArray) -> DiscState | None:
+        """State after the step or a part of it; None where none lowers the energy."""
+        share = 1.0
+        for _ in range(4):
+            tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound)
+            found = self._state(tractions)
+            expected = inner(slip, tractions - state.tractions)
+            if found.energy <= state.energy + 1e-4 * expected + 1e-14 * abs(state.energy):
+                return found
+            share *= 0.4
+        return None
+
+    def _descended(self, state: DiscState, slip: FloatArray) -> DiscState:
+        """State after a projected gradient step; short ones always lower the energy."""
+        found = state
+        for _ in range(12):
+            tractions = self.problem.modes.closest(state.tractions - self.gradient_step * slip, self.problem.bound)
+            found = self._state(tractions)
+            if found.energy <= state.energy + 0.25 * inner(slip, tractions - state.tractions):
+                self.gradient_step *= 1.5
+                return found
+            self.gradient_step *= 0.4
+        return found
+
+
+def _across(field: FloatArray, unit: FloatArray) -> FloatArray:
+    """Part of a field across the unit vectors of the slipping cells; all of it elsewhere."""
+    return np.asarray(field - unit * np.einsum("kij,kij->ij", unit, field))
+
+
+def _ratio(part: float, whole: float) -> float:
+    return part / whole if whole > 0.0 else (0.0 if part == 0.0 else np.inf)

@@ -1,0 +1,318 @@
+"""Tangential contact with friction under a given pressure: one increment, by itself or again and again on one grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Box, Grid
+from eigencontact.errors import NotConverged, SceneError, require
+from eigencontact.solvers.report import Progress
+from eigencontact.solvers.tangential.compliance import MatrixOperator, Pair, ParityCoefficients
+from eigencontact.solvers.tangential.control import MODES, TangentialControl, mode_fields
+from eigencontact.solvers.tangential.discs import Infeasible, RigidPlane, length_of
+from eigencontact.solvers.tangential.newton import DiscProblem, DiscState, solve_discs
+from eigencontact.solvers.tangential.report import FrictionCertificate, TangentialReport
+
+__all__ = ["TangentialOptions", "TangentialSolution", "TangentialSolver"]
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TangentialOptions:
+    """How to solve.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound on each residual of the `FrictionCertificate` [-].
+    max_iterations : int
+        Newton steps allowed.
+    precision, threads, periodic
+        As in `eigencontact.solvers.solution.NormalOptions`.
+    """
+
+    tolerance: float = 1e-6
+    max_iterations: int = 200
+    precision: str = "double"
+    threads: int | None = None
+    periodic: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TangentialSolution:
+    """A converged increment.
+
+    Attributes
+    ----------
+    shear : (k, ny, nx) float64
+        Shear traction on body 1 [Pa].
+    displacement : (k, ny, nx) float64
+        What the shear alone displaces, body 1 less body 2 [m].
+    slip : (k, ny, nx) float64
+        Motion of body 1 on body 2 in this increment [m], outside the contact too.
+    stick : (ny, nx) bool
+        Loaded cells that did not slip in this increment.
+    rigid : (3,) float64
+        δ_x, δ_y [m], φ_z [rad].
+    forces : (3,) float64
+        Q_x, Q_y [N], M_z [N m] of the shear.
+    report : TangentialReport
+        Certificate, history, counts, time.
+    """
+
+    shear: FloatArray
+    displacement: FloatArray
+    slip: FloatArray
+    stick: BoolArray
+    rigid: FloatArray
+    forces: FloatArray
+    report: TangentialReport
+
+
+class TangentialSolver:
+    """Friction on one grid, to be solved again and again: coefficients, spectra and plans are kept.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells.
+    coefficients : mapping of (str, str) to ParityCoefficients
+        By directions of displacement and traction, both bodies summed [m/Pa]; a pair that is missing is left out of
+        the physics.
+    components : {"xy", "x", "y"}
+        Directions in which there may be shear.
+    options : TangentialOptions, optional
+        Tolerance and so on.
+
+    Examples
+    --------
+    >>> class Bed:  # springs of 1 m/Pa, each cell by itself
+    ...     parity = (1, 1)
+    ...     def table(self, x, y, half_widths):
+    ...         return np.where((x[None] == 0) & (y[:, None] == 0), 1.0, 0.0)
+    >>> grid = Grid(nx=4, ny=4, dx=1.0, dy=1.0)
+    >>> solver = TangentialSolver(grid, {("x", "x"): Bed()}, "x")
+    >>> bound = np.array([[0.0, 0.1, 0.25, 0.3]] * 4)
+    >>> solution = solver.solve(bound, np.zeros((1, 4, 4)), TangentialControl(shift_x=0.2))
+    >>> solution.shear[0, 0].round(6).tolist(), solution.stick[0].tolist()
+    ([0.0, 0.1, 0.2, 0.2], [False, False, True, True])
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        coefficients: Mapping[Pair, ParityCoefficients],
+        components: str = "xy",
+        options: TangentialOptions | None = None,
+    ) -> None:
+        self.grid, self.components, self.options = grid, components, options or TangentialOptions()
+        self.operator = MatrixOperator(
+            grid, coefficients, components, components, periodic=self.options.periodic,
+            precision=self.options.precision, threads=self.options.threads,
+        )  # fmt: skip
+
+    def solve(
+        self,
+        bound: FloatArray,
+        offset: FloatArray,
+        control: TangentialControl,
+        *,
+        start: FloatArray | None = None,
+        progress: Progress | None = None,
+    ) -> TangentialSolution:
+        """Find shear, stick and slip of one increment.
+
+        With ``slip = A q + offset - rigid``: zero where ``|q| < bound``, opposed to q where ``|q| = bound``.
+
+        Parameters
+        ----------
+        bound : (ny, nx) float64
+            Largest shear traction of each cell [Pa]; 0 outside the contact.
+        offset : (k, ny, nx) float64
+            Slip of the increment if there were no shear and no rigid displacement: the displacement by the pressure,
+            less the position of body 1 on body 2 at the start of the increment [m].
+        control : TangentialControl
+            Forces or rigid displacements at the end of the increment.
+        start : (k, ny, nx) float64, optional
+            Shear near the answer: that of the last step.
+        progress : callable, optional
+            Told the residual of each iteration.
+
+        Raises
+        ------
+        NotConverged
+            With the report; no half result is returned.
+        SceneError
+            Forces beyond what friction can carry; a bound that is negative or not finite.
+        """
+        began, report, done = perf_counter(), TangentialReport(), self.operator.applications
+        require(bound.shape == self.grid.shape, "friction", "bound", bound.shape, f"of shape {self.grid.shape}")
+        if not (np.all(np.isfinite(bound)) and float(bound.min()) >= 0):
+            raise SceneError(
+                f"friction law must give a finite shear bound of zero or more at every cell (got {bound.min()} to "
+                f"{bound.max()}); check its coefficient"
+            )
+        try:
+            return self._solve(bound, offset, control, start, report, progress)
+        finally:
+            report.convolutions = self.operator.applications - done
+            report.seconds = perf_counter() - began
+
+    def _solve(
+        self,
+        bound: FloatArray,
+        offset: FloatArray,
+        control: TangentialControl,
+        start: FloatArray | None,
+        report: TangentialReport,
+        progress: Progress | None,
+    ) -> TangentialSolution:
+        grid, options = self.grid, self.options
+        whole = Box(0, grid.ny, 0, grid.nx)
+        box = whole if options.periodic else Box.around(bound > 0)
+        if box is None:
+            return self._without_contact(offset, control, report)
+        cut = (slice(None), *box.slices)
+        # Tractions in units of the largest bound, lengths in units of what that does to one cell: numbers of order one.
+        unit, traction = self.operator.unit(), float(bound.max())
+        length = unit * traction
+        fields = mode_fields(grid, self.components)
+        free = control.forces()
+        self._check_directions(control)
+        modes = fields[list(free)][:, :, *box.slices] if free else np.zeros((0, len(self.components), *box.shape))
+        sizes = np.array([float(np.abs(mode).max()) or 1.0 for mode in modes])
+        forces = np.array(list(free.values())) / (traction * grid.cell_area)
+        plane = RigidPlane(modes / sizes[:, None, None, None], forces / sizes) if free else RigidPlane(modes, forces)
+        here = offset[cut].copy()
+        for mode, value in control.displacements().items():
+            if value:
+                here -= value * fields[mode][cut]
+        problem = DiscProblem(
+            apply=lambda q: self.operator.apply(q, box, box) / unit,
+            precondition=lambda r: self.operator.precondition(r, box),
+            offset=here / length,
+            bound=bound[box.slices] / traction,
+            modes=plane,
+        )
+
+        def note(residual: float) -> None:
+            report.history.append((grid.nx * grid.ny, residual))
+            if progress is not None:
+                progress(f"friction, {grid.nx} x {grid.ny} cells", residual, options.tolerance)
+
+        first = np.zeros_like(here) if start is None else start[cut] / traction
+        try:
+            state = solve_discs(
+                problem, first, tolerance=0.7 * options.tolerance, max_iterations=options.max_iterations,
+                on_iteration=note,
+            )  # fmt: skip
+        except Infeasible:
+            raise self._overloaded(bound, free, fields) from None
+        rigid = np.zeros(len(MODES))
+        for mode, value in control.displacements().items():
+            rigid[mode] = value
+        rigid[list(free)] = state.rigid / sizes * length if free else 0.0
+        solution = self._certified(state, bound, offset, rigid, free, (box, traction), report)
+        if report.certificate is None or not report.certificate.holds:
+            raise NotConverged(
+                f"friction did not converge in {report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
+                f"{report.certificate}; take smaller increments, raise max-iterations or loosen the tolerance",
+                report,
+            )
+        return solution
+
+    def _certified(
+        self,
+        state: DiscState,
+        bound: FloatArray,
+        offset: FloatArray,
+        rigid: FloatArray,
+        free: Mapping[int, float],
+        scale: tuple[Box, float],
+        report: TangentialReport,
+    ) -> TangentialSolution:
+        """Check the friction conditions with a convolution of their own, which also serves outside the contact."""
+        grid, (box, traction) = self.grid, scale
+        whole = Box(0, grid.ny, 0, grid.nx)
+        fields = mode_fields(grid, self.components)
+        shear = np.zeros((len(self.components), *grid.shape))
+        shear[:, *box.slices] = state.tractions * traction
+        displacement = self.operator.apply(shear[:, *box.slices], box, whole)
+        slip = displacement + offset - np.einsum("m,mkij->kij", rigid, fields)
+        loaded = bound > 0
+        slipping = np.zeros(grid.shape, dtype=bool)
+        slipping[box.slices] = state.slipping
+        stick = loaded & ~slipping
+        size = length_of(shear)
+        unit = np.where(slipping, shear / np.maximum(size, np.finfo(float).tiny), 0.0)
+        along = np.einsum("kij,kij->ij", slip, unit)
+        across = length_of(slip - unit * along) * slipping
+        largest = float(np.max(length_of(displacement) * loaded)) or np.inf
+        forces = np.einsum("mkij,kij->m", fields, shear) * grid.cell_area
+        capacity = self._capacity(bound, fields)
+        errors = [abs(forces[mode] - value) / capacity[mode] for mode, value in free.items()]
+        report.certificate = FrictionCertificate(
+            bound=float(np.max(size - bound)) / float(bound.max()),
+            stick=float(np.max(length_of(slip) * stick)) / largest,
+            alignment=float(max(across.max(), (along * slipping).max())) / largest,
+            load=max(errors, default=0.0),
+            tolerance=self.options.tolerance,
+        )
+        return TangentialSolution(
+            shear=shear, displacement=displacement, slip=slip, stick=stick, rigid=rigid, forces=forces, report=report
+        )
+
+    def _capacity(self, bound: FloatArray, fields: FloatArray) -> FloatArray:
+        """Largest force that friction could carry of each mode alone [N], [N m]."""
+        arms = np.sqrt(np.einsum("mkij,mkij->mij", fields, fields))
+        return np.asarray(np.einsum("mij,ij->m", arms, bound) * self.grid.cell_area + np.finfo(float).tiny)
+
+    def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> SceneError:
+        capacity = self._capacity(bound, fields)
+        units = ("N", "N", "N m")
+        said = ", ".join(
+            f"{MODES[mode][1]} {value:.6g} of at most {capacity[mode]:.6g} {units[mode]}"
+            for mode, value in free.items()
+        )
+        displacement = MODES[next(iter(free))][0]
+        return SceneError(
+            f"step.{MODES[next(iter(free))][1]} must be below what friction carries together (got {said}); lower it, "
+            f"or prescribe {displacement} to slide"
+        )
+
+    def _check_directions(self, control: TangentialControl) -> None:
+        """Refuse what the directions of this solver cannot answer."""
+        for mode, (displacement, force) in enumerate(MODES):
+            missing = "xy" if mode == 2 else "xy"[mode]
+            value = getattr(control, displacement) or getattr(control, force)
+            if value and not set(missing) <= set(self.components):
+                raise SceneError(
+                    f"step.{displacement} must be 0 where shear acts along {self.components} (got {value})"
+                )
+
+    def _without_contact(
+        self, offset: FloatArray, control: TangentialControl, report: TangentialReport
+    ) -> TangentialSolution:
+        """Solution where nothing touches: no shear, and the prescribed rigid displacements."""
+        free = control.forces()
+        for mode, value in free.items():
+            require(value == 0.0, "step", MODES[mode][1], value, "zero where the bodies do not touch")
+        rigid = np.zeros(len(MODES))
+        for mode, value in control.displacements().items():
+            rigid[mode] = value
+        zero = np.zeros((len(self.components), *self.grid.shape))
+        report.certificate = FrictionCertificate(
+            bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=self.options.tolerance
+        )
+        slip = offset - np.einsum("m,mkij->kij", rigid, mode_fields(self.grid, self.components))
+        return TangentialSolution(
+            shear=zero, displacement=zero.copy(), slip=slip, stick=np.zeros(self.grid.shape, dtype=bool),
+            rigid=rigid, forces=np.zeros(len(MODES)), report=report,
+        )  # fmt: skip
