@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pluggy
 
 if TYPE_CHECKING:
-    from eigencontact.plugin import EigenstrainField, Geometry, InclusionShape, Observer, SurfaceInfluence
+    from eigencontact.plugin import EigenstrainField, FrictionLaw, Geometry, InclusionShape, Observer, SurfaceInfluence
 
 __all__ = ["NAMESPACE", "REGISTER_HOOKS", "hookimpl"]
 
@@ -28,6 +28,7 @@ REGISTER_HOOKS = {
     "observer": "eigencontact_register_observers",
     "inclusion-shape": "eigencontact_register_inclusion_shapes",
     "eigenstrain-field": "eigencontact_register_eigenstrain_fields",
+    "friction-law": "eigencontact_register_friction_laws",
 }
 
 
@@ -54,3 +55,8 @@ def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]: 
 @hookspec
 def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:  # type: ignore[empty-body]
     """Return the classes of eigenstrain field (stress-free strain as a function of place and time) of this package."""
+
+
+@hookspec
+def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:  # type: ignore[empty-body]
+    """Return the classes of friction law (largest shear traction of each point in contact) of this package."""

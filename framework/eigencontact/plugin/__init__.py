@@ -24,6 +24,7 @@ from eigencontact.halfspace.potentials import (
 )
 from eigencontact.hooks.hookspecs import hookimpl
 from eigencontact.plugin.component import Component
+from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.observer import Observer, StepView
@@ -38,6 +39,8 @@ __all__ = [
     "CornerInfluence",
     "EigenstrainField",
     "Force",
+    "FrictionLaw",
+    "FrictionState",
     "Geometry",
     "Grid",
     "HasCornerPotentials",
@@ -76,4 +79,5 @@ KINDS: dict[str, type] = {
     Observer.kind: Observer,
     InclusionShape.kind: InclusionShape,
     EigenstrainField.kind: EigenstrainField,
+    FrictionLaw.kind: FrictionLaw,
 }

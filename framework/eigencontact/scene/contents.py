@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eigencontact.scene.holding import TANGENTIAL_PAIRS
+
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene, StressRequest
 
 __all__ = ["check_contents"]
+
+_TANGENTIAL = frozenset(name for pair in TANGENTIAL_PAIRS for name in pair)
 
 
 def check_contents(scene: Scene) -> None:
@@ -30,15 +34,29 @@ def check_contents(scene: Scene) -> None:
 def _check_steps(scene: Scene) -> None:
     if scene.geometry and "steps" not in scene.model_fields_set:
         raise ValueError("!steps must be given")
+    if scene.friction is not None and not scene.geometry:
+        raise ValueError(
+            "!friction must not be given without a geometry (got no contact to slip in); add [geometry], or leave it "
+            "out"
+        )
+    controlled = False
     for number, step in enumerate(scene.steps):
         where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
-        if scene.geometry and not {"normal-load", "approach"} & set(step.prescribed):
-            given = ", ".join(step.prescribed) or "neither"
-            raise ValueError(f"!{where} must be controlled by normal-load or approach: give one of them (got {given})")
+        given = bool({"normal-load", "approach"} & set(step.prescribed))
+        controlled = given or (controlled and scene.friction is not None)  # with friction a step keeps what was
+        if scene.geometry and not controlled:
+            got = ", ".join(step.prescribed) or "neither"
+            raise ValueError(f"!{where} must be controlled by normal-load or approach: give one of them (got {got})")
         if step.prescribed and not scene.geometry:
             raise ValueError(
                 f"!{where} must not prescribe {step.prescribed[0]} without a geometry (got no contact to load); "
                 "add [geometry], or leave it out"
+            )
+        along = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL]
+        if along and scene.friction is None:
+            raise ValueError(
+                f"!{where} must not prescribe {along[0]} without friction (got a frictionless contact, which carries "
+                'no shear); add [friction] with type = "coulomb" and a coefficient, or leave it out'
             )
 
 

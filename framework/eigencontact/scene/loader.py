@@ -79,7 +79,7 @@ def _read(path: Path) -> str:
 
 def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
     """Make relative ``file`` entries of components relative to the scene's folder."""
-    for group in ("geometry", "observers", "inclusions", "eigenstrain"):
+    for group in ("geometry", "friction", "observers", "inclusions", "eigenstrain"):
         tables = data.get(group, [])
         for table in [tables] if isinstance(tables, dict) else tables:
             if isinstance(table, dict):

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from eigencontact.core.quantities import Angle, Force, Moment, Stress
 from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many, positive
 from eigencontact.scene.contents import check_contents
+from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table, Tables
 
@@ -75,8 +76,10 @@ class GridSpec(Table):
 class Step(Table):
     """One piece of the load history: a linear ramp from the last state to the values given here.
 
-    A contact is controlled by normal-load or approach. A scene without geometry has steps of `increments` alone, which
-    are the times at which eigenstrain that changes with time is evaluated.
+    A contact is controlled by normal-load or approach. With friction, loads and motions along the surface are given
+    beside them, those of body 2 against body 1, and what a step does not mention stays as an earlier step left it (see
+    `eigencontact.scene.holding`). A scene without geometry has steps of `increments` alone, which are the times at
+    which eigenstrain that changes with time is evaluated.
     """
 
     normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
@@ -85,11 +88,17 @@ class Step(Table):
     tilt_x: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
     moment_y: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
     tilt_y: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
+    tangential_load_x: Annotated[Force, AfterValidator(finite("N"))] | None = None
+    shift_x: FiniteLength | None = None
+    tangential_load_y: Annotated[Force, AfterValidator(finite("N"))] | None = None
+    shift_y: FiniteLength | None = None
+    torsion_moment: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
+    twist: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
 
     @model_validator(mode="after")
     def _controlled(self) -> Step:
-        for one, other in (("normal_load", "approach"), ("moment_x", "tilt_x"), ("moment_y", "tilt_y")):
+        for one, other in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS):
             if getattr(self, one) is not None and getattr(self, other) is not None:
                 raise ValueError(f"controlled by {one} or {other}, not both".replace("_", "-"))
         return self
@@ -97,7 +106,7 @@ class Step(Table):
     @property
     def prescribed(self) -> list[str]:
         """Names of the loads and motions given, as written in a scene."""
-        names = ("normal_load", "approach", "moment_x", "tilt_x", "moment_y", "tilt_y")
+        names = [name for pair in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS) for name in pair]
         return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
 
 
@@ -108,11 +117,17 @@ class Numerics(Table):
     which frees the middles of the surface's cells; ``"periodic"``, where the window repeats; or ``"full-space"``, which
     leaves the surface out. ``inclusion_cells`` is the number of cells along z across a region that has to be cut into
     cells: a shape without potentials, or an eigenstrain that is not uniform.
+
+    ``coupling`` says which displacements follow from which tractions in a contact with friction: ``"none"``, each along
+    its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with
+    each other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
+    the shear); ``"full"``, all.
     """
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
+    coupling: Literal["none", "partial", "one-way", "full"] = "full"
     precision: Literal["double", "single"] = "double"
     tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
     max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
@@ -185,6 +200,8 @@ class Scene(Table):
         The half-spaces; at least one is elastic. z points into body 1.
     geometry : list of tables or components
         Separations that add up; ``type`` names the geometry plugin. Without one there is no contact.
+    friction : table or component, optional
+        Friction law of the contact; ``type`` names the plugin. Without it the contact is frictionless.
     inclusions : list of Inclusion
         Regions with a prescribed eigenstrain; ``type`` names the inclusion shape.
     eigenstrain : list of EigenstrainPatch
@@ -214,6 +231,7 @@ class Scene(Table):
     body1: Body
     body2: Body = Body(rigid=True)
     geometry: Tables = Field([])
+    friction: dict[str, Any] | None = None
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
@@ -270,7 +288,7 @@ def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
 def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
     """Accept component objects, and arrays, where a table is expected."""
     out = dict(data)
-    for name in ("geometry", "observers", "inclusions", "eigenstrain"):
+    for name in ("geometry", "friction", "observers", "inclusions", "eigenstrain"):
         if name in out:
             value = out[name]
             out[name] = [_table(item) for item in value] if isinstance(value, list | tuple) else _table(value)

@@ -1,0 +1,105 @@
+"""The kind *friction law*: how much shear traction a point of the contact can carry."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.plugin.component import Component
+
+__all__ = ["FrictionLaw", "FrictionState", "checked_shear_bound"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class FrictionState:
+    """What a friction law may look at. Arrays are read-only.
+
+    Attributes
+    ----------
+    pressure : (ny, nx) float64
+        Contact pressure at the end of the increment that is being solved [Pa], compression positive, 0 out of contact.
+    x : (1, nx) float64
+        Centres of the cells along x [m].
+    y : (ny, 1) float64
+        Centres of the cells along y [m].
+    slip_distance : (ny, nx) float64
+        Length of the path that each point has slipped in contact, up to the start of the increment [m].
+    time : float
+        End of the increment, in load steps: 1 ends the first.
+    """
+
+    pressure: FloatArray
+    x: FloatArray
+    y: FloatArray
+    slip_distance: FloatArray
+    time: float
+
+
+class FrictionLaw(Component, ABC):
+    """The largest shear traction that each point of the contact carries; there it slips, below it sticks.
+
+    The law sets the size of the shear traction alone. That slip and shear point in opposite directions, where the
+    surfaces stick and how far they slip is found by the solver.
+    """
+
+    kind: ClassVar[str] = "friction-law"
+
+    @abstractmethod
+    def shear_bound(self, state: FrictionState) -> FloatArray:
+        """Shear bound ``(ny, nx)`` [Pa]: finite, zero or positive.
+
+        Values out of contact, where ``state.pressure`` is 0, are not used. The law is asked several times within an
+        increment, with better and better pressures, and must keep no memory of that: what it may remember is in the
+        state.
+        """
+
+
+def checked_shear_bound(law: FrictionLaw, state: FrictionState) -> FloatArray:
+    """Shear bound of a law ``(ny, nx)`` [Pa], 0 out of contact; refused unless finite and not negative in contact.
+
+    Raises
+    ------
+    PluginError
+        The law fails, or answers with another shape, with numbers that are not finite, or with negative ones.
+    """
+    where = f"shear_bound of friction law {law.key!r}"
+    shape = state.pressure.shape
+    try:
+        bound = np.asarray(law.shear_bound(_protected(state)), dtype=float)
+    except EigencontactError:
+        raise
+    except Exception as problem:
+        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
+    if bound.shape != shape:
+        raise PluginError(f"{where} must be of shape {shape}, that of the pressure (got shape {bound.shape})")
+    loaded = state.pressure > 0
+    wrong = loaded & ~(np.isfinite(bound) & (bound >= 0))
+    if wrong.any():
+        row, column = (int(index) for index in np.argwhere(wrong)[0])
+        raise PluginError(
+            f"{where} must be zero or positive, and finite [Pa] (got {float(bound[row, column])!r} at x = "
+            f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m, and at {int(wrong.sum())} of "
+            f"{int(loaded.sum())} points of the contact)"
+        )
+    return np.where(loaded, bound, 0.0)
+
+
+def _protected(state: FrictionState) -> FrictionState:
+    """Return the state with arrays that a law cannot write to."""
+
+    def view(values: FloatArray) -> FloatArray:
+        out = values.view()
+        out.flags.writeable = False
+        return out
+
+    return FrictionState(
+        pressure=view(state.pressure), x=view(state.x), y=view(state.y), slip_distance=view(state.slip_distance),
+        time=state.time,
+    )  # fmt: skip

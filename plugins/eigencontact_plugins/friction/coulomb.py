@@ -1,0 +1,52 @@
+"""Coulomb friction with one coefficient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import FrictionLaw, FrictionState, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Coulomb", "check_coefficient"]
+
+FloatArray = NDArray[np.float64]
+
+
+def check_coefficient(where: str, field: str, value: float) -> None:
+    """Refuse a coefficient of friction that is not zero or positive, and finite [-]."""
+    require(0 <= value < np.inf, where, field, value, "zero or positive, and finite [-]")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coulomb(FrictionLaw):
+    """Shear bound in proportion to the pressure: coefficient times p.
+
+    Parameters
+    ----------
+    coefficient : float
+        Coefficient of friction [-], the same for sticking and slipping; 0 is without friction.
+    """
+
+    key: ClassVar[str] = "coulomb"
+    references: ClassVar[tuple[str, ...]] = ("C. A. Coulomb 1785, Theorie des machines simples",)
+
+    coefficient: float
+
+    def __post_init__(self) -> None:
+        check_coefficient(self.key, "coefficient", self.coefficient)
+
+    def shear_bound(self, state: FrictionState) -> FloatArray:
+        """Shear bound [Pa]; see `FrictionLaw`."""
+        return self.coefficient * state.pressure
+
+
+@hookimpl
+def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+    """Register Coulomb friction."""
+    return [Coulomb]
