@@ -94,9 +94,9 @@ class Compliance:
             wrap = [np.minimum(i % n, n - i % n) for i, n in zip(indices, self.grid.shape, strict=True)]
             return self._table[np.ix_(*wrap)]
         if self._table.shape[0] < ny or self._table.shape[1] < nx:
-            ny, nx = max(ny, self._table.shape[0]), max(nx, self._table.shape[1])
+            rows, columns = max(ny, self._table.shape[0]), max(nx, self._table.shape[1])
             dx, dy = self.grid.dx, self.grid.dy
-            x, y = np.arange(nx, dtype=np.float64) * dx, np.arange(ny, dtype=np.float64) * dy
+            x, y = np.arange(columns, dtype=np.float64) * dx, np.arange(rows, dtype=np.float64) * dy
             table = self._coefficients.table(x, y, (0.5 * dx, 0.5 * dy))
             self.unit = float(table[0, 0])
             table /= self.unit

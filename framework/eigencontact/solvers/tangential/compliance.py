@@ -123,9 +123,9 @@ class MatrixOperator:
         """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, sampled once as far as needed."""
         known = self._tables.get(pair, np.empty((0, 0)))
         if known.shape[0] < ny or known.shape[1] < nx:
-            ny, nx = max(ny, known.shape[0]), max(nx, known.shape[1])
+            rows, columns = max(ny, known.shape[0]), max(nx, known.shape[1])
             dx, dy = self.grid.dx, self.grid.dy
-            x, y = np.arange(nx, dtype=float) * dx, np.arange(ny, dtype=float) * dy
+            x, y = np.arange(columns, dtype=float) * dx, np.arange(rows, dtype=float) * dy
             known = self._tables[pair] = self._coefficients[pair].table(x, y, (0.5 * dx, 0.5 * dy))
         return known[:ny, :nx]
 
