@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from eigencontact.errors import PluginError, SceneError
 from eigencontact.hooks.registry import Entry, Registry
@@ -53,17 +53,53 @@ def converted(entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[s
     for name, item in known.items():
         if name not in given and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
-    adapters = _adapters(cls)
-    return {name: _convert(adapters[name], value, f"{where}.{name.replace('_', '-')}") for name, value in given.items()}
+    adapters, hints = _adapters(cls), _hints(cls)
+    out = {}
+    for name, value in given.items():
+        place = f"{where}.{name.replace('_', '-')}"
+        out[name] = _convert(adapters[name], _named(hints[name], value, place), place)
+    return out
+
+
+@cache
+def _hints(cls: type) -> dict[str, Any]:
+    return get_type_hints(cls, include_extras=True)
 
 
 @cache
 def _adapters(cls: type) -> dict[str, Any]:
     from pydantic import ConfigDict, TypeAdapter
 
-    hints = get_type_hints(cls, include_extras=True)
-    config = ConfigDict(arbitrary_types_allowed=True)
-    return {item.name: TypeAdapter(hints[item.name], config=config) for item in fields(cls)}
+    hints, config = _hints(cls), ConfigDict(arbitrary_types_allowed=True)
+    return {
+        item.name: TypeAdapter(hint, config=None if _table_class(hint) else config)
+        for item in fields(cls)
+        for hint in [hints[item.name]]
+    }
+
+
+def _table_class(hint: Any) -> type | None:
+    """Dataclass inside an annotation such as ``tuple[Region, ...]``, whose tables a field holds."""
+    if isinstance(hint, type) and is_dataclass(hint):
+        return hint
+    return next((found for found in map(_table_class, get_args(hint)) if found is not None), None)
+
+
+def _named(hint: Any, value: Any, where: str) -> Any:
+    """Value of a field with the tables in it under the names of their class; names that it does not know are refused.
+
+    A single table stands for an array of one.
+    """
+    cls = _table_class(hint)
+    if cls is None:
+        return value
+    if isinstance(value, list | tuple):
+        return [_named(cls, item, f"{where}.{number}") for number, item in enumerate(value)]
+    if not isinstance(value, Mapping):
+        return value
+    refuse_unknown(value, [item.name for item in fields(cls)], where)
+    table = {name.replace("-", "_"): part for name, part in value.items()}
+    return [table] if get_origin(hint) in (list, tuple) else table
 
 
 def _convert(adapter: Any, value: Any, where: str) -> Any:

@@ -300,7 +300,8 @@ def _table(item: Any) -> Any:
     from dataclasses import asdict, is_dataclass
 
     if is_dataclass(item) and not isinstance(item, type):
-        return {"type": getattr(item, "key", ""), **_table(asdict(item))}
+        given = asdict(item, dict_factory=lambda pairs: {name: value for name, value in pairs if value is not None})
+        return {"type": getattr(item, "key", ""), **_table(given)}
     if not isinstance(item, dict):
         return item.tolist() if hasattr(item, "tolist") else item
     out = {key: _table(value) if key in ("type", "eigenstrain", "value") else value for key, value in item.items()}

@@ -1,0 +1,172 @@
+"""Coulomb friction whose coefficient differs from place to place: phases, coatings, worn tracks, measured maps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Angle, FrictionLaw, FrictionState, Length, SceneError, hookimpl, require
+from eigencontact_plugins.friction.coulomb import check_coefficient
+from eigencontact_plugins.friction.map_file import FrictionMap, read_map
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["CoulombMap", "Region"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Region:
+    """A part of the surface with a coefficient of its own: a rectangle by its size, or a circle by its radius.
+
+    Parameters
+    ----------
+    coefficient : float
+        Coefficient of friction [-].
+    center : (float, float)
+        Middle (x, y) [m].
+    size : (float, float), optional
+        Edges of a rectangle [m], along x and y before the turn.
+    angle : float
+        Turn of the rectangle [rad] from x towards y.
+    radius : float, optional
+        Radius of a circle [m].
+    """
+
+    coefficient: float
+    center: tuple[Length, Length] = (0.0, 0.0)
+    size: tuple[Length, Length] | None = None
+    angle: Angle = 0.0
+    radius: Length | None = None
+
+    def check(self, where: str) -> None:
+        """Refuse what is no region; `where` names it."""
+        check_coefficient(where, "coefficient", self.coefficient)
+        finite = len(self.center) == 2 and bool(np.isfinite(self.center).all())
+        require(finite, where, "center", self.center, "two finite lengths (x, y)")
+        require(np.isfinite(self.angle), where, "angle", self.angle, "finite [rad]")
+        if (self.size is None) == (self.radius is None):
+            got = "neither" if self.size is None else "both"
+            raise SceneError(f"{where} must have a size (a rectangle) or a radius (a circle) (got {got})")
+        if self.radius is not None:
+            require(0 < self.radius < np.inf, where, "radius", self.radius, "positive and finite [m]")
+        if self.size is not None:
+            good = len(self.size) == 2 and all(0 < edge < np.inf for edge in self.size)
+            require(good, where, "size", self.size, "two positive and finite lengths")
+
+    def contains(self, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
+        """Whether points [m] that broadcast lie in the region; its edge belongs to it."""
+        dx, dy = x - self.center[0], y - self.center[1]
+        if self.radius is not None:
+            return np.asarray(dx**2 + dy**2 <= self.radius**2)
+        assert self.size is not None
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        along, across = cos * dx + sin * dy, cos * dy - sin * dx
+        return np.asarray((np.abs(along) <= 0.5 * self.size[0]) & (np.abs(across) <= 0.5 * self.size[1]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoulombMap(FrictionLaw):
+    """Coulomb friction with a coefficient that depends on the place: from a file, in regions, or both.
+
+    Parameters
+    ----------
+    coefficient : float, optional
+        Coefficient [-] outside the map and the regions. With a file it may be left out: contact there is then refused.
+    file : str, optional
+        ``.npz`` with ``x`` (nx,), ``y`` (ny,), ascending, and ``coefficient`` (ny, nx); or text with columns
+        x y coefficient, one row for each point of a lattice. Coordinates are those of the scene. Read once.
+    lateral_unit : float
+        Metres per unit of the coordinates in the file.
+    interpolation : "linear" or "nearest"
+        Between the points of the file; constant in its outermost half step.
+    regions : tables, optional
+        Rectangles and circles with a coefficient each, over the map; the last one that holds a point counts. See
+        `Region`.
+
+    Notes
+    -----
+    A cell takes the coefficient at its centre: the edge of a region is sharp to a cell.
+    """
+
+    key: ClassVar[str] = "coulomb-map"
+    references: ClassVar[tuple[str, ...]] = ("C. A. Coulomb 1785, Theorie des machines simples",)
+
+    coefficient: float | None = None
+    file: str | None = None
+    lateral_unit: Length = 1.0
+    interpolation: Literal["linear", "nearest"] = "linear"
+    regions: tuple[Region, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.coefficient is not None:
+            check_coefficient(self.key, "coefficient", self.coefficient)
+        require(0 < self.lateral_unit < np.inf, self.key, "lateral_unit", self.lateral_unit, "positive and finite [m]")
+        choices = ("linear", "nearest")
+        require(self.interpolation in choices, self.key, "interpolation", self.interpolation, "'linear' or 'nearest'")
+        for number, region in enumerate(self.regions):
+            region.check(f"{self.key}.regions.{number}")
+        if self.file is None:
+            if not self.regions:
+                raise SceneError(f'{self.key} must have a file or regions (got neither); or set type = "coulomb"')
+            given = self.coefficient is not None
+            require(given, self.key, "coefficient", None, "given: without a file it holds outside the regions")
+        _ = self._map  # read and checked now, not in the middle of a run
+
+    @cached_property
+    def _map(self) -> FrictionMap | None:
+        return None if self.file is None else read_map(self.key, self.file, self.lateral_unit)
+
+    @cached_property
+    def _last(self) -> dict[tuple[bytes, bytes], FloatArray]:
+        """Coefficients at the centres asked for last: a run asks for the same ones each time."""
+        return {}
+
+    def coefficients(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Coefficient [-] at points [m] that broadcast; NaN where none is given."""
+        shape = np.broadcast_shapes(np.shape(x), np.shape(y))
+        base = np.nan if self.coefficient is None else self.coefficient
+        out = np.full(shape, base)
+        if self._map is not None:
+            found = self._map.at(np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
+            out = np.where(np.isnan(found), base, found)
+        for region in self.regions:
+            out[region.contains(np.asarray(x), np.asarray(y))] = region.coefficient
+        return out
+
+    def shear_bound(self, state: FrictionState) -> FloatArray:
+        """Shear bound [Pa]; see `FrictionLaw`.
+
+        Raises
+        ------
+        SceneError
+            Contact outside the map where no coefficient is given for that.
+        """
+        place = (state.x.tobytes(), state.y.tobytes())
+        if place not in self._last:
+            self._last.clear()
+            self._last[place] = self.coefficients(state.x, state.y)
+        values = self._last[place]
+        lost = np.isnan(values) & (state.pressure > 0)
+        if lost.any():
+            assert self._map is not None
+            row, column = np.argwhere(lost)[0]
+            (x0, x1), (y0, y1) = self._map.x[[0, -1]], self._map.y[[0, -1]]
+            raise SceneError(
+                f"{self.key}.file must cover the contact (got {self.file!r} with x from {x0:.6g} to {x1:.6g} m, y from "
+                f"{y0:.6g} to {y1:.6g} m, and contact at x = {float(state.x[0, column]):.6g} m, y = "
+                f"{float(state.y[row, 0]):.6g} m); give coefficient for the surface outside the map"
+            )
+        return np.where(np.isnan(values), 0.0, values) * state.pressure
+
+
+@hookimpl
+def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+    """Register Coulomb friction with a map."""
+    return [CoulombMap]

@@ -1,0 +1,52 @@
+"""Coulomb friction up to a shear strength."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import FrictionLaw, FrictionState, Stress, hookimpl, require
+from eigencontact_plugins.friction.coulomb import check_coefficient
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ShearCap"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearCap(FrictionLaw):
+    """Coulomb friction that ends at a shear strength: the smaller of coefficient times p, and cap.
+
+    Parameters
+    ----------
+    coefficient : float
+        Coefficient of friction [-] where the pressure is low.
+    cap : float
+        Shear strength [Pa] of the weaker surface or of a film between them; reached at the pressure cap / coefficient.
+    """
+
+    key: ClassVar[str] = "shear-cap"
+    references: ClassVar[tuple[str, ...]] = ("E. Orowan 1943, Proc. Instn Mech. Engrs 150, 140",)
+
+    coefficient: float
+    cap: Stress
+
+    def __post_init__(self) -> None:
+        check_coefficient(self.key, "coefficient", self.coefficient)
+        require(0 < self.cap < np.inf, self.key, "cap", self.cap, "positive and finite [Pa]")
+
+    def shear_bound(self, state: FrictionState) -> FloatArray:
+        """Shear bound [Pa]; see `FrictionLaw`."""
+        return np.minimum(self.coefficient * state.pressure, self.cap)
+
+
+@hookimpl
+def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+    """Register friction with a shear cap."""
+    return [ShearCap]
