@@ -264,7 +264,8 @@ def new_plugin(
     name: Annotated[str, typer.Argument(help="Name of the plugin in scenes: lower case, hyphens.", metavar="NAME")],
     *,
     kind: Annotated[
-        str, typer.Option("--kind", metavar="KIND", help="inclusion-shape, eigenstrain-field or geometry.")
+        str,
+        typer.Option("--kind", metavar="KIND", help="inclusion-shape, eigenstrain-field, geometry or friction-law."),
     ] = "inclusion-shape",
     output: Annotated[
         Path | None,

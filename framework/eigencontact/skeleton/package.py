@@ -17,6 +17,7 @@ TEMPLATES = {
     "inclusion-shape": "a ball, by its potentials",
     "eigenstrain-field": "swelling that decays with depth",
     "geometry": "a bowl of fourth order",
+    "friction-law": "friction that falls as the surfaces run in",
 }
 _PREFIX = "eigencontact-"
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

@@ -1,20 +1,22 @@
-"""Both shapes keep the promises of their kind."""
+"""Both shapes and the friction law keep the promises of their kinds."""
 
+from eigencontact_sample_shapes.adhesive import Adhesive
 from eigencontact_sample_shapes.spheroid import Spheroid
 from eigencontact_sample_shapes.torus import Torus
 
 from eigencontact_verification.conformance import parametrize_with_checks
 
-UM = 1e-6
+UM, MPA = 1e-6, 1e6
 SHAPES = [
     Torus(center=(0.0, 1 * UM, 20 * UM), ring_radius=8 * UM, tube_radius=3 * UM),
     Spheroid(center=(1 * UM, 2 * UM, 20 * UM), equatorial_radius=10 * UM, polar_radius=4 * UM),
     Spheroid(center=(0.1, 0.2, 3.0), equatorial_radius=1.0, polar_radius=3.0),  # touches the surface
     Spheroid(center=(0.0, 0.0, 0.2), equatorial_radius=1.0, polar_radius=0.1),
 ]
+LAWS = [Adhesive(tau0=20 * MPA, coefficient=0.1, cap=300 * MPA), Adhesive(tau0=0.0, coefficient=0.5, cap=1e12)]
 
 
-@parametrize_with_checks(SHAPES)
+@parametrize_with_checks([*SHAPES, *LAWS])
 def test_conformance(component, check):
-    """One test for every shape and check."""
+    """One test for every component and check."""
     check(component)

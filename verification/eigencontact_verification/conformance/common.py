@@ -176,6 +176,9 @@ def _plain(value: Any) -> Any:
         return [_plain(part) for part in value]
     if isinstance(value, dict):
         return {key: _plain(part) for key, part in value.items()}
+    if is_dataclass(value):
+        parts = {item.name.replace("_", "-"): getattr(value, item.name) for item in fields(value)}
+        return {key: _plain(part) for key, part in parts.items() if part is not None}
     return str(value) if isinstance(value, Path) else value
 
 

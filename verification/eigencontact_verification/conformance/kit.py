@@ -12,6 +12,7 @@ from eigencontact_verification.conformance import (
     boundary,
     common,
     eigenstrain,
+    friction,
     geometry,
     identities,
     integrals,
@@ -44,6 +45,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
         eigenstrain.check_declarations,
     ),
     "geometry": (geometry.check_separation_arrays, geometry.check_separation_pure),
+    "friction-law": (friction.check_shear_bound, friction.check_shear_bound_pure),
 }
 _BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
     (

@@ -1,1 +1,1 @@
-"""A torus and a spheroid for eigencontact."""
+"""A torus, a spheroid, and friction with adhesion for eigencontact."""

@@ -1,0 +1,77 @@
+"""What every friction law promises: a finite shear bound of the shape of the pressure, the same one each time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from eigencontact.plugin import FrictionState
+from eigencontact_verification.conformance.report import check, ensure
+
+__all__ = ["check_shear_bound", "check_shear_bound_pure"]
+
+_SHAPES = ((1, 1), (1, 4), (5, 1), (3, 4), (6, 5))
+_PRESSURES = (0.0, 1.0, 1e6, 1e10)
+_SPACINGS = (1e-9, 1e-6)
+
+
+def _state(shape: tuple[int, int], pressure: float, spacing: float, time: float = 1.5) -> FrictionState:
+    """Contact in most of some cells about the origin, slipped so far by a little more from one to the next."""
+    ny, nx = shape
+    steps = np.arange(ny * nx, dtype=float).reshape(shape)
+    field = pressure * (1 + steps) / steps.size
+    if steps.size > 1:
+        field[0, 0] = 0.0
+    return FrictionState(
+        pressure=field,
+        x=spacing * (np.arange(nx) - 0.5 * (nx - 1))[None, :],
+        y=spacing * (np.arange(ny) - 0.5 * (ny - 1))[:, None],
+        slip_distance=spacing * steps,
+        time=time,
+    )
+
+
+def _states() -> Iterator[FrictionState]:
+    for shape in _SHAPES:
+        for pressure in _PRESSURES:
+            for spacing in _SPACINGS:
+                yield _state(shape, pressure, spacing)
+
+
+@check
+def check_shear_bound(law: Any) -> None:
+    """One number for each cell, whatever the grid; in contact finite, and zero or positive."""
+    for state in _states():
+        bound = np.asarray(law.shear_bound(state))
+        shape = state.pressure.shape
+        case = f"shear_bound at pressures up to {state.pressure.max():.0e} Pa"
+        ensure(
+            bound.shape == shape and bound.dtype == np.float64, case, f"float64 of shape {shape}",
+            f"{bound.dtype} of shape {bound.shape}", "compute with state.pressure, (ny, nx), x (1, nx) and y (ny, 1)",
+        )  # fmt: skip
+        held = bound[state.pressure > 0]
+        ensure(
+            np.all(np.isfinite(held)) and np.all(held >= 0), case, "finite, and zero or positive, in contact",
+            f"{held.min(initial=0.0):.3g} to {held.max(initial=0.0):.3g}", "look at low pressures and at no slip",
+        )  # fmt: skip
+
+
+@check
+def check_shear_bound_pure(law: Any) -> None:
+    """Same answer twice, another state asked in between; the state stays as it was, and may be read-only."""
+    state, other = _state((4, 3), 1e8, 1e-6), _state((4, 3), 2e8, 2e-6, time=3.0)
+    arrays = (state.pressure, state.x, state.y, state.slip_distance)
+    kept = [array.copy() for array in arrays]
+    first = np.array(law.shear_bound(state))
+    unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, kept, strict=True))
+    ensure(unchanged, "the arrays of the state", "unchanged", "changed", "write to copies only")
+    law.shear_bound(other)
+    for array in arrays:
+        array.flags.writeable = False
+    second = np.asarray(law.shear_bound(state))
+    ensure(
+        np.array_equal(first, second), "shear_bound asked twice", "the same", "different",
+        "keep no memory of what was asked: state.slip_distance and state.time are the history",
+    )  # fmt: skip
