@@ -4,15 +4,63 @@ from __future__ import annotations
 
 import numpy as np
 
+from eigencontact.core.grid import Grid
 from eigencontact.execution.runners import State
 from eigencontact.planning.blocks import Block
 from eigencontact.planning.kernels import PairCoefficients
 from eigencontact.planning.plan import Plan
 from eigencontact.plugin import HasReferencePressure
+from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.contact_area import contact_area
-from eigencontact.solvers.normal import NormalOptions, NormalSolver
+from eigencontact.solvers.normal import NormalSolver
+from eigencontact.solvers.solution import NormalOptions, NormalSolution
 
-__all__ = ["NormalContact", "ReferencePressure", "Separation", "TangentialDisplacement"]
+__all__ = [
+    "NormalContact",
+    "ReferencePressure",
+    "Separation",
+    "TangentialDisplacement",
+    "normal_options",
+    "normal_scalars",
+]
+
+
+def normal_options(numerics: Numerics) -> NormalOptions:
+    """Options of the normal solver from the numerics of a scene."""
+    return NormalOptions(
+        tolerance=numerics.tolerance,
+        max_iterations=numerics.max_iterations,
+        precision=numerics.precision,
+        threads=numerics.threads,
+        periodic=numerics.boundary == "periodic",
+        allow_contact_at_edge=numerics.allow_contact_at_edge,
+    )
+
+
+def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> dict[str, float]:
+    """Numbers of a normal contact, as they are stored."""
+    certificate = solution.report.certificate
+    assert certificate is not None
+    loaded = solution.pressure > 0
+    area = contact_area(loaded, grid, periodic=periodic)
+    return {
+        "normal_load": solution.normal_load,
+        "approach": solution.approach,
+        "tilt_x": solution.tilt_x,
+        "tilt_y": solution.tilt_y,
+        "moment_x": solution.moment_x,
+        "moment_y": solution.moment_y,
+        "contact_area": area,
+        "contact_area_counted": float(np.count_nonzero(loaded)) * grid.cell_area,
+        "contact_radius": float(np.sqrt(area / np.pi)),
+        "max_pressure": float(solution.pressure.max()),
+        "iterations": float(solution.report.iterations),
+        "convolutions": float(solution.report.convolutions),
+        "solve_seconds": solution.report.seconds,
+        "gap_residual": certificate.gap,
+        "penetration_residual": certificate.penetration,
+        "load_residual": certificate.load,
+    }
 
 
 class Separation:
@@ -30,17 +78,8 @@ class NormalContact:
     """Pressure and gap; eigenstrain that lifts or lowers the surfaces changes the gap before any load."""
 
     def __init__(self, plan: Plan, _block: Block) -> None:
-        numerics = plan.scene.numerics
-        options = NormalOptions(
-            tolerance=numerics.tolerance,
-            max_iterations=numerics.max_iterations,
-            precision=numerics.precision,
-            threads=numerics.threads,
-            periodic=numerics.boundary == "periodic",
-            allow_contact_at_edge=numerics.allow_contact_at_edge,
-        )
         coefficients = PairCoefficients(plan.influences["p"], plan.bodies, "z")
-        self._solver = NormalSolver(plan.grid, coefficients, options)
+        self._solver = NormalSolver(plan.grid, coefficients, normal_options(plan.scene.numerics))
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
@@ -53,28 +92,7 @@ class NormalContact:
         state.fields["pressure"] = solution.pressure
         state.fields["gap"] = solution.gap
         state.fields["displacement_z"] = solution.displacement
-        certificate = solution.report.certificate
-        assert certificate is not None
-        loaded = solution.pressure > 0
-        area = contact_area(loaded, self._solver.grid, periodic=self._solver.options.periodic)
-        state.scalars |= {
-            "normal_load": solution.normal_load,
-            "approach": solution.approach,
-            "tilt_x": solution.tilt_x,
-            "tilt_y": solution.tilt_y,
-            "moment_x": solution.moment_x,
-            "moment_y": solution.moment_y,
-            "contact_area": area,
-            "contact_area_counted": float(np.count_nonzero(loaded)) * self._solver.grid.cell_area,
-            "contact_radius": float(np.sqrt(area / np.pi)),
-            "max_pressure": float(solution.pressure.max()),
-            "iterations": float(solution.report.iterations),
-            "convolutions": float(solution.report.convolutions),
-            "solve_seconds": solution.report.seconds,
-            "gap_residual": certificate.gap,
-            "penetration_residual": certificate.penetration,
-            "load_residual": certificate.load,
-        }
+        state.scalars |= normal_scalars(solution, self._solver.grid, periodic=self._solver.options.periodic)
 
 
 class TangentialDisplacement:

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Protocol
 
-from eigencontact.execution.history import LoadPoint, control_at, load_points
+from eigencontact.execution.history import (
+    LoadPoint,
+    control_at,
+    load_points,
+    ramps,
+    start_of_ramp,
+    tangential_control_at,
+)
 from eigencontact.execution.runners import Runner, State, build_runner
 from eigencontact.planning.plan import Plan
 from eigencontact.results.records import StepRecord
@@ -52,13 +59,14 @@ def drive(
         Each newly accepted step.
     """
     done = done or {}
-    points = load_points(plan.scene.steps)
+    steps, friction = ramps(plan.scene), plan.friction is not None
+    points = load_points(steps)
     runners: list[Runner] | None = None
     ramp_start: dict[str, float] = {}
     last: StepRecord | None = None
     for point in points:
-        if point.fraction <= 1.0 / plan.scene.steps[point.ramp].increments and last is not None:
-            ramp_start = dict(last.scalars)
+        if point.fraction <= 1.0 / steps[point.ramp].increments and last is not None:
+            ramp_start = start_of_ramp(last.scalars, steps[point.ramp - 1] if friction else None)
         if point.index in done:
             last = done[point.index]()
             continue
@@ -66,11 +74,13 @@ def drive(
             runners = [build_runner(plan, block) for block in plan.blocks]
         if watcher is not None:
             watcher.step_started(point, len(points))
-        step = plan.scene.steps[point.ramp]
+        step = steps[point.ramp]
         state = State(
             index=point.index,
             time=point.time,
             control=control_at(step, point.fraction, ramp_start) if plan.geometries else None,
+            tangential=tangential_control_at(step, point.fraction, ramp_start) if friction else None,
+            previous=last,
             progress=None if watcher is None else watcher.iterated,
         )
         for runner in runners:

@@ -31,19 +31,28 @@ class ResidualDisplacement:
             number: Sum(plan, [part for part in parts if part.body == number])
             for number in sorted({part.body for part in parts})
         }
+        self._friction = plan.friction is not None
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
-        by_body = {number: total(state.time)[:, 0] for number, total in self._bodies.items()}
-        for row, component in enumerate("xyz"):
-            if component not in self._components:
-                continue
-            values = [(-1.0 if n == 2 and component != "z" else 1.0) * u[row] for n, u in by_body.items()]
-            state.fields[f"residual_displacement_{component}"] = np.sum(values, axis=0)
+        state.fields |= self._at(state.time)
+        if self._friction and state.previous is None:
+            state.initial = self._at(0.0)
         if "z" in self._components:
             sunk = state.fields["residual_displacement_z"]
             state.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
             state.scalars["max_sink"] = max(0.0, float(sunk.max()))
+
+    def _at(self, time: float) -> dict[str, FloatArray]:
+        """Surface fields at one time."""
+        by_body = {number: total(time)[:, 0] for number, total in self._bodies.items()}
+        found = {}
+        for row, component in enumerate("xyz"):
+            if component not in self._components:
+                continue
+            values = [(-1.0 if n == 2 and component != "z" else 1.0) * u[row] for n, u in by_body.items()]
+            found[f"residual_displacement_{component}"] = np.sum(values, axis=0)
+        return found
 
 
 class EigenstrainRegion:

@@ -14,9 +14,10 @@ from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.planning.blocks import Block
 from eigencontact.planning.plan import Plan
 from eigencontact.plugin import StepView
-from eigencontact.results.records import RegionRecord
+from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress
+from eigencontact.solvers.tangential.control import TangentialControl
 
 __all__ = ["Runner", "State", "build_runner"]
 
@@ -33,20 +34,29 @@ class State:
         Number of the step from 1, and its place in the load history: 1 ends the first table of steps.
     control : Control or None
         What is prescribed of the contact; None without one.
+    tangential : TangentialControl or None
+        What is prescribed along the surface; None without friction.
+    previous : StepRecord or None
+        The last accepted step; None in the first.
     fields, scalars, regions, observed
         Results, by name.
     inner : mapping
         Fields of eigenstrain by region and quantity, for the blocks that put a region's results together.
+    initial : mapping
+        Surface fields of eigenstrain before the first step, in the first step of a contact with friction.
     """
 
     index: int
     time: float
     control: Control | None
+    tangential: TangentialControl | None = None
+    previous: StepRecord | None = None
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)
     regions: dict[str, RegionRecord] = field(default_factory=dict)
     observed: dict[str, float] = field(default_factory=dict)
     inner: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    initial: dict[str, FloatArray] = field(default_factory=dict)
     progress: Progress | None = None
 
 
@@ -97,6 +107,7 @@ class Observe:
 _HOMES = {
     "separation": ("contact", "Separation"),
     "normal-contact": ("contact", "NormalContact"),
+    "frictional-contact": ("friction", "FrictionalContactRunner"),
     "tangential-displacement": ("contact", "TangentialDisplacement"),
     "reference-pressure": ("contact", "ReferencePressure"),
     "stress": ("stress", "Stress"),

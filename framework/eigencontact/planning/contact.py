@@ -18,6 +18,7 @@ from eigencontact.planning.kernels import PairCoefficients, installed_influence
 from eigencontact.planning.plan import sum_separations
 from eigencontact.planning.window import ContactEstimate, automatic_grid, estimate_contact
 from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
+from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Scene, Step
 from eigencontact.solvers.control import Control
 
@@ -65,7 +66,8 @@ def plan_contact(
 
 
 def _controls(scene: Scene) -> list[Control]:
-    return [step_control(step) for step in scene.steps]
+    steps = held_steps(scene.steps) if scene.friction is not None else scene.steps
+    return [step_control(step) for step in steps]
 
 
 def step_control(step: Step) -> Control:

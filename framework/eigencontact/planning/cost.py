@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import resource
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import log2
@@ -23,6 +23,7 @@ from eigencontact.plugin import SurfaceInfluence
 
 __all__ = [
     "Speed",
+    "friction_cost",
     "normal_cost",
     "peak_bytes",
     "resident_bytes",
@@ -32,6 +33,10 @@ __all__ = [
     "superposition_cost",
     "timed",
 ]
+
+
+#: Applications of the tangential kernels that one solve takes, and rounds of normal and tangential solves, typically.
+_APPLICATIONS, _ROUNDS = 40, 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +98,41 @@ def normal_cost(
     return Cost(memory=held, seconds_per_step=solve)
 
 
+def friction_cost(
+    shape: tuple[int, int],
+    box: tuple[int, int],
+    pairs: Sequence[tuple[str, str]],
+    *,
+    periodic: bool,
+    precision: str,
+    threads: int | None,
+) -> Cost:
+    """Normal and tangential contact together, by the directions of displacement and traction that have a kernel.
+
+    The counts are those of smooth contacts: `_APPLICATIONS` of the tangential kernels and half as many of their rough
+    inverse per round, and `_ROUNDS` rounds where the pressure feels the shear; rough contacts take about twice as many.
+    """
+    pace = speed(precision, threads)
+    normal = normal_cost(shape, box, periodic=periodic, precision=precision, threads=threads)
+    (ny, nx), (by, bx) = shape, (shape if periodic else box)
+    fy, fx = (by, bx) if periodic else (fast_even(2 * by), fast_even(2 * bx))
+    directions = {j for i, j in pairs if "z" not in (i, j)}
+    count, cross = len(directions), sum((i == "z") != (j == "z") for i, j in pairs)
+    coupled = any(i == "z" and j != "z" for i, j in pairs)
+    rounds = _ROUNDS if coupled else 1
+    one = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
+    one += 1.2e-7 * count * by * bx + 5e-4  # the vectors of the iteration, cell by cell
+    whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx))
+    once = len(pairs) * 3e-7 * (ny + by) * (nx + bx) / 4  # coefficients of the cross terms cost more than those of p
+    solve = rounds * (_APPLICATIONS * one + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step
+    real = 8 if precision == "double" else 4
+    held = 8.0 * ny * nx * (8 + 10 * count) + real * by * bx * 24 * count
+    held += len(pairs) * (real * fy * fx / 2 + 2.0 * (ny + by) * (nx + bx)) + real * (ny + by) * (nx + bx) * count
+    return Cost(
+        memory=normal.memory + held, seconds_once=once, seconds_per_step=normal.seconds_per_step + solve
+    )  # fmt: skip
+
+
 def timed(call: Callable[[], object], laps: int = 3) -> float:
     """Shortest of a few times that a call takes [s]."""
     found = []
@@ -111,7 +151,14 @@ def sampling_seconds(influence: SurfaceInfluence, body: Material) -> float:
 
 
 def stress_cost(
-    layout: Layout, depths: int, sampling: float, *, precision: str, threads: int | None, kernels: int = 6
+    layout: Layout,
+    depths: int,
+    sampling: float,
+    *,
+    precision: str,
+    threads: int | None,
+    kernels: int = 6,
+    tractions: int = 1,
 ) -> Cost:
     """So many components at so many depths: coefficients and spectra once, then one inverse transform each.
 
@@ -121,6 +168,8 @@ def stress_cost(
         From the loaded box to the target points.
     sampling : float
         Time of six coefficients at one lattice point [s].
+    tractions : int
+        Components of traction that cause it, each with coefficients of its own.
     """
     pace, real = speed(precision, threads), (8 if precision == "double" else 4)
     y, x = layout.y, layout.x
@@ -130,9 +179,11 @@ def stress_cost(
     values = outputs * y.targets * x.targets * 8.0
     workers = min(threads or available_threads(), max(1, depths))
     once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 5e-9 + 8e-5)
+    once *= tractions
     share = 0.1 + 0.1 * min(1.0, 2.0 * y.targets / y.length)  # the forward transform serves all outputs
     step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 8e-5 + 1e-8 * values
-    memory = outputs * stored * real + 4.0 * values + workers * lattice * 8.0 * 3 * kernels
+    step += (tractions - 1) * outputs * stored * 4e-9  # products of spectra
+    memory = tractions * outputs * stored * real + 4.0 * values + workers * lattice * 8.0 * 3 * kernels
     return Cost(memory=memory, seconds_once=once, seconds_per_step=step)
 
 

@@ -2,23 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.planning.blocks import Block
-from eigencontact.planning.cost import normal_cost, sampling_seconds, stress_cost, superposition_cost
+from eigencontact.planning.cost import (
+    friction_cost,
+    normal_cost,
+    sampling_seconds,
+    stress_cost,
+    superposition_cost,
+)
+from eigencontact.planning.coupling import Coupling
 from eigencontact.planning.kernels import KernelUse
 from eigencontact.planning.regions import RegionLattice, region_lattice
 from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.schema import Scene, StressRequest
 
-__all__ = ["CONTACT", "ContactDeclaration", "observer_block", "region_block"]
+__all__ = ["CONTACT", "ContactDeclaration", "friction_fields", "observer_block", "region_block"]
 
 #: Surface fields of every contact.
 CONTACT = frozenset({"pressure", "gap", "displacement_z"})
+
+_DIRECTIONS = {"x": "shear q_x", "y": "shear q_y", "z": "pressure p"}
+
+
+def friction_fields(coupling: Coupling | None) -> frozenset[str]:
+    """Surface fields that a contact with friction has besides those of every contact; none without friction."""
+    if coupling is None:
+        return frozenset()
+    vectors = {f"{name}_{c}" for name in ("displacement", "shear", "slip") for c in coupling.components}
+    return frozenset(vectors | {"slip_distance", "dissipated_energy_density", "contact_zone"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,28 +46,33 @@ class ContactDeclaration:
     ----------
     box : (int, int)
         Cells along (y, x) that the contact will occupy, by estimate.
-    influence : SurfaceInfluence
-        Of the pressure.
+    influences : mapping of str to SurfaceInfluence
+        By traction: of the pressure, with friction of the shear too.
     material : Material
         An elastic body, for timing the coefficients.
     strained : tuple of int
         Bodies (1, 2) that have eigenstrain.
+    coupling : Coupling or None
+        What friction models; None without friction.
     """
 
     scene: Scene
     grid: Grid
     box: tuple[int, int]
     geometries: Sequence[Geometry]
-    influence: SurfaceInfluence
+    influences: Mapping[str, SurfaceInfluence]
     material: Material
     strained: tuple[int, ...] = ()
+    coupling: Coupling | None = None
 
     def everything(self) -> tuple[list[Block], dict[str, str]]:
         """Blocks that the contact could use; outputs that are wanted of it, and who asked for each."""
         scene = self.scene
-        blocks = [self._separation(), self._normal()]
+        contact = self._normal() if self.coupling is None else self._frictional(self.coupling)
+        blocks = [self._separation(), contact]
         outputs = dict.fromkeys(sorted(CONTACT), "every run")
-        if scene.output.tangential_displacement:
+        outputs |= dict.fromkeys(sorted(friction_fields(self.coupling)), "every run with friction")
+        if scene.output.tangential_displacement and self.coupling is None:
             blocks.append(self._tangential())
             outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
         alone = len(self.geometries) == 1 and not self._periodic and not self.strained
@@ -83,16 +105,38 @@ class ContactDeclaration:
             requires=frozenset({"separation"} | ({"residual_displacement_z"} if self.strained else set())),
             provides=CONTACT,
             why="pressure, contact area, approach",
-            kernels=(KernelUse("displacement z", "pressure p", self.influence.key, text),),
+            kernels=(KernelUse("displacement z", "pressure p", self.influences["p"].key, text),),
             cost=normal_cost(
                 grid.shape, box, periodic=self._periodic, precision=numerics.precision, threads=numerics.threads
             ),
         )
 
+    def _frictional(self, coupling: Coupling) -> Block:
+        grid, box, numerics = self.grid, self.box, self.scene.numerics
+        needed = {"separation"}
+        if self.strained:
+            needed |= {"residual_displacement_z"}
+            needed |= {f"residual_displacement_{c}" for c in "xy" if coupling.level != "none"}
+        text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
+        keys = dict(zip("zxy", (self.influences[name].key for name in coupling.tractions), strict=False))
+        return Block(
+            name="frictional-contact",
+            runner="frictional-contact",
+            requires=frozenset(needed),
+            provides=CONTACT | friction_fields(coupling),
+            why="pressure and shear with friction, stick and slip",
+            kernels=tuple(KernelUse(f"displacement {i}", _DIRECTIONS[j], keys[j], text) for i, j in coupling.pairs),
+            cost=friction_cost(
+                grid.shape, box, coupling.pairs, periodic=self._periodic, precision=numerics.precision,
+                threads=numerics.threads,
+            ),
+            settings={"coupling": coupling},
+        )  # fmt: skip
+
     def _tangential(self) -> Block:
-        numerics, key = self.scene.numerics, self.influence.key
+        numerics, key = self.scene.numerics, self.influences["p"].key
         layout = Layout(self.grid.shape, self.grid.shape, periodic=self._periodic)
-        sampling = sampling_seconds(self.influence, self.material)
+        sampling = sampling_seconds(self.influences["p"], self.material)
         return Block(
             name="tangential-displacement",
             runner="tangential-displacement",
@@ -114,26 +158,35 @@ class ContactDeclaration:
 
     def _stress(self, request: StressRequest) -> Block:
         lattice = region_lattice(request, self.grid)
-        sampling = sampling_seconds(self.influence, self.material)
+        tractions = ("p",) if self.coupling is None else self.coupling.tractions
+        sampling = sampling_seconds(self.influences["p"], self.material)
         numerics = self.scene.numerics
         if lattice.points is not None:
+            sampling *= len(tractions)
             cost = superposition_cost(len(lattice.points), self.box, sampling, threads=numerics.threads)
             text, count = f"{len(lattice.points)} points, superposed directly", 1
         else:
             layout = self._layout(lattice)
             depths = lattice.depths.size
-            cost = stress_cost(layout, depths, sampling, precision=numerics.precision, threads=numerics.threads)
+            cost = stress_cost(
+                layout, depths, sampling, precision=numerics.precision, threads=numerics.threads,
+                tractions=len(tractions),
+            )  # fmt: skip
             text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
         inner = {f"eigenstrain:{request.label}"} if request.body in self.strained else set()
+        words = {"p": "pressure p", "q_x": "shear q_x", "q_y": "shear q_y"}
         return Block(
             name=f"stress-{request.label}",
             runner="stress",
-            requires=frozenset({"pressure"} | inner),
+            requires=frozenset({"pressure"} | {f"shear_{name[-1]}" for name in tractions if name != "p"} | inner),
             provides=frozenset({f"stress:{request.label}"}),
             why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
-            kernels=(KernelUse("stress (6 components)", "pressure p", self.influence.key, text, count),),
+            kernels=tuple(
+                KernelUse("stress (6 components)", words[name], self.influences[name].key, text, count)
+                for name in tractions
+            ),
             cost=cost,
-            settings={"request": request, "lattice": lattice},
+            settings={"request": request, "lattice": lattice, "tractions": tractions},
         )
 
     def _layout(self, lattice: RegionLattice) -> Layout:

@@ -25,6 +25,7 @@ def explain(plan: Plan) -> str:
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {_numerics(plan)}",
+        *([] if plan.friction is None else [f"friction    {plan.friction}"]),
         f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",
         "",
         *_inclusions(plan),
@@ -119,6 +120,8 @@ def references(plan: Plan) -> tuple[str, ...]:
             "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
             "E. A. H. Vollebregt, J. Tribol. 136 (2014) 041402",
         ]
+    if plan.friction is not None:
+        texts += ["L. Gallego, D. Nélias, S. Deyber, Wear 268 (2010) 208, doi:10.1016/j.wear.2009.07.019"]
     return tuple(dict.fromkeys(texts))
 
 
@@ -136,6 +139,8 @@ def _numerics(plan: Plan) -> str:
     if plan.sources:
         words.append(_SPACES[numerics.half_space])
     words.append(f"{numerics.precision} precision")
+    if plan.friction is not None:
+        words.append(f"coupling {numerics.coupling}")
     return ", ".join([*words, f"tolerance {numerics.tolerance:g}"] if plan.geometries else words)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eigencontact.core.material import Material
+from eigencontact.planning.coupling import Coupling
 from eigencontact.planning.lower_fidelities import PRICE
 from eigencontact.planning.plan import LeftOut
 from eigencontact.planning.sources import Source
@@ -15,13 +16,15 @@ __all__ = ["left_out"]
 Bodies = tuple[Material | None, Material | None]
 
 
-def left_out(scene: Scene, bodies: Bodies, sources: Sequence[Source]) -> list[LeftOut]:
-    """Return what is not modelled, each with the reason."""
-    out = _of_the_contact(bodies) if scene.geometry else [LeftOut("contact", "the scene has no [geometry]")]
+def left_out(
+    scene: Scene, bodies: Bodies, sources: Sequence[Source], coupling: Coupling | None = None
+) -> list[LeftOut]:
+    """Return what is not modelled, each with the reason; `coupling` is that of a contact with friction."""
+    out = _of_the_contact(bodies, coupling) if scene.geometry else [LeftOut("contact", "the scene has no [geometry]")]
     if not scene.stress:
         asked = "no [[stress]] region asks for it"
         out.append(LeftOut("sub-surface stress" if scene.geometry else "fields below the surface", asked))
-    if scene.geometry and not scene.output.tangential_displacement:
+    if scene.geometry and coupling is None and not scene.output.tangential_displacement:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
     if scene.geometry and scene.numerics.boundary == "non-periodic":
         out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
@@ -30,12 +33,12 @@ def left_out(scene: Scene, bodies: Bodies, sources: Sequence[Source]) -> list[Le
     return out
 
 
-def _of_the_contact(bodies: Bodies) -> list[LeftOut]:
-    out = [
-        LeftOut(
-            "shear tractions q_x, q_y and their kernels", "the scene prescribes no tangential load and has no friction"
-        ),
-    ]
+def _of_the_contact(bodies: Bodies, coupling: Coupling | None) -> list[LeftOut]:
+    if coupling is None:
+        why = "the scene prescribes no tangential load and has no friction"
+        out = [LeftOut("shear tractions q_x, q_y and their kernels", why)]
+    else:
+        out = coupling.left_out()
     elastic = [body for body in bodies if body is not None]
     if len(elastic) == 2 and elastic[0] == elastic[1]:
         out.append(

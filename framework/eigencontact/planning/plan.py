@@ -15,7 +15,7 @@ from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import Block, Cost
 from eigencontact.planning.kernels import KernelUse
 from eigencontact.planning.sources import Source
-from eigencontact.plugin import Component, Geometry, Observer, SurfaceInfluence
+from eigencontact.plugin import Component, FrictionLaw, Geometry, Observer, SurfaceInfluence
 from eigencontact.scene.schema import Scene
 
 __all__ = ["LeftOut", "Plan"]
@@ -49,6 +49,8 @@ class Plan:
         Components; without geometries there is no contact.
     sources : tuple of Source
         Regions with eigenstrain.
+    friction : FrictionLaw or None
+        Bound of the shear; None where the contact has no friction.
     groups : list of tuples of Block
         In order; a tuple of more than one block is solved together.
     left_out : sequence of LeftOut
@@ -68,6 +70,7 @@ class Plan:
     sources: tuple[Source, ...]
     groups: list[tuple[Block, ...]]
     left_out: Sequence[LeftOut]
+    friction: FrictionLaw | None = None
 
     @property
     def name(self) -> str:
@@ -81,6 +84,7 @@ class Plan:
         for source in self.sources:
             used += [source.shape] if isinstance(source.shape, Component) else []
             used.append(source.field)
+        used += [] if self.friction is None else [self.friction]
         return used + [observer for _, observer in self.observers]
 
     @property

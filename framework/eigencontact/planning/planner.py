@@ -11,11 +11,13 @@ from eigencontact.core.material import Material
 from eigencontact.errors import PlanError, SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import Block, resolve
+from eigencontact.planning.coupling import Coupling, coupling_of
 from eigencontact.planning.grids import given_grid, grid_around
+from eigencontact.planning.kernels import installed_influence
 from eigencontact.planning.left_out import left_out
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.sources import Source, build_sources, with_lattices
-from eigencontact.plugin import Geometry, SurfaceInfluence
+from eigencontact.plugin import FrictionLaw, Geometry, SurfaceInfluence
 from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Body, Scene
 
@@ -43,6 +45,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     blocks: list[Block] = []
     outputs: dict[str, str] = {}
     influences: dict[str, SurfaceInfluence] = {}
+    coupling: Coupling | None = None
+    friction: FrictionLaw | None = None
     if geometries:
         from eigencontact.planning.contact import plan_contact
         from eigencontact.planning.declare import ContactDeclaration
@@ -52,16 +56,20 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         sources = build_sources(scene, registry, grid)
         strained = tuple(sorted({source.body for source in sources}))
         material = next(body for body in bodies if body is not None)
-        declared = ContactDeclaration(scene, grid, part.box, geometries, part.influence, material, strained)
+        if scene.friction is not None:
+            friction = build_component(registry, "friction-law", scene.friction, "friction")
+            coupling = coupling_of(scene, bodies)
+            influences |= {name: installed_influence(registry, name) for name in coupling.tractions[1:]}
+        declared = ContactDeclaration(scene, grid, part.box, geometries, influences, material, strained, coupling)
         blocks, outputs = declared.everything()
     else:
         sources = build_sources(scene, registry, given_grid(scene.grid))
         grid, reason = _grid_without_contact(scene, sources)
     if sources:
         sources = with_lattices(sources, scene, grid)
-        more, wanted = _eigenstrain(scene, registry, grid, sources, bodies)
+        more, wanted = _eigenstrain(scene, registry, grid, sources, bodies, coupling)
         blocks, outputs = blocks + more, outputs | wanted
-    _observe(scene, blocks, outputs, contact=bool(geometries))
+    _observe(scene, blocks, outputs, coupling, contact=bool(geometries))
     plan = Plan(
         scene=scene,
         registry=registry,
@@ -73,7 +81,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         influences=influences,
         sources=sources,
         groups=resolve(blocks, outputs),
-        left_out=left_out(scene, bodies, sources),
+        left_out=left_out(scene, bodies, sources, coupling),
+        friction=friction,
     )
     _check_memory(plan)
     return plan
@@ -101,7 +110,12 @@ def _grid_without_contact(scene: Scene, sources: Sequence[Source]) -> tuple[Grid
 
 
 def _eigenstrain(
-    scene: Scene, registry: Registry, grid: Grid, sources: tuple[Source, ...], bodies: Bodies
+    scene: Scene,
+    registry: Registry,
+    grid: Grid,
+    sources: tuple[Source, ...],
+    bodies: Bodies,
+    coupling: Coupling | None,
 ) -> tuple[list[Block], dict[str, str]]:
     """Blocks of the eigenstrain, and what is wanted of them beside what the contact wants."""
     from eigencontact.planning.declare import region_block
@@ -113,7 +127,8 @@ def _eigenstrain(
 
         cell = installed_cell(registry)((0.0, 0.0, 0.5), (1.0, 1.0, 1.0))
     declaration = EigenstrainDeclaration(scene, grid, sources, bodies, cell)
-    components = "xyz" if not scene.geometry or scene.output.tangential_displacement else "z"
+    dragged = coupling is not None and coupling.level != "none"
+    components = "xyz" if not scene.geometry or scene.output.tangential_displacement or dragged else "z"
     blocks = [declaration.surface(components)]
     outputs = {f"residual_displacement_{c}": "every scene with eigenstrain" for c in components}
     for request in scene.stress:
@@ -132,12 +147,14 @@ def _eigenstrain(
     return blocks, outputs
 
 
-def _observe(scene: Scene, blocks: list[Block], outputs: dict[str, str], *, contact: bool) -> None:
+def _observe(
+    scene: Scene, blocks: list[Block], outputs: dict[str, str], coupling: Coupling | None, *, contact: bool
+) -> None:
     """Add the observers, who see the surface fields that every run of this scene has."""
-    from eigencontact.planning.declare import CONTACT, observer_block
+    from eigencontact.planning.declare import CONTACT, friction_fields, observer_block
 
     residual = {name for name in outputs if name.startswith("residual_displacement_")}
-    seen = frozenset(residual | (CONTACT if contact else set()))
+    seen = frozenset(residual | (CONTACT | friction_fields(coupling) if contact else set()))
     for number, table in enumerate(scene.observers):
         blocks.append(observer_block(number, str(table["type"]), seen))
         outputs[f"observed:{number}"] = f"[[observers]] {table['type']!r}"

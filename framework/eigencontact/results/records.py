@@ -60,7 +60,8 @@ class StepRecord:
         ``contact_area``, ``contact_area_counted`` [m^2], ``contact_radius`` [m], ``max_pressure`` [Pa],
         ``iterations``, ``convolutions``, ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-],
         ``load_residual`` [-] of a contact; with stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m]; with
-        eigenstrain ``max_uplift`` and ``max_sink`` [m] of the surface.
+        eigenstrain ``max_uplift`` and ``max_sink`` [m] of the surface; with friction the loads, motions, zones and
+        residuals along the surface (`eigencontact.results.layout.SCALARS`).
     fields : mapping of str to (ny, nx) array
         Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
         ``reference_pressure`` where the geometry has a closed form for this step.

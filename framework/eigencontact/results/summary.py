@@ -29,12 +29,27 @@ _LAST = (
     "max_von_mises_depth",
     "max_uplift",
     "max_sink",
+    "tangential_load_x",
+    "tangential_load_y",
+    "tangential_load",
+    "shift_x",
+    "shift_y",
+    "shift",
+    "torsion_moment",
+    "twist",
+    "stick_radius",
+    "slip_fraction",
+    "dissipated_energy",
     "gap_residual",
     "penetration_residual",
     "load_residual",
+    "bound_residual",
+    "stick_residual",
+    "alignment_residual",
+    "coupling_residual",
 )
 #: Scalars that are summed over all steps.
-_SUMMED = ("iterations", "convolutions", "solve_seconds")
+_SUMMED = ("iterations", "convolutions", "tangential_convolutions", "solve_seconds")
 
 
 def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mapping[str, Any]) -> Path:
@@ -48,7 +63,7 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
         What holds for all steps.
     record : StepRecord
         The last accepted step: loads, contact and residuals at the top level are those of this step;
-        ``iterations``, ``convolutions`` and ``solve_seconds`` are sums over all steps.
+        ``iterations``, ``convolutions``, ``tangential_convolutions`` and ``solve_seconds`` are sums over all steps.
     extra : mapping
         More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``files`` (names relative
         to the folder; what ``--overwrite`` later may remove).
@@ -78,7 +93,7 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
     for name in _SUMMED:
         spent = [value for row in history if (value := row.get(name)) is not None]
         summary[name] = math.fsum(spent) if spent else None
-    summary |= {name: int(summary[name]) for name in ("iterations", "convolutions") if _finite(summary[name])}
+    summary |= {name: int(summary[name]) for name in _SUMMED[:3] if _finite(summary[name])}
     summary |= {
         "peak_memory_bytes": None,
         "contact_modulus": info.contact_modulus,

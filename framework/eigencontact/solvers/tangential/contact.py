@@ -193,7 +193,7 @@ class FrictionalContact:
             counts[1] += found.report.convolutions
             if self._by_shear is None:
                 break
-            image = self._lift(shear)
+            image = self.lift(shear)
             change = self._change(image - lift, normal)
             if progress is not None:
                 progress("normal and tangential", change, self.options.tolerance)
@@ -233,9 +233,10 @@ class FrictionalContact:
             return total
         return total + self._everywhere(self._by_pressure, pressure[None])
 
-    def _lift(self, shear: FloatArray) -> FloatArray:
-        """Normal displacement by the shear."""
-        assert self._by_shear is not None
+    def lift(self, shear: FloatArray) -> FloatArray:
+        """Normal displacement by a shear ``(k, ny, nx)`` [m], both bodies summed; zero where the coupling has none."""
+        if self._by_shear is None:
+            return np.zeros(self.grid.shape)
         return np.asarray(self._everywhere(self._by_shear, shear)[0])
 
     def _everywhere(self, operator: MatrixOperator, tractions: FloatArray) -> FloatArray:

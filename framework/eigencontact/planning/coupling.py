@@ -1,0 +1,97 @@
+"""Which directions of traction and displacement a scene with friction models, and which kernels join them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from eigencontact.core.material import Material, dundurs_constant
+from eigencontact.planning.plan import LeftOut
+from eigencontact.scene.schema import Scene
+from eigencontact.solvers.tangential.compliance import Pair
+
+__all__ = ["Coupling", "coupling_of"]
+
+Bodies = tuple[Material | None, Material | None]
+
+#: Dundurs constants below this are zero: constants given with round-off.
+_ROUND_OFF = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Coupling:
+    """Directions and kernels of a contact with friction.
+
+    Attributes
+    ----------
+    level : str
+        ``numerics.coupling`` of the scene.
+    components : str
+        Directions in which there may be shear, of ``"xy"``.
+    pairs : tuple of (str, str)
+        Directions of displacement and of traction that have a kernel.
+    alike : bool
+        Whether normal and tangential contact have nothing to do with each other, because both bodies move alike under
+        either traction (Dundurs' constant β is zero).
+    """
+
+    level: str
+    components: str
+    pairs: tuple[Pair, ...]
+    alike: bool
+
+    @property
+    def tractions(self) -> tuple[str, ...]:
+        """Names of the traction components, as the influence plugins name them."""
+        return ("p", *(f"q_{c}" for c in self.components))
+
+    def left_out(self) -> list[LeftOut]:
+        """What this coupling leaves out of the physics, and why."""
+        why = f'numerics.coupling = "{self.level}"'
+        unused = f"{why}, and no step prescribes a load or shift there"
+        out = [LeftOut(f"shear and displacement along {c}", unused) for c in "xy" if c not in self.components]
+        if self.level == "none" and len(self.components) > 1:
+            out.append(LeftOut("displacement along y by shear along x, and along x by shear along y", why))
+        if self.alike:
+            out.append(
+                LeftOut(
+                    "displacement along the surface by pressure, and along its normal by shear",
+                    "both bodies move alike (Dundurs' constant is 0): they vanish, and coupling "
+                    '"full" and "one-way" are "partial"',
+                )
+            )
+            return out
+        if self.level in ("none", "partial"):
+            out.append(LeftOut("displacement along the surface by pressure", f"{why}: loads along z cause no slip"))
+        if self.level != "full":
+            goodman = ": the pressure ignores the shear (Goodman's approximation)" if self.level == "one-way" else ""
+            out.append(LeftOut("displacement along the normal by shear", why + goodman))
+        return out
+
+
+def coupling_of(scene: Scene, bodies: Bodies) -> Coupling:
+    """Coupling of a scene with friction."""
+    level = scene.numerics.coupling
+    alike = abs(dundurs_constant(*bodies)) < _ROUND_OFF
+    components = _components(scene) if level == "none" else "xy"
+    pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
+    if level != "none":
+        pairs += [("x", "y"), ("y", "x")]
+    if level in ("one-way", "full") and not alike:
+        pairs += [(c, "z") for c in components]
+    if level == "full" and not alike:
+        pairs += [("z", c) for c in components]
+    return Coupling(level=level, components=components, pairs=tuple(pairs), alike=alike)
+
+
+def _components(scene: Scene) -> str:
+    """Directions that some step pulls along; without any, x alone stands for the shear that stays zero."""
+    if scene.output.tangential_displacement:
+        return "xy"
+    names = {"x": ("tangential_load_x", "shift_x"), "y": ("tangential_load_y", "shift_y")}
+    turned = any(_given(scene, name) for name in ("torsion_moment", "twist"))
+    found = "".join(c for c in "xy" if turned or any(_given(scene, name) for name in names[c]))
+    return found or "x"
+
+
+def _given(scene: Scene, name: str) -> bool:
+    return any(getattr(step, name) is not None for step in scene.steps)
