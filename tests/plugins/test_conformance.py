@@ -1,4 +1,4 @@
-"""Bundled inclusion shapes and eigenstrain fields pass the kit that a stranger's must pass."""
+"""Bundled shapes, eigenstrain fields, geometries and friction laws pass the kit that a stranger's must pass."""
 
 from pathlib import Path
 
@@ -63,4 +63,26 @@ GEOMETRIES = [
 
 @parametrize_with_checks(GEOMETRIES)
 def test_geometries_conform(component, check):
+    check(component)
+
+
+def law(key, **parameters):
+    return ec.make(key, kind="friction-law", **parameters)
+
+
+LAWS = [
+    law("coulomb", coefficient=0.3),
+    law("coulomb", coefficient=5.0),
+    law("shear-cap", coefficient=0.3, cap="200 MPa"),
+    law("coulomb-map", coefficient=0.2, regions=[{"radius": 1e-6, "coefficient": 0.6}]),
+    law(
+        "coulomb-map",
+        coefficient=0.2,
+        regions=[{"center": (1e-6, 0.0), "size": (1e-6, 2e-6), "angle": 0.3, "coefficient": 0.0}],
+    ),
+]
+
+
+@parametrize_with_checks(LAWS)
+def test_friction_laws_conform(component, check):
     check(component)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.plugin import EigenstrainField, Geometry, InclusionShape, Length, require
+from eigencontact.plugin import EigenstrainField, FrictionLaw, Geometry, InclusionShape, Length, require
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from eigencontact_verification.conformance import ConformanceError, checks_for, parametrize_with_checks
 
@@ -385,6 +385,54 @@ class BowlWithAHole(Bowl):
 
     def separation(self, x, y):
         return np.where(x > 0, np.inf, super().separation(x, y))
+
+
+@plant("check_shear_bound")
+@dataclass(frozen=True, kw_only=True)
+class OneNumber(FrictionLaw):
+    key: ClassVar[str] = "one-number"
+
+    def shear_bound(self, state):
+        return state.pressure.max()
+
+
+@plant("check_shear_bound")
+@dataclass(frozen=True, kw_only=True)
+class UnboundedAtRest(FrictionLaw):
+    key: ClassVar[str] = "unbounded"
+
+    def shear_bound(self, state):
+        return np.where(state.slip_distance > 0, state.pressure, np.inf)
+
+
+@plant("check_shear_bound")
+@dataclass(frozen=True, kw_only=True)
+class Pulling(FrictionLaw):
+    key: ClassVar[str] = "pulling"
+
+    def shear_bound(self, state):
+        return 0.1 * (state.pressure - 1e5)
+
+
+@plant("check_shear_bound_pure")
+@dataclass(frozen=True, kw_only=True)
+class Remembering(FrictionLaw):
+    key: ClassVar[str] = "remembering"
+
+    def shear_bound(self, state):
+        held = self.__dict__.get("highest", 0.0)
+        object.__setattr__(self, "highest", max(held, state.pressure.max()))
+        return np.full(state.pressure.shape, self.highest)
+
+
+@plant("check_shear_bound_pure")
+@dataclass(frozen=True, kw_only=True)
+class BoundThatWrites(FrictionLaw):
+    key: ClassVar[str] = "writing"
+
+    def shear_bound(self, state):
+        state.pressure[...] *= 0.5
+        return state.pressure
 
 
 @pytest.mark.parametrize("name", FAULTS)
