@@ -1,8 +1,8 @@
-"""Runner of a stress region under a contact; the stress of eigenstrain adds to that of the pressure."""
+"""Runner of a stress region under a contact: stress of pressure and shear; that of eigenstrain adds to it."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,11 @@ FloatArray = NDArray[np.float64]
 
 
 class Stress:
-    """One region; the spectra are kept as long as the contact stays in the box that they were made for."""
+    """One region; the spectra are kept as long as the contact stays in the box that they were made for.
+
+    Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
+    stress is that of body 1 under those.
+    """
 
     def __init__(self, plan: Plan, block: Block) -> None:
         request, lattice = block.settings["request"], block.settings["lattice"]
@@ -31,34 +35,38 @@ class Stress:
         self._request, self._lattice, self._grid = request, lattice, plan.grid
         body = plan.bodies[request.body - 1]
         assert body is not None
-        self._kernel = StressCoefficients(plan.influences["p"], body)
+        tractions = cast("tuple[str, ...]", block.settings["tractions"])
+        self._body = body
+        self._kernels = [StressCoefficients(plan.influences[name], body) for name in tractions]
+        sign = 1.0 if request.body == 1 else -1.0
+        self._shear = [(f"shear_{name[-1]}", sign) for name in tractions if name != "p"]
         self._numerics = plan.scene.numerics
         self._operator: Any = None
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
-        pressure = state.fields["pressure"]
+        tractions = [state.fields["pressure"], *(sign * state.fields[name] for name, sign in self._shear)]
         request, lattice = self._request, self._lattice
-        stress = self._at_points(pressure) if lattice.points is not None else self._on_lattice(pressure)
+        stress = self._at_points(tractions) if lattice.points is not None else self._on_lattice(tractions)
         fields = {"stress": stress}
         if "strain" in request.fields:
-            fields["strain"] = strain_from_stress(stress, self._kernel.body)
+            fields["strain"] = strain_from_stress(stress, self._body)
         for name, values in state.inner.get(request.label, {}).items():
             fields[name] = fields[name] + values
         store_region(state, request, lattice, fields)
 
-    def _at_points(self, pressure: FloatArray) -> FloatArray:
+    def _at_points(self, tractions: list[FloatArray]) -> FloatArray:
         from eigencontact.solvers.subsurface import stress_at_points
 
         assert self._lattice.points is not None
         points, threads = self._lattice.points, self._numerics.threads
-        return stress_at_points(self._grid, [self._kernel], [pressure], points, threads=threads)
+        return stress_at_points(self._grid, self._kernels, tractions, points, threads=threads)
 
-    def _on_lattice(self, pressure: FloatArray) -> FloatArray:
+    def _on_lattice(self, tractions: list[FloatArray]) -> FloatArray:
         from eigencontact.solvers.subsurface import SubsurfaceStress
 
         lattice, numerics = self._lattice, self._numerics
-        box = Box.around(pressure > 0)
+        box = Box.around(tractions[0] > 0)
         if box is None:
             return np.zeros((6, *lattice.shape))
         if self._operator is None or not self._operator.covers(box):
@@ -66,7 +74,7 @@ class Stress:
             self._operator = None  # its memory goes before the next is made
             self._operator = SubsurfaceStress(
                 self._grid,
-                [self._kernel],
+                self._kernels,
                 source=box.grown(margin, margin, self._grid.shape),
                 target=lattice.target,
                 origin=lattice.origin,
@@ -75,4 +83,4 @@ class Stress:
                 precision=numerics.precision,
                 threads=numerics.threads,
             )
-        return np.asarray(self._operator.apply([pressure]), dtype=float)
+        return np.asarray(self._operator.apply(tractions), dtype=float)
