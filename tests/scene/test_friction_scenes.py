@@ -165,7 +165,7 @@ REFUSED = {
     "a number for a law": ({"friction": 0.3}, "friction must be a table (got 0.3)"),
     "load without friction": (
         {"friction": None, "steps": PULLED[0] | PULLED[1]},
-        "steps must not prescribe tangential-load-x without friction (got a frictionless contact, which carries no shear",
+        "steps must not prescribe tangential-load-x without friction (got a frictionless contact, which carries no sh",
     ),
     "twist without friction": (
         {"friction": None, "steps": [PRESSED, PRESSED | {"twist": 0.1}]},
