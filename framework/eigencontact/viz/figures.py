@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
+from eigencontact.viz.friction_history import fretting_loops, zone_strip
+from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import load_history
 from eigencontact.viz.residual import displacement_profiles, uplift_map
 from eigencontact.viz.section import drawable, stress_profile, stress_section
@@ -17,7 +20,14 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    Picture = tuple[str, str, Callable[[], Figure]]
+
 __all__ = ["draw_all"]
+
+#: Fewer steps than this are no loop.
+LOOP_STEPS = 3
+#: A load that changes by no more than this part of it is constant.
+CONSTANT = 1e-6
 
 
 def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str]:
@@ -42,7 +52,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
     ResultsError
         When a picture cannot be stored.
     """
-    wanted: list[tuple[str, str, Callable[[], Figure]]] = []
+    wanted: list[Picture] = []
     if "pressure" in dataset:
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
         wanted += [
@@ -73,7 +83,9 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
         else:
             sentence = f"Stresses along the line {region!r}."
             wanted.append((f"{region}.png", sentence, lambda region=region: stress_profile(dataset, region, step)))  # type: ignore[misc]
-    if dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars):
+    wanted += _friction(dataset, step)
+    several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
+    if several and not ("contact_zone" in dataset and _constant(dataset, "normal_load")):
         sentence = "Normal load against approach, and contact area against normal load."
         wanted.append(("history.png", sentence, lambda: load_history(dataset)))
     described = {}
@@ -81,3 +93,40 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
         save(draw(), folder / name)
         described[name] = sentence
     return described
+
+
+def _friction(dataset: xr.Dataset, step: int) -> list[Picture]:
+    """Pictures of a run with friction: of one step, and from three steps on of the history."""
+    if "contact_zone" not in dataset:
+        return []
+    beside = ""
+    if any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy"):
+        beside = " beside the closed form"
+    wanted: list[Picture] = [
+        ("shear.png", "Shear traction as arrows over stick and slip.", lambda: shear_map(dataset, step)),
+        (
+            "shear-profiles.png",
+            f"Shear traction along x and y{beside}, and the bound of friction.",
+            lambda: shear_profiles(dataset, step),
+        ),
+    ]
+    if float(dataset["dissipated_energy_density"][step].max()) > 0:
+        wanted.append(("dissipation.png", "Work of friction for each area.", lambda: dissipation_map(dataset, step)))
+    if dataset.sizes["step"] < LOOP_STEPS:
+        return wanted
+    if driven(dataset):
+        sentence = "Tangential load against shift (moment against twist), with the work of friction."
+        wanted.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
+    sentence = "Stick and slip on a line through the contact, step by step."
+    wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
+    return wanted
+
+
+def _holds(dataset: xr.Dataset, name: str, step: int) -> bool:
+    """Whether a closed form is stored and holds at this step."""
+    return name in dataset and bool(dataset[name][step].notnull().all())
+
+
+def _constant(dataset: xr.Dataset, name: str) -> bool:
+    values = dataset[name].values
+    return float(values.max() - values.min()) <= CONSTANT * float(abs(values).max())

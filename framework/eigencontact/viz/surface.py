@@ -6,29 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.core.grid import Box
-from eigencontact.viz.style import (
-    COLOURS,
-    box_size,
-    colour_range,
-    heading,
-    label_plane,
-    new_figure,
-    paper_style,
-    place,
-    scale_for,
-)
+from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, place, scale_for
+from eigencontact.viz.window import cell_edges, contact_window, masked_map, middle, view_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
 __all__ = ["pressure_map", "pressure_profiles", "relative_difference"]
 
-#: Room around the contact in a picture, as a part of the larger side of the contact.
-MARGIN = 0.25
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
 
@@ -48,45 +35,16 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     matplotlib.figure.Figure
         Cells without pressure are grey; the outline of the contact is drawn where it is not ragged.
     """
-    pressure, x, y = _surface(dataset, step)
-    view = _view(pressure)
-    edges_x, edges_y = _edges(x, dataset, 0), _edges(y, dataset, 1)
-    extent = (edges_x[view.x0], edges_x[view.x1], edges_y[view.y0], edges_y[view.y1])
-    length = scale_for(extent, "m")
-    width, height = box_size(extent[1] - extent[0], extent[3] - extent[2])
-    with paper_style():
-        wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
-        axes = figure.add_subplot()
-        shown = pressure[view.slices]
-        stress = scale_for(shown, "Pa")
-        colours, low, high = colour_range(shown)
-        masked = np.ma.masked_where(shown == 0, stress(shown))
-        axes.set_facecolor("0.93")
-        image = axes.imshow(
-            masked,
-            origin="lower",
-            extent=tuple(length(extent)),
-            cmap=colours,
-            vmin=low * stress.factor,
-            vmax=high * stress.factor,
-        )
-        label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
-        axes.set_title(heading(dataset, step, "Contact pressure"))
-        if np.any(shown):
-            _outline(axes, shown != 0, length(edges_x[view.x0 : view.x1 + 1]), length(edges_y[view.y0 : view.y1 + 1]))
-            bar = figure.colorbar(
-                image,
-                ax=axes,
-                location="bottom" if wide else "right",
-                shrink=0.6 if wide else 1.0,
-                aspect=30 if wide else 22,
-                pad=0.03,
-            )
-            bar.set_label(f"Pressure [{stress.unit}]")
-        else:
-            axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color="0.4")
-    return figure
+    pressure, _, _ = _surface(dataset, step)
+    return masked_map(
+        contact_window(dataset, pressure != 0),
+        pressure,
+        unit="Pa",
+        label="Pressure",
+        title=heading(dataset, step, "Contact pressure"),
+        outline=pressure != 0,
+        empty="no contact",
+    )
 
 
 def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
@@ -112,12 +70,12 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     if "reference_pressure" in dataset:
         reference = np.asarray(dataset["reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
-    row, column = _middle(pressure)
-    view = _view(pressure if reference is None else np.abs(pressure) + np.abs(reference))
+    row, column = middle(pressure)
+    view = view_of((pressure if reference is None else np.abs(pressure) + np.abs(reference)) != 0)
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
     lines: list[tuple[str, str, NDArray[Any], NDArray[Any], tuple[Any, Any]]] = [
-        ("x", place("y", y[row]), x, _edges(x, dataset, 0), (row, slice(view.x0, view.x1))),
-        ("y", place("x", x[column]), y, _edges(y, dataset, 1), (slice(view.y0, view.y1), column)),
+        ("x", place("y", y[row]), x, cell_edges(x, dataset, 0), (row, slice(view.x0, view.x1))),
+        ("y", place("x", x[column]), y, cell_edges(y, dataset, 1), (slice(view.y0, view.y1), column)),
     ]
     lines = [line for line in lines if line[2].size > 1] or lines[:1]
     with paper_style():
@@ -185,45 +143,3 @@ def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None) ->
 
 def _surface(dataset: xr.Dataset, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     return tuple(np.asarray(v.values, dtype=float) for v in (dataset["pressure"][step], dataset["x"], dataset["y"]))  # type: ignore[return-value]
-
-
-def _edges(centres: NDArray[Any], dataset: xr.Dataset, axis: int) -> NDArray[Any]:
-    """Edges of the cells along one axis [m]."""
-    cell = float(np.atleast_1d(dataset.attrs["cell_size"])[axis])
-    return np.append(centres - 0.5 * cell, centres[-1] + 0.5 * cell)
-
-
-def _view(pressure: NDArray[Any]) -> Box:
-    """Cells to show: the contact and room around it, all cells where there is no contact."""
-    found = Box.around(pressure != 0)
-    rows, columns = pressure.shape
-    if found is None:
-        return Box(0, rows, 0, columns)
-    margins = [max(2, round(MARGIN * side)) for side in found.shape]
-    return found.grown(margins[0], margins[1], (rows, columns))
-
-
-def _middle(pressure: NDArray[Any]) -> tuple[int, int]:
-    """Row and column of the profiles."""
-    tolerance = 1e-6 * float(np.abs(pressure).max())
-    if all(np.allclose(pressure, np.flip(pressure, axis), rtol=0, atol=tolerance) for axis in (0, 1)):
-        return pressure.shape[0] // 2, pressure.shape[1] // 2
-    row, column = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
-    return int(row), int(column)
-
-
-def _outline(axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -> None:
-    """Line along the cell edges around the contact (`x`, `y`: edges of the cells), unless it is ragged."""
-    from matplotlib.collections import LineCollection
-
-    box = Box.around(contact)
-    rows, columns = np.nonzero(contact[1:] != contact[:-1])
-    level = np.stack([np.stack([x[columns + n], y[rows + 1]], axis=-1) for n in (0, 1)], axis=1)
-    rows, columns = np.nonzero(contact[:, 1:] != contact[:, :-1])
-    upright = np.stack([np.stack([x[columns + 1], y[rows + n]], axis=-1) for n in (0, 1)], axis=1)
-    # The outline of one convex patch is as long as that of the box around it.
-    if box is None or len(level) + len(upright) > 3 * sum(box.shape):
-        return
-    axes.add_collection(
-        LineCollection([*level, *upright], colors="0.15", linewidths=0.8, capstyle="projecting"), autolim=False
-    )

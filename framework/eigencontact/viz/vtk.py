@@ -33,6 +33,10 @@ VTK_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 _REORDER = [COMPONENTS.index(name) for name in VTK_COMPONENTS]
 #: Names that VTK shows beside the components, in the same order.
 _VTK_NAMES = tuple(name.upper() for name in VTK_COMPONENTS)
+#: Surface vectors, stored by their components, that VTK gets as vectors too; a component that a run leaves out is 0.
+_VECTORS = ("residual_displacement", "displacement", "shear", "slip")
+#: Those of them that lie in the surface.
+_IN_PLANE = ("shear", "slip")
 
 
 def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
@@ -93,9 +97,13 @@ def _surface(dataset: xr.Dataset, at: int) -> Any:
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("role") == "field":
             mesh.cell_data[str(name)] = np.ascontiguousarray(variable[at].values).ravel()
-    parts = [f"residual_displacement_{axis}" for axis in "xyz"]
-    if all(part in mesh.cell_data for part in parts):
-        mesh.cell_data["residual_displacement"] = np.column_stack([mesh.cell_data[part] for part in parts])
+    for vector in _VECTORS:
+        parts = [f"{vector}_{axis}" for axis in "xyz"]
+        plane = [mesh.cell_data[part] for part in parts[:2] if part in mesh.cell_data]
+        if plane and (vector in _IN_PLANE or parts[2] in mesh.cell_data):
+            zero = np.zeros(mesh.n_cells)
+            rows = [mesh.cell_data.get(part, zero) for part in parts]
+            mesh.cell_data[vector] = np.column_stack(rows)
     return mesh
 
 

@@ -1,0 +1,267 @@
+"""Pictures of one step of a contact with friction: shear over stick and slip, work of friction, profiles of shear."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.grid import Box
+from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES, friction_heading
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
+from eigencontact.viz.window import cell_edges, contact_window, is_ragged, masked_map, middle, view_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+__all__ = ["dissipation_map", "shear_map", "shear_profiles"]
+
+#: Arrows across the longer side of the contact, about.
+ARROWS = 17
+#: With more cells than this along a profile, only some carry a marker.
+MARKERS = 64
+#: Components below this part of the largest shear on the lines are not drawn.
+_NEGLIGIBLE = 0.05
+#: Pressures that differ less than this from their mirror image have profiles through the middle.
+_SYMMETRIC = 0.05
+
+
+def shear_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Shear traction on body 1 as arrows over the map of stick and slip.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run with friction.
+    step : int
+        Position along ``step``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell.
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    zone = np.rint(_field(dataset, "contact_zone", step)).astype(int)
+    window = contact_window(dataset, zone > 0)
+    shown = zone[window.view.slices]
+    with paper_style():
+        figure, axes, wide = window.axes_of_map()
+        axes.imshow(
+            shown,
+            origin="lower",
+            extent=window.extent,
+            cmap=ListedColormap(ZONE_COLOURS),
+            norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3),
+        )
+        window.label(axes)
+        window.outline(axes, shown > 0)
+        if np.any(shown):
+            key = _arrows(axes, dataset, step, zone, window)
+            counts = [np.count_nonzero(shown == value) / np.count_nonzero(shown) for value in (2, 1)]
+            words = [f"{ZONES[value]}, {100 * part:.3g} %" for value, part in zip((2, 1), counts, strict=True)]
+            patches = [
+                Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=word)
+                for value, word in zip((2, 1), words, strict=True)
+            ]
+            where = "outside lower center" if wide else "outside right center"
+            figure.legend(handles=[*patches, *key], loc=where, ncols=3 if wide else 1, handlelength=2.2)
+        else:
+            axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color="0.4")
+        axes.set_title(friction_heading(dataset, step, "Shear traction"))
+    return figure
+
+
+def _arrows(axes: Axes, dataset: xr.Dataset, step: int, zone: NDArray[Any], window: Any) -> list[Any]:
+    """Arrows on some cells; an entry for the legend that says what the longest of all cells stands for."""
+    from matplotlib.lines import Line2D
+
+    box = Box.around(zone > 0)
+    assert box is not None
+    rows, columns = (_thinned(low, side, max(box.shape)) for low, side in zip((box.y0, box.x0), box.shape, strict=True))
+    q = [_field(dataset, f"shear_{axis}", step) for axis in "xy"]
+    size = np.hypot(*q)
+    x, y = (window.length(np.asarray(dataset[axis].values, dtype=float)) for axis in "xy")
+    row, column = (index.ravel() for index in np.meshgrid(rows, columns, indexing="ij"))
+    if is_ragged(zone > 0):
+        row, column = _nearest_loaded(zone > 0, row, column, rows[1] - rows[0] if len(rows) > 1 else 1)
+    longest = float(size[row, column].max(initial=0.0))
+    kept = size[row, column] > 1e-2 * longest
+    row, column = row[kept], column[kept]
+    if longest == 0:
+        return []
+    steps = [abs(at[index[1]] - at[index[0]]) for at, index in ((x, columns), (y, rows)) if len(index) > 1]
+    reach = 0.95 * min(steps) if steps else 0.5 * float(np.ptp(window.extent[:2]))
+    axes.quiver(
+        x[column], y[row], *(part[row, column] / longest * reach for part in q),
+        angles="xy", scale_units="xy", scale=1.0, pivot="middle", color="0.1", width=0.0042, headwidth=3.6,
+        headlength=4.2, headaxislength=3.8, minlength=0.4, zorder=4,
+    )  # fmt: skip
+    word = f"longest arrow: {scale_for([longest], 'Pa').text(longest)}"
+    return [Line2D([], [], color="0.1", marker=r"$\rightarrow$", linestyle="", markersize=11, label=word)]
+
+
+def _thinned(low: int, side: int, longest: int) -> NDArray[np.int_]:
+    """Evenly spaced cells of one side of the contact, the same room left at both of its ends where that is possible."""
+    every = max(1, round(longest / ARROWS))
+    return np.arange(low + ((side - 1) % every) // 2, low + side, every)
+
+
+def _nearest_loaded(
+    loaded: NDArray[np.bool_], row: NDArray[Any], column: NDArray[Any], every: int
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Loaded cells nearest to the given ones, those within half the distance between the given ones."""
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(~loaded, return_distances=False, return_indices=True)
+    at = nearest[:, row, column]
+    close = np.max(np.abs(at - np.stack([row, column])), axis=0) <= every // 2
+    found = np.unique(at[:, close], axis=1)
+    return found[0], found[1]
+
+
+def dissipation_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Work of friction for each area up to a step, with the outline of the contact of that step.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run with friction.
+    step : int
+        Position along ``step``.
+    """
+    density = _field(dataset, "dissipated_energy_density", step)
+    density = np.where(density > 1e-6 * density.max(), density, 0.0)  # what the solver's error leaves is not work
+    contact = _field(dataset, "contact_zone", step) > 0.5
+    title = friction_heading(dataset, step, "Work of friction so far")
+    if "dissipated_energy" in dataset:
+        spent = float(dataset["dissipated_energy"][step])
+        title += f"\n{scale_for([spent], 'J').text(spent)} in all"
+    return masked_map(
+        contact_window(dataset, contact | (density > 0)),
+        density,
+        unit="J/m2",
+        label="Dissipated energy",
+        title=title,
+        outline=contact,
+        empty="no slip",
+    )
+
+
+def shear_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Shear traction of one step along x and along y, between the bounds that the friction law sets.
+
+    The lines pass through the middle of the contact, or through the cell of largest pressure where the pressure is not
+    symmetric. Components that are small on both lines are left out.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run with friction; ``shear_bound`` and the closed form ``reference_shear_x``,
+        ``reference_shear_y`` are drawn where they are stored.
+    step : int
+        Position along ``step``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel along x, one along y; the stick zone on the line is tinted.
+    """
+    pressure, zone = (_field(dataset, name, step) for name in ("pressure", "contact_zone"))
+    bound = _optional(dataset, "shear_bound", step)
+    row, column = middle(pressure, _SYMMETRIC)
+    view = view_of(zone > 0.5)
+    lines: list[tuple[str, str, tuple[Any, Any]]] = [
+        ("x", place("y", float(dataset["y"][row])), (row, slice(view.x0, view.x1))),
+        ("y", place("x", float(dataset["x"][column])), (slice(view.y0, view.y1), column)),
+    ]
+    lines = [line for line in lines if dataset.sizes[line[0]] > 1] or lines[:1]
+    shear = {axis: _field(dataset, f"shear_{axis}", step) for axis in "xy"}
+    sizes = {axis: max(float(np.abs(values[where]).max()) for *_, where in lines) for axis, values in shear.items()}
+    references = {axis: _optional(dataset, f"reference_shear_{axis}", step) for axis in "xy"}
+    limit = 0.0 if bound is None else max(float(bound[where].max()) for *_, where in lines)
+    stress = scale_for([limit, *sizes.values()], "Pa")
+    least = min(float(values[where].min()) for values in shear.values() for *_, where in lines)
+    signs = (1, -1) if least < -_NEGLIGIBLE * limit else (1,)
+    with paper_style():
+        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.1)
+        panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
+        for axes, (along, across, where) in zip(panels, lines, strict=True):
+            part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
+            centres = np.asarray(dataset[along].values, dtype=float)
+            edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
+            length = scale_for(edges, "m")
+            _tint_stick(axes, zone[where], length(edges))
+            if bound is not None:
+                for sign in signs:
+                    label = "friction bound" if sign == 1 else "_"
+                    axes.plot(length(centres[part]), sign * stress(bound[where]), color="0.45", lw=1.0, label=label)
+            seen = [axis for axis in "xy" if np.abs(shear[axis][where]).max() > _NEGLIGIBLE * max(sizes.values())]
+            for axis in seen:
+                colour, label = COLOURS["xy".index(axis)], f"$q_{axis}$"
+                every = max(1, -(-(part.stop - part.start) // MARKERS))
+                axes.plot(
+                    length(centres[part]), stress(shear[axis][where]), "o-", color=colour, markevery=every,
+                    markersize=2.8, linewidth=0.7, markerfacecolor="white", markeredgewidth=0.8, label=label, zorder=3,
+                )  # fmt: skip
+                reference = references[axis]
+                if reference is not None:
+                    word = f"{label}, closed form ({100 * _difference(shear[axis], reference):.2g} % in the L2 norm)"
+                    axes.plot(
+                        length(centres[part]),
+                        stress(reference[where]),
+                        "--",
+                        color="black",
+                        lw=1.1,
+                        label=word,
+                        zorder=4,
+                    )
+            axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+            axes.set_xlabel(f"{along} [{length.unit}]")
+            axes.set_xlim(float(length(edges[0])), float(length(edges[-1])))
+            axes.set_title(f"along {along} at {across}")
+        panels[0].set_ylabel(f"Shear traction [{stress.unit}]")
+        if max(limit, *sizes.values()) == 0:
+            panels[0].set_ylim(-1, 1)
+        entries = {
+            label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        labels = sorted(entries)  # bound, components, stick; then the closed forms are beside their components
+        figure.legend([entries[label] for label in labels], labels, loc="outside lower center", ncols=len(labels))
+        figure.suptitle(friction_heading(dataset, step, "Shear traction"), fontsize=9.5)
+    return figure
+
+
+def _tint_stick(axes: Axes, zone: NDArray[Any], edges: NDArray[Any]) -> None:
+    """Stripe behind the cells of a line that stick."""
+    stick = np.concatenate([[False], np.rint(zone) == 2, [False]])
+    begins, ends = (np.flatnonzero(stick[1:] & ~stick[:-1]), np.flatnonzero(~stick[1:] & stick[:-1]))
+    for n, (begin, end) in enumerate(zip(begins, ends, strict=True)):
+        axes.axvspan(
+            edges[begin], edges[end], color=ZONE_COLOURS[2], alpha=0.35, linewidth=0, zorder=0,
+            label="stick" if n == 0 else "_",
+        )  # fmt: skip
+
+
+def _difference(values: NDArray[Any], reference: NDArray[Any]) -> float:
+    return float(np.linalg.norm(values - reference) / (np.linalg.norm(reference) or np.nan))
+
+
+def _field(dataset: xr.Dataset, name: str, step: int) -> NDArray[Any]:
+    """Surface field of one step; zero where the run leaves its direction out."""
+    if name not in dataset:
+        return np.zeros((dataset.sizes["y"], dataset.sizes["x"]))
+    return np.asarray(dataset[name][step].values, dtype=float)
+
+
+def _optional(dataset: xr.Dataset, name: str, step: int) -> NDArray[Any] | None:
+    """Surface field of one step, None where it is not stored or does not hold."""
+    if name not in dataset:
+        return None
+    values = np.asarray(dataset[name][step].values, dtype=float)
+    return values if np.isfinite(values).all() else None

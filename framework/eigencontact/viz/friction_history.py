@@ -1,0 +1,171 @@
+"""Pictures of the history of a contact with friction: loops of load and displacement, time strip of stick and slip."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.grid import Box
+from eigencontact.results.cycles import last_cycle
+from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
+from eigencontact.viz.window import cell_edges, view_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from eigencontact.results.cycles import Cycle
+
+__all__ = ["fretting_loops", "zone_strip"]
+
+#: With more steps than this, only some carry a marker.
+MARKERS = 60
+
+
+def _history(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
+    """Scalars of all steps by name."""
+    scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
+    return {str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars}
+
+
+def fretting_loops(dataset: xr.Dataset) -> Figure:
+    """Tangential load over shift, torsion moment over twist, through all steps.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run with friction and a load along or about the surface (`driven`).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel for each loop. The last closed cycle is tinted; the title has its work from the area of the loop and,
+        as an independent number, from the local work of friction. An open circle marks the first step.
+    """
+    modes = driven(dataset)
+    with paper_style():
+        figure = new_figure(3.5 * len(modes) + (1.3 if len(modes) == 1 else 0.3), 3.4)
+        for axes, mode in zip(figure.subplots(1, len(modes), squeeze=False)[0], modes, strict=True):
+            load, way, units, words = MODES[mode]
+            forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
+            cycle = last_cycle(_history(dataset), "twist" if mode == "twist" else "shift")
+            scales = scale_for(ways, units[1]), scale_for(forces, units[0])
+            _loop(axes, scales[0](ways), scales[1](forces), cycle)
+            axes.set(xlabel=f"{words[1]} [{scales[0].unit}]", ylabel=f"{words[0]} [{scales[1].unit}]")
+        figure.suptitle(_energy_words(dataset, modes), fontsize=9.5)
+    return figure
+
+
+def _loop(axes: Axes, x: NDArray[Any], y: NDArray[Any], cycle: Cycle | None) -> None:
+    every = max(1, -(-x.size // MARKERS))
+    axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
+    axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
+    if cycle is not None:
+        part = slice(cycle.first, cycle.last + 1)
+        axes.fill(x[part], y[part], color=COLOURS[0], alpha=0.15, linewidth=0, zorder=1)
+    axes.plot(x, y, "o-", color=COLOURS[0], markevery=every, markersize=2.8, zorder=2)
+    axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5, zorder=3)
+
+
+def _energy_words(dataset: xr.Dataset, modes: list[str]) -> str:
+    """Work of friction: of the last closed cycle in two ways, else so far."""
+    motion = "twist" if modes == ["twist"] else "shift"
+    cycle = last_cycle(_history(dataset), "twist" if motion == "twist" else "shift")
+    if cycle is None:
+        if "dissipated_energy" not in dataset:
+            return "Load and displacement"
+        spent = float(dataset["dissipated_energy"][-1])
+        return f"Work of friction {scale_for([spent], 'J').text(spent)}, no closed cycle"
+    steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
+    loops = "loop" if len(modes) == 1 else "loops"
+    words = (
+        f"Cycle of steps {steps[0]} to {steps[1]}: area of the {loops} {scale_for([cycle.work], 'J').text(cycle.work)}"
+    )
+    if np.isfinite(cycle.dissipated):
+        words += f", local work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
+    if len(modes) == 1:
+        ratio = "4 M\\varphi" if motion == "twist" else "4 Q\\delta"
+        words += f"\nenergy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}"
+    return words
+
+
+def zone_strip(dataset: xr.Dataset) -> Figure:
+    """Stick and slip on one line through the contact, step by step, under the course of the loads.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run with friction and several steps.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Below the zones on the line along x through the middle of the contact (along y where only that direction is
+        loaded or has cells); above it the loads, each relative to its largest size.
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+    from matplotlib.ticker import MaxNLocator
+
+    zones = np.rint(np.asarray(dataset["contact_zone"].values, dtype=float)).astype(int)
+    touched = (zones > 0).any(axis=0)
+    along = "y" if driven(dataset) == ["y"] or dataset.sizes["x"] == 1 else "x"
+    across = "y" if along == "x" else "x"
+    box = Box.around(touched) or Box(0, touched.shape[0], 0, touched.shape[1])
+    at = (box.y0 + box.y1) // 2 if along == "x" else (box.x0 + box.x1) // 2
+    view = view_of(touched)
+    part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
+    strip = zones[:, at, part] if along == "x" else zones[:, part, at]
+    centres = np.asarray(dataset[along].values, dtype=float)
+    edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
+    length = scale_for(edges, "m")
+    steps = np.asarray(dataset["step"].values, dtype=float)
+    with paper_style():
+        figure = new_figure(6.2, 3.7)
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2.4))
+        below.pcolormesh(
+            np.append(steps - 0.5, steps[-1] + 0.5), length(edges), strip.T,
+            cmap=ListedColormap(ZONE_COLOURS), norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3), rasterized=True,
+        )  # fmt: skip
+        below.set(xlabel="Step", ylabel=f"{along} [{length.unit}]")
+        below.xaxis.set_major_locator(MaxNLocator(integer=True))
+        _courses(above, dataset, steps)
+        above.set_title(f"Stick and slip along {along} at {place(across, float(dataset[across][at]))}")
+        present = [value for value in (2, 1, 0) if np.any(strip == value)]
+        patches = [
+            Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=ZONES[value])
+            for value in present
+        ]
+        handles, _ = above.get_legend_handles_labels()
+        figure.legend(handles=[*handles, *patches], loc="outside lower center", ncols=len(patches) + len(handles))
+    return figure
+
+
+def _courses(axes: Axes, dataset: xr.Dataset, steps: NDArray[Any]) -> None:
+    """Loads over the steps, relative to their largest size, which the legend names."""
+    symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
+    curves = [("normal_load", "$P$", "N", "0.35", ":")]
+    curves += [
+        (MODES[mode][0], symbols[mode], MODES[mode][2][0], COLOURS[n], "-") for n, mode in enumerate(driven(dataset))
+    ]
+    for name, symbol, unit, colour, style in curves:
+        values = np.asarray(dataset[name].values, dtype=float)
+        largest = float(np.abs(values).max())
+        if largest == 0:
+            continue
+        look: dict[str, Any] = {
+            "marker": "o" if len(steps) <= MARKERS else "",
+            "markersize": 2.4,
+            "linewidth": 1.0,
+            "color": colour,
+        }
+        word = f"{symbol} (largest {scale_for([largest], unit).text(largest)})"
+        axes.plot(steps, values / largest, style, label=word, **look)
+    axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -0.1), max(high, 1.15))
+    axes.set_ylabel("Load / largest")

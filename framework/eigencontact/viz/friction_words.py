@@ -1,0 +1,66 @@
+"""What the pictures of friction say alike: zones and their colours, loads that count, titles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eigencontact.viz.style import scale_for
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["MODES", "ZONES", "ZONE_COLOURS", "driven", "friction_heading"]
+
+#: Values of the field ``contact_zone`` are positions in these.
+ZONES = ("open", "slip", "stick")
+#: Grey, and light tints of orange and blue that the colour-blind tell apart.
+ZONE_COLOURS = ("#EDEDED", "#F5C26B", "#8DBFE0")
+#: By direction: load, displacement, units of both, words for both.
+MODES = {
+    "x": ("tangential_load_x", "shift_x", ("N", "m"), ("Tangential load $Q_x$", "Shift $\\delta_x$")),
+    "y": ("tangential_load_y", "shift_y", ("N", "m"), ("Tangential load $Q_y$", "Shift $\\delta_y$")),
+    "twist": ("torsion_moment", "twist", ("N m", "rad"), ("Torsion moment $M_z$", "Twist $\\varphi_z$")),
+}
+#: A load below this part of the largest of its kind is a by-product.
+_BY_PRODUCT = 1e-3
+
+
+def driven(dataset: xr.Dataset) -> list[str]:
+    """Which of ``x``, ``y`` and ``twist`` the history loads; by-products of the others do not count."""
+    largest = {mode: _largest(dataset, names[:2]) for mode, names in MODES.items()}
+    load = float(np.abs(dataset["normal_load"].values).max())
+    radius = float(np.max(dataset["contact_radius"].values)) if "contact_radius" in dataset else 0.0
+    found = []
+    for mode, (force, way) in largest.items():
+        others = [largest[other] for other in ("x", "y") if mode != "twist"] or [(0.0, 0.0)]
+        floor = 1e-6 * load * (radius if mode == "twist" else 1.0)
+        leading = all(value > _BY_PRODUCT * max(pair[n] for pair in others) for n, value in enumerate((force, way)))
+        if leading and force > floor:
+            found.append(mode)
+    return found
+
+
+def _largest(dataset: xr.Dataset, names: tuple[str, str]) -> tuple[float, float]:
+    force, way = (float(np.abs(dataset[name].values).max()) if name in dataset else 0.0 for name in names)
+    return force, way
+
+
+def friction_heading(dataset: xr.Dataset, step: int, what: str) -> str:
+    """Title of a picture: what is shown, at which normal load and which tangential load or torsion moment."""
+    shown = [("normal_load", "P", "N")]
+    loads = driven(dataset)
+    if set(loads) & {"x", "y"}:
+        shown.append(("tangential_load", "Q", "N"))
+    if "twist" in loads:
+        shown.append(("torsion_moment", "M", "N m"))
+    said = []
+    for name, symbol, unit in shown:
+        values = np.asarray(dataset[name].values, dtype=float)
+        value = float(values[step]) if abs(values[step]) > 1e-9 * np.abs(values).max() else 0.0
+        said.append(f"{symbol} = {scale_for([value], unit).text(value)}")
+    words = f"{what} at {', '.join(said)}"
+    if dataset.sizes["step"] > 1:
+        words += f" (step {int(dataset['step'][step])} of {int(dataset['step'][-1])})"
+    return words

@@ -1,0 +1,192 @@
+"""What the pictures of the surface share: which cells are shown, their edges, the outline of the contact, a map."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.grid import Box
+from eigencontact.viz.style import box_size, colour_range, label_plane, new_figure, paper_style, scale_for
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from eigencontact.viz.style import Scale
+
+__all__ = [
+    "Window",
+    "cell_edges",
+    "contact_window",
+    "draw_contact_outline",
+    "is_ragged",
+    "masked_map",
+    "middle",
+    "view_of",
+]
+
+#: Room around the contact in a picture, as a part of the larger side of the contact.
+MARGIN = 0.25
+
+
+class Window:
+    """Part of the surface that a picture shows: its cells, the edges of them and the unit of length.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    view : Box
+        Cells shown.
+
+    Attributes
+    ----------
+    view : Box
+        Cells shown.
+    edges_x, edges_y : arrays
+        Edges of the cells shown [m].
+    length : Scale
+        Unit for both axes.
+    extent : tuple of float
+        Left, right, bottom, top in that unit.
+    """
+
+    def __init__(self, dataset: xr.Dataset, view: Box) -> None:
+        self.view = view
+        x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
+        self.edges_x = cell_edges(x, dataset, 0)[view.x0 : view.x1 + 1]
+        self.edges_y = cell_edges(y, dataset, 1)[view.y0 : view.y1 + 1]
+        ends = (self.edges_x[0], self.edges_x[-1], self.edges_y[0], self.edges_y[-1])
+        self.length: Scale = scale_for(ends, "m")
+        left, right, bottom, top = (float(end) for end in self.length(ends))
+        self.extent = (left, right, bottom, top)
+
+    def axes_of_map(self) -> tuple[Figure, Axes, bool]:
+        """Figure for a map of equal scales; whether it is wide, so that what explains it goes below."""
+        width, height = box_size(self.extent[1] - self.extent[0], self.extent[3] - self.extent[2])
+        wide = width > 2.2 * height
+        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
+        axes = figure.add_subplot()
+        axes.set_facecolor("0.93")
+        return figure, axes, wide
+
+    def label(self, axes: Axes) -> None:
+        """Name both axes."""
+        label_plane(axes, f"x [{self.length.unit}]", f"y [{self.length.unit}]")
+
+    def outline(self, axes: Axes, contact: NDArray[np.bool_]) -> None:
+        """Line around the contact, given for the cells shown, unless it is ragged."""
+        draw_contact_outline(axes, contact, self.length(self.edges_x), self.length(self.edges_y))
+
+
+def masked_map(
+    window: Window, field: NDArray[Any], *, unit: str, label: str, title: str, outline: NDArray[np.bool_], empty: str
+) -> Figure:
+    """Map of a field over a window.
+
+    Parameters
+    ----------
+    window : Window
+        Cells to show.
+    field : (ny, nx) array
+        In SI units, on all cells; zeros are grey.
+    unit, label, title : str
+        Its unit, and words for the colour bar and above the picture.
+    outline : (ny, nx) bool
+        Cells to draw a line around, on all cells.
+    empty : str
+        What is said in the picture where the field is zero everywhere.
+    """
+    shown = field[window.view.slices]
+    with paper_style():
+        figure, axes, wide = window.axes_of_map()
+        scale = scale_for(shown, unit)
+        colours, low, high = colour_range(shown)
+        image = axes.imshow(
+            np.ma.masked_where(shown == 0, scale(shown)),
+            origin="lower",
+            extent=window.extent,
+            cmap=colours,
+            vmin=low * scale.factor,
+            vmax=high * scale.factor,
+        )
+        window.label(axes)
+        axes.set_title(title)
+        window.outline(axes, outline[window.view.slices])
+        if np.any(shown):
+            bar = figure.colorbar(
+                image,
+                ax=axes,
+                location="bottom" if wide else "right",
+                shrink=0.6 if wide else 1.0,
+                aspect=30 if wide else 22,
+                pad=0.03,
+            )
+            bar.set_label(f"{label} [{scale.unit}]")
+        else:
+            axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center", color="0.4")
+    return figure
+
+
+def cell_edges(centres: NDArray[Any], dataset: xr.Dataset, axis: int) -> NDArray[Any]:
+    """Edges of the cells along one axis (0: x, 1: y) [m]."""
+    cell = float(np.atleast_1d(dataset.attrs["cell_size"])[axis])
+    return np.append(centres - 0.5 * cell, centres[-1] + 0.5 * cell)
+
+
+def view_of(mask: NDArray[np.bool_]) -> Box:
+    """Cells to show: those of the mask and room around them, all cells where the mask is empty."""
+    found = Box.around(mask)
+    rows, columns = mask.shape
+    if found is None:
+        return Box(0, rows, 0, columns)
+    margins = [max(2, round(MARGIN * side)) for side in found.shape]
+    return found.grown(margins[0], margins[1], (rows, columns))
+
+
+def contact_window(dataset: xr.Dataset, mask: NDArray[np.bool_]) -> Window:
+    """Window around the cells of a mask."""
+    return Window(dataset, view_of(mask))
+
+
+def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
+    """Row and column of profiles: through the middle of the window where the pressure is symmetric about it.
+
+    Symmetric is what differs from its mirror image by at most a part `symmetric` of its largest value; any other
+    pressure has its profiles through that value.
+    """
+    tolerance = symmetric * float(np.abs(pressure).max())
+    if all(np.allclose(pressure, np.flip(pressure, axis), rtol=0, atol=tolerance) for axis in (0, 1)):
+        return pressure.shape[0] // 2, pressure.shape[1] // 2
+    row, column = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
+    return int(row), int(column)
+
+
+def is_ragged(contact: NDArray[np.bool_]) -> bool:
+    """Whether the border of the contact is much longer than that of the box around it, or there is no contact.
+
+    The border of one convex patch is as long as that of its box.
+    """
+    box = Box.around(contact)
+    edges = int(np.count_nonzero(contact[1:] != contact[:-1])) + int(
+        np.count_nonzero(contact[:, 1:] != contact[:, :-1])
+    )
+    return box is None or edges > 3 * sum(box.shape)
+
+
+def draw_contact_outline(axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -> None:
+    """Line along the cell edges around the contact (`x`, `y`: edges of the cells), unless it is ragged."""
+    from matplotlib.collections import LineCollection
+
+    if is_ragged(contact):
+        return
+    rows, columns = np.nonzero(contact[1:] != contact[:-1])
+    level = np.stack([np.stack([x[columns + n], y[rows + 1]], axis=-1) for n in (0, 1)], axis=1)
+    rows, columns = np.nonzero(contact[:, 1:] != contact[:, :-1])
+    upright = np.stack([np.stack([x[columns + 1], y[rows + n]], axis=-1) for n in (0, 1)], axis=1)
+    axes.add_collection(
+        LineCollection([*level, *upright], colors="0.15", linewidths=0.8, capstyle="projecting"), autolim=False
+    )

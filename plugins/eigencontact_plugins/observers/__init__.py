@@ -1,0 +1,1 @@
+"""Observers of contact with friction: one file each."""

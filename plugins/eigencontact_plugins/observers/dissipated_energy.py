@@ -1,0 +1,94 @@
+"""Observer of the work of friction: how much, where most, how far spread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from eigencontact.plugin import Observer, SceneError, StepView, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ["DissipatedEnergy"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DissipatedEnergy(Observer):
+    """Work of friction from the first step to this one.
+
+    Parameters
+    ----------
+    threshold : float
+        Cells with less than this part of the largest density do not count as worked [-], 0 or more, below 1. It
+        parts patches that only the error of the solver joins.
+
+    Notes
+    -----
+    Energies are so far, those of one cycle are differences between two steps. Patches are sets of worked cells that
+    share an edge or a corner; a patch across the edge of a periodic window counts as two.
+    """
+
+    key: ClassVar[str] = "dissipated-energy"
+
+    threshold: float = 1e-6
+
+    def __post_init__(self) -> None:
+        require(0 <= self.threshold < 1, self.key, "threshold", self.threshold, "0 or more and below 1 [-]")
+
+    def observe(self, step: StepView) -> Mapping[str, float]:
+        """Numbers of the density of dissipated energy.
+
+        Returns
+        -------
+        mapping of str to float
+            ``total`` [J]; ``patches``, number of them, and ``largest_patch``, the largest energy of one [J];
+            ``max_density`` [J/m²] at ``max_x``, ``max_y`` [m]; ``mean_density`` over the worked cells [J/m²];
+            ``spread`` [m], root of the mean squared distance from the centre of the dissipated energy, weighted with
+            it. All are 0 where nothing has slipped.
+
+        Raises
+        ------
+        SceneError
+            If the run has no friction.
+        """
+        from scipy.ndimage import label
+        from scipy.ndimage import sum as sum_by_label
+
+        density = step.fields.get("dissipated_energy_density")
+        if density is None:
+            raise SceneError(
+                f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
+                "add a table [friction]"
+            )
+        names = ("total", "patches", "largest_patch", "max_density", "max_x", "max_y", "mean_density", "spread")
+        largest = float(density.max())
+        if largest <= 0:
+            return dict.fromkeys(names, 0.0)
+        worked = density > self.threshold * largest
+        marks, patches = label(worked, structure=np.ones((3, 3)))
+        energies = np.asarray(sum_by_label(density, marks, range(1, patches + 1))) * step.grid.cell_area
+        y, x = step.grid.axes()
+        row, column = np.unravel_index(int(np.argmax(density)), density.shape)
+        weight = density / np.sum(density)
+        centre_x, centre_y = np.sum(weight * x), np.sum(weight * y)
+        spread = np.sqrt(np.sum(weight * ((x - centre_x) ** 2 + (y - centre_y) ** 2)))
+        values = (
+            np.sum(density) * step.grid.cell_area,
+            patches,
+            energies.max(),
+            largest,
+            step.grid.x[column],
+            step.grid.y[row],
+            np.mean(density[worked]),
+            spread,
+        )
+        return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
+@hookimpl
+def eigencontact_register_observers() -> Iterable[type[Observer]]:
+    """Register the dissipated energy."""
+    return [DissipatedEnergy]

@@ -1,0 +1,96 @@
+"""Observer of a fretting loop: load and displacement along one direction, and the work of friction so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+
+from eigencontact.plugin import Angle, Observer, SceneError, StepView, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ["FrettingLoop"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrettingLoop(Observer):
+    """Point of the fretting loop that a step adds.
+
+    Parameters
+    ----------
+    motion : {"shift", "twist"}
+        Loop of the tangential load over the shift, or of the torsion moment over the twist.
+    angle : float
+        Direction of the shift in the plane [rad], 0 along x, positive from x to y; the twist has none.
+
+    Notes
+    -----
+    Each number is of its step alone, so that a resumed run repeats them. The loop itself, its area, its amplitudes and
+    the energy ratio of a closed cycle need the history: `eigencontact.results.cycles` reads them from stored results.
+
+    Integrated over the contact from the shear field, not copied from the solver: the load (or moment) is a check of
+    what the step prescribed.
+    """
+
+    key: ClassVar[str] = "fretting-loop"
+    references: ClassVar[tuple[str, ...]] = (
+        "S. Fouvry, P. Kapsa, L. Vincent, Analysis of sliding behaviour for fretting loadings, Wear 185 (1995) 35-46",
+    )
+
+    motion: Literal["shift", "twist"] = "shift"
+    angle: Angle = 0.0
+
+    def __post_init__(self) -> None:
+        require(self.motion in ("shift", "twist"), self.key, "motion", self.motion, "'shift' or 'twist'")
+        require(np.isfinite(self.angle), self.key, "angle", self.angle, "finite [rad]")
+        require(self.motion == "shift" or self.angle == 0, self.key, "angle", self.angle, "0 for motion = 'twist'")
+
+    def observe(self, step: StepView) -> Mapping[str, float]:
+        """Numbers of one point of the loop.
+
+        Returns
+        -------
+        mapping of str to float
+            ``load`` [N] and ``shift`` [m] along the direction, or ``moment`` [N m] and ``twist`` [rad];
+            ``load_ratio``, the load over the normal load [-] (0 where there is none; for a moment: over the normal
+            load times the contact radius); ``dissipated_energy`` [J], so far.
+
+        Raises
+        ------
+        SceneError
+            If the run has no friction.
+        """
+        if "shear_x" not in step.fields and "shear_y" not in step.fields:
+            raise SceneError(
+                f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
+                "add a table [friction]"
+            )
+        cell = step.grid.cell_area
+        zero = np.zeros(step.grid.shape)
+        q_x, q_y = (step.fields.get(f"shear_{axis}", zero) for axis in "xy")
+        energy = float(np.sum(step.fields["dissipated_energy_density"])) * cell
+        if self.motion == "twist":
+            y, x = step.grid.axes()
+            moment = float(np.sum(x * q_y - y * q_x)) * cell
+            arm = step.scalars["normal_load"] * step.scalars["contact_radius"]
+            numbers = {"moment": moment, "twist": step.scalars.get("twist", 0.0), "load_ratio": _ratio(moment, arm)}
+        else:
+            along = np.cos(self.angle), np.sin(self.angle)
+            load = float(along[0] * np.sum(q_x) + along[1] * np.sum(q_y)) * cell
+            shift = sum(part * step.scalars.get(f"shift_{axis}", 0.0) for part, axis in zip(along, "xy", strict=True))
+            ratio = _ratio(load, step.scalars["normal_load"])
+            numbers = {"load": load, "shift": float(shift), "load_ratio": ratio}
+        return {**numbers, "dissipated_energy": energy}
+
+
+def _ratio(value: float, of: float) -> float:
+    return value / of if of > 0 else 0.0
+
+
+@hookimpl
+def eigencontact_register_observers() -> Iterable[type[Observer]]:
+    """Register the fretting loop."""
+    return [FrettingLoop]

@@ -1,0 +1,80 @@
+"""Observer of the stick zone: its size, its widths and how far it lies from the middle of the contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from eigencontact.plugin import Observer, SceneError, StepView, hookimpl
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ["StickRadius"]
+
+#: Value of the field ``contact_zone`` where a cell sticks (0 open, 1 slip).
+_STICK = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class StickRadius(Observer):
+    """Size and place of the stick zone.
+
+    Notes
+    -----
+    Counted in cells: each length is exact to about a cell, and better than that only for the radius, in which the
+    errors along the border average out. The widths are those of the rectangle around the whole zone, whatever its
+    shape and however many parts it has.
+    """
+
+    key: ClassVar[str] = "stick-radius"
+
+    def observe(self, step: StepView) -> Mapping[str, float]:
+        """Numbers of the stick zone.
+
+        Returns
+        -------
+        mapping of str to float
+            ``radius`` of the circle of equal area, ``half_width_x``, ``half_width_y``, ``eccentricity``, the distance
+            of its centre of area from that of the contact, and ``ratio``, its radius over that of the contact counted
+            the same way [-]. Lengths [m]; all are 0 where nothing sticks.
+
+        Raises
+        ------
+        SceneError
+            If the run has no friction.
+        """
+        zone = step.fields.get("contact_zone")
+        if zone is None:
+            raise SceneError(
+                f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
+                "add a table [friction]"
+            )
+        names = ("radius", "half_width_x", "half_width_y", "eccentricity", "ratio")
+        stick, contact = np.rint(zone) == _STICK, zone > 0
+        cells = np.count_nonzero(stick)
+        if cells == 0:
+            return dict.fromkeys(names, 0.0)
+        grid = step.grid
+        y, x = grid.axes()
+        columns, rows = np.flatnonzero(stick.any(axis=0)), np.flatnonzero(stick.any(axis=1))
+        off_x, off_y = (
+            np.mean(np.broadcast_to(at, grid.shape)[stick]) - np.mean(np.broadcast_to(at, grid.shape)[contact])
+            for at in (x, y)
+        )
+        values = (
+            np.sqrt(cells * grid.cell_area / np.pi),
+            0.5 * grid.dx * (columns[-1] - columns[0] + 1),
+            0.5 * grid.dy * (rows[-1] - rows[0] + 1),
+            np.hypot(off_x, off_y),
+            np.sqrt(cells / np.count_nonzero(contact)),
+        )
+        return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
+@hookimpl
+def eigencontact_register_observers() -> Iterable[type[Observer]]:
+    """Register the stick radius."""
+    return [StickRadius]
