@@ -9,9 +9,14 @@ __all__ = ["Anderson"]
 
 FloatArray = NDArray[np.float64]
 
+#: Share of the largest singular value (of differences scaled to one) below which a combination is left out.
+_DEPENDENT = 1e-6
+
 
 class Anderson:
     """Next guess from the last ones and their images.
+
+    With all guesses kept, a linear problem takes the course of GMRES: it converges where the plain iteration grows.
 
     Parameters
     ----------
@@ -31,26 +36,33 @@ class Anderson:
     [1.0, -0.9]
     """
 
-    def __init__(self, depth: int = 8) -> None:
+    def __init__(self, depth: int = 20) -> None:
         self._depth = depth
-        self._guesses: list[FloatArray] = []
         self._images: list[FloatArray] = []
+        self._residuals: list[FloatArray] = []
+        self._gram = np.zeros((0, 0))
 
     def next(self, guess: FloatArray, image: FloatArray) -> FloatArray:
         """Combine the images so that their residuals cancel best."""
-        self._guesses = [*self._guesses[-self._depth :], guess]
+        residual = image - guess
         self._images = [*self._images[-self._depth :], image]
-        residuals = [b - a for a, b in zip(self._guesses, self._images, strict=True)]
-        if len(residuals) == 1:
+        self._residuals = [*self._residuals[-self._depth :], residual]
+        products = np.array([_dot(one, residual) for one in self._residuals])
+        gram, kept = np.empty((products.size, products.size)), products.size - 1
+        gram[:kept, :kept] = self._gram[len(self._gram) - kept :, len(self._gram) - kept :]
+        gram[-1], gram[:, -1] = products, products
+        self._gram = gram
+        if kept == 0:
             return image
-        changes = [residuals[-1] - old for old in residuals[:-1]]
-        gram = np.array([[_dot(one, other) for other in changes] for one in changes])
-        right = np.array([_dot(one, residuals[-1]) for one in changes])
-        weights = np.linalg.lstsq(gram, right, rcond=1e-13)[0]
-        mixed = image.copy()
+        last = products[:-1]
+        changes = gram[:-1, :-1] - last[:, None] - last[None, :] + products[-1]  # of the residuals, to the last one
+        right = products[-1] - last
+        size = np.sqrt(np.maximum(np.diag(changes), np.finfo(float).tiny))
+        weights = np.linalg.lstsq(changes / np.outer(size, size), right / size, rcond=_DEPENDENT**2)[0] / size
+        mixed = (1.0 - weights.sum()) * image
         for weight, old in zip(weights, self._images[:-1], strict=True):
-            mixed -= weight * (image - old)
-        return mixed
+            mixed += weight * old
+        return np.asarray(mixed)
 
 
 def _dot(a: FloatArray, b: FloatArray) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,7 @@ from eigencontact.solvers.solution import NormalSolution
 if TYPE_CHECKING:
     from eigencontact.solvers.normal import NormalSolver
 
-__all__ = ["CoarseToFine", "margin"]
+__all__ = ["CoarseToFine", "margin", "refuse_edge"]
 
 FloatArray = NDArray[np.float64]
 
@@ -39,8 +40,11 @@ class CoarseToFine:
         control: Control,
         report: SolveReport,
         progress: Progress | None,
+        tolerance: float | None = None,
     ) -> None:
         self.solver, self.grid, self.options = solver, solver.grid, solver.options
+        if tolerance is not None:
+            self.options = replace(solver.options, tolerance=tolerance)
         self.separation, self.control, self.report, self.progress = separation, control, report, progress
         self.free = control.forces()
 
@@ -275,20 +279,28 @@ class CoarseToFine:
         return max(errors, default=0.0)
 
     def _checked(self, solution: NormalSolution) -> NormalSolution:
-        """Refuse contact at the edge of the window, which the window may have cut."""
-        if self.options.periodic or self.options.allow_contact_at_edge:
-            return solution
-        p = solution.pressure
-        sides = {"x": p[:, [0, -1]], "y": p[[0, -1]]}
-        touched = [name for name, edge in sides.items() if np.any(edge > 0)]
-        if touched:
-            width, height = self.grid.size
-            raise DomainTooSmall(
-                f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
-                f"is {width:.4g} m x {height:.4g} m); enlarge grid size, lower the load, or set "
-                "numerics.allow-contact-at-edge = true if the bodies end there"
-            )
+        if not (self.options.periodic or self.options.allow_contact_at_edge):
+            refuse_edge(solution.pressure, self.grid)
         return solution
+
+
+def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
+    """Refuse contact at the edge of the window, which the window may have cut.
+
+    Raises
+    ------
+    DomainTooSmall
+        There is pressure in the outermost cells.
+    """
+    sides = {"x": pressure[:, [0, -1]], "y": pressure[[0, -1]]}
+    touched = [name for name, edge in sides.items() if np.any(edge > 0)]
+    if touched:
+        width, height = grid.size
+        raise DomainTooSmall(
+            f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
+            f"is {width:.4g} m x {height:.4g} m); enlarge grid size, lower the load, or set "
+            "numerics.allow-contact-at-edge = true if the bodies end there"
+        )
 
 
 def margin(box: Box) -> tuple[int, int]:

@@ -100,14 +100,18 @@ class NormalSolver:
         control: Control,
         *,
         start: FloatArray | None = None,
+        tolerance: float | None = None,
         progress: Progress | None = None,
     ) -> NormalSolution:
-        """Solve for one separation and control; see `solve_normal` for parameters, errors and the result."""
+        """Solve for one separation and control; see `solve_normal` for parameters, errors and the result.
+
+        `tolerance` takes the place of that of the options: an outer iteration need not solve to the end at once.
+        """
         began = perf_counter()
         _check(self.grid, separation, control, start)
         report, done = SolveReport(), self.convolutions
         try:
-            return CoarseToFine(self, separation, control, report, progress).run(start)
+            return CoarseToFine(self, separation, control, report, progress, tolerance).run(start)
         finally:
             report.convolutions = self.convolutions - done
             report.seconds = perf_counter() - began

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import NotConverged
 from eigencontact.solvers.anderson import Anderson
+from eigencontact.solvers.coarse_to_fine import refuse_edge
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalSolver
 from eigencontact.solvers.report import Progress
@@ -23,10 +24,12 @@ __all__ = ["FrictionalContact", "FrictionalSolution", "Sliding"]
 
 FloatArray = NDArray[np.float64]
 
-#: Part of the tolerance that the normal and the tangential solve may use up inside the coupling.
+#: Part of the tolerance that the normal and the tangential solve may use up in the last round of the coupling.
 _INNER = 0.2
 #: Rounds of normal and tangential solves in one increment.
-_ROUNDS = 60
+_ROUNDS = 120
+#: Tolerance of the two solves in the first round, and in later ones as part of the change that the last round made.
+_LOOSEST, _SHARE = 1e-2, 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -98,6 +101,34 @@ class FrictionalSolution:
     tangential_convolutions: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Increment:
+    """What is asked of one step; see `FrictionalContact.step`."""
+
+    separation: FloatArray
+    control: Control
+    tangential: TangentialControl
+    before: Sliding
+    offset: FloatArray | None
+    progress: Progress | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Round:
+    """Answers of one normal and one tangential solve; convolutions of both in this round and those before."""
+
+    normal: NormalSolution
+    tangential: TangentialSolution
+    carried: FloatArray
+    bound: FloatArray
+    convolutions: tuple[int, int]
+
+    def shear_under(self, bound: FloatArray) -> FloatArray:
+        """Shear with that of slipping cells moved to another bound: most of them will slip again."""
+        slipping = (self.bound > 0) & ~self.tangential.stick
+        return self.tangential.shear * np.where(slipping, bound / np.where(slipping, self.bound, 1.0), 1.0)
+
+
 class FrictionalContact:
     """Two bodies with friction on one grid, increment by increment.
 
@@ -129,12 +160,11 @@ class FrictionalContact:
         self.components = "".join(c for c in "xy" if (c, c) in coefficients)
         self._by_pressure = self._matrix(coefficients, self.components, "z")
         self._by_shear = self._matrix(coefficients, "z", self.components)
-        share = _INNER if self._by_shear is not None else 1.0
-        inner = replace(self.options, tolerance=share * self.options.tolerance)
-        self.normal = NormalSolver(
-            grid, coefficients["z", "z"], replace(normal_options, tolerance=share * normal_options.tolerance)
-        )
-        self.tangential = TangentialSolver(grid, coefficients, self.components, inner)
+        self._at_edge = normal_options.allow_contact_at_edge
+        if self._by_shear is not None:  # the edge is looked at in the end; on the way there the contact may pass it
+            normal_options = replace(normal_options, allow_contact_at_edge=True)
+        self.normal = NormalSolver(grid, coefficients["z", "z"], normal_options)
+        self.tangential = TangentialSolver(grid, coefficients, self.components, self.options)
         self._last: tuple[FloatArray, Control, NormalSolution] | None = None
 
     def _matrix(
@@ -177,61 +207,83 @@ class FrictionalContact:
         NotConverged, SceneError, DomainTooSmall
             See `NormalSolver` and `TangentialSolver`.
         """
-        before = before or Sliding.at_rest(self.grid, self.components)
-        lift, shear, pressure = before.lift, before.shear, before.pressure
-        mixer, counts, change = Anderson(), [0, 0], 0.0
+        asked = _Increment(
+            separation, control, tangential, before or Sliding.at_rest(self.grid, self.components), offset, progress
+        )
+        if self._by_shear is None:
+            return self._solution(asked, self._round(asked, None, asked.before.lift, None), asked.before.lift, 1, 0.0)
+        return self._agreed(asked)
+
+    def _agreed(self, asked: _Increment) -> FrictionalSolution:
+        """Rounds of normal and tangential contact until the normal displacement by the shear does not change."""
+        lift, tolerance, finest = asked.before.lift, self.options.tolerance, _INNER * self.options.tolerance
+        mixer, inner, change = Anderson(), _LOOSEST, 0.0
+        last: _Round | None = None
         for rounds in range(1, _ROUNDS + 1):
-            start = pressure if rounds > 1 or np.any(before.lift) else None
-            normal = self._normal(separation + lift, control, start, progress)
-            pressure = normal.pressure
-            carried = self._carried(pressure, offset)
-            found = self.tangential.solve(
-                self.bound(pressure, before), carried - before.position, tangential, start=shear, progress=progress
-            )
-            shear = found.shear
-            counts[0] += normal.report.convolutions
-            counts[1] += found.report.convolutions
-            if self._by_shear is None:
-                break
-            image = self.lift(shear)
-            change = self._change(image - lift, normal)
-            if progress is not None:
-                progress("normal and tangential", change, self.options.tolerance)
-            if change <= self.options.tolerance:
-                lift = image
-                break
+            last = self._round(asked, last, lift, inner)
+            image = self.lift(last.tangential.shear)
+            change = self._change(image - lift, last.normal)
+            if asked.progress is not None:
+                asked.progress("normal and tangential", change, tolerance)
+            if change <= tolerance and inner <= finest:
+                if not (self._at_edge or self.options.periodic):
+                    refuse_edge(last.normal.pressure, self.grid)
+                return self._solution(asked, last, image, rounds, change)
+            inner = min(_LOOSEST, max(_SHARE * change, finest))
             lift = mixer.next(lift, image)
-        else:
-            raise NotConverged(
-                f"normal and tangential contact did not agree in {_ROUNDS} rounds (last change {change:.1e} of the "
-                f"deflection, tolerance {self.options.tolerance:.1e}); take smaller increments or loosen the tolerance",
-                found.report,
-            )
-        return FrictionalSolution(
-            normal=normal, tangential=found, sliding=self._after(before, pressure, found, lift),
-            tangential_by_pressure=self._carried(pressure, None), rounds=rounds, coupling_residual=change,
-            normal_convolutions=counts[0], tangential_convolutions=counts[1],
+        raise NotConverged(
+            f"normal and tangential contact did not agree in {_ROUNDS} rounds (last change {change:.1e} of the "
+            f"deflection, tolerance {tolerance:.1e}); take smaller increments or loosen the tolerance",
+            last.tangential.report if last else None,
+        )
+
+    def _round(self, asked: _Increment, last: _Round | None, lift: FloatArray, inner: float | None) -> _Round:
+        """Normal, then tangential contact from the last answers, to the tolerance `inner` or that of the options."""
+        before = asked.before
+        start = before.pressure if np.any(before.lift) else None
+        normal = self._normal(asked, lift, last.normal.pressure if last else start, inner)
+        bound, carried = self.bound(normal.pressure, before), self._carried(normal.pressure)
+        offset = carried - before.position if asked.offset is None else carried + asked.offset - before.position
+        found = self.tangential.solve(
+            bound, offset, asked.tangential, start=last.shear_under(bound) if last else before.shear,
+            tolerance=inner, progress=asked.progress,
         )  # fmt: skip
+        counts = (normal.report.convolutions, found.report.convolutions)
+        if last is not None:
+            counts = (counts[0] + last.convolutions[0], counts[1] + last.convolutions[1])
+        return _Round(normal, found, carried, bound, counts)
 
     def _normal(
-        self, separation: FloatArray, control: Control, start: FloatArray | None, progress: Progress | None
+        self, asked: _Increment, lift: FloatArray, start: FloatArray | None, inner: float | None
     ) -> NormalSolution:
         """Solution of the normal contact; the last one where nothing has changed for it."""
+        separation, control = asked.separation + lift, asked.control
         if start is None and self._last is not None:
-            known, asked, found = self._last
-            if asked == control and np.array_equal(known, separation):
+            known, told, found = self._last
+            if told == control and np.array_equal(known, separation):
                 found.report.convolutions = 0
                 return found
-        found = self.normal.solve(separation, control, start=start, progress=progress)
+        finest = self.normal.options.tolerance
+        tolerance = None if inner is None else max(_INNER * finest, inner * finest / self.options.tolerance)
+        found = self.normal.solve(separation, control, start=start, tolerance=tolerance, progress=asked.progress)
         self._last = (separation, control, found) if start is None else None
         return found
 
-    def _carried(self, pressure: FloatArray, offset: FloatArray | None) -> FloatArray:
-        """Tangential displacement without shear."""
-        total = np.zeros((len(self.components), *self.grid.shape)) if offset is None else offset
+    def _solution(
+        self, asked: _Increment, last: _Round, lift: FloatArray, rounds: int, change: float
+    ) -> FrictionalSolution:
+        return FrictionalSolution(
+            normal=last.normal, tangential=last.tangential,
+            sliding=self._after(asked.before, last.normal.pressure, last.tangential, lift),
+            tangential_by_pressure=last.carried, rounds=rounds, coupling_residual=change,
+            normal_convolutions=last.convolutions[0], tangential_convolutions=last.convolutions[1],
+        )  # fmt: skip
+
+    def _carried(self, pressure: FloatArray) -> FloatArray:
+        """Tangential displacement by the pressure."""
         if self._by_pressure is None:
-            return total
-        return total + self._everywhere(self._by_pressure, pressure[None])
+            return np.zeros((len(self.components), *self.grid.shape))
+        return self._everywhere(self._by_pressure, pressure[None])
 
     def lift(self, shear: FloatArray) -> FloatArray:
         """Normal displacement by a shear ``(k, ny, nx)`` [m], both bodies summed; zero where the coupling has none."""

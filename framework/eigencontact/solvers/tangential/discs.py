@@ -10,6 +10,7 @@ from eigencontact.errors import EigencontactError
 __all__ = ["Infeasible", "RigidPlane", "inner", "length_of", "to_discs"]
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 _TINY = np.finfo(float).tiny
 #: Forces that the projected tractions miss, relative to what all cells at their bound could carry.
@@ -62,31 +63,35 @@ class RigidPlane:
         """Sums of each mode times a field, ``(m,)``."""
         return np.asarray(np.einsum("mkij,kij->m", self.fields, vectors))
 
-    def closest(self, vectors: FloatArray, bound: FloatArray) -> FloatArray:
+    def closest(self, vectors: FloatArray, bound: FloatArray, held: BoolArray | None = None) -> FloatArray:
         """Tractions within the discs that carry the forces and are closest to the given ones.
 
         The multipliers of the forces maximise a concave dual function of as many variables as there are modes; it is
-        climbed by Newton's method.
+        climbed by Newton's method. The tractions of cells that are `held` stay on the rim of their discs: the closest
+        point of the whole disc would move slipping cells off their bound by as little as the forces had been missed.
 
         Raises
         ------
         Infeasible
             There are none.
         """
+        held = np.zeros(bound.shape, dtype=bool) if held is None else held
         if not len(self):
-            return to_discs(vectors, bound)
+            size = length_of(vectors)
+            return np.asarray(vectors * np.where((size > bound) | held, bound / np.maximum(size, _TINY), 1.0))
         capacity = np.einsum("mij,ij->m", np.sqrt(np.einsum("mkij,mkij->mij", self.fields, self.fields)), bound) + _TINY
         amounts, value = np.zeros(len(self)), np.inf
         error = self.forces
         for _ in range(80):
             moved = vectors + self.combine(amounts)
             size = length_of(moved)
-            outside = size > bound
+            outside = (size > bound) | held
             factor = np.where(outside, bound / np.maximum(size, _TINY), 1.0)
             closest = moved * factor
             error = self.work(closest) - self.forces
             if np.all(np.abs(error) <= _EXACT * capacity):
                 return closest
+            self._refuse_more_than(bound, amounts, capacity)
             value = self._dual(size, outside, bound, amounts)
             direction = np.where(outside, moved / np.maximum(size, _TINY), 0.0) * np.sqrt(factor)
             along = np.einsum("mkij,kij->mij", self.fields, direction)
@@ -98,7 +103,7 @@ class RigidPlane:
             for _ in range(40):
                 trial = amounts + share * change
                 size = length_of(vectors + self.combine(trial))
-                reached = self._dual(size, size > bound, bound, trial)
+                reached = self._dual(size, (size > bound) | held, bound, trial)
                 if reached <= value + 1e-4 * share * expected or abs(reached - value) <= 1e-13 * abs(value):
                     break
                 share *= 0.5
@@ -106,6 +111,16 @@ class RigidPlane:
         if np.all(np.abs(error) <= _ENOUGH * capacity):
             return closest
         raise Infeasible(f"friction must carry the prescribed forces (got {error / capacity} of its capacity missing)")
+
+    def _refuse_more_than(self, bound: FloatArray, amounts: FloatArray, capacity: FloatArray) -> None:
+        """Refuse forces that do more work on a motion of the modes than any tractions within the discs could.
+
+        Where there are none the multipliers grow without limit along such a motion: that is seen here long before they
+        leave the range of numbers.
+        """
+        most = float(np.sum(bound * length_of(self.combine(amounts))))
+        if self.forces @ amounts > most + 0.5 * _ENOUGH * float(np.abs(amounts) @ capacity):
+            raise Infeasible(f"friction must carry the prescribed forces (got {self.forces} of at most {capacity})")
 
     def _dual(self, size: FloatArray, outside: NDArray[np.bool_], bound: FloatArray, amounts: FloatArray) -> float:
         """Negative of the dual function, to be minimised."""

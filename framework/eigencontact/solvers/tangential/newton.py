@@ -119,7 +119,9 @@ class _Iteration:
     def run(
         self, start: FloatArray, tolerance: float, max_iterations: int, on_iteration: Callable[[float], None]
     ) -> DiscState:
-        state = self._state(self.problem.modes.closest(start * self.loaded, self.problem.bound))
+        start = start * self.loaded
+        held = self.loaded & (length_of(start) >= self.problem.bound * (1.0 - 1e-9))
+        state = self._state(self.problem.modes.closest(start, self.problem.bound, held))
         for number in range(max_iterations + 1):
             slip, free, outward = self._look(state)
             on_iteration(state.residual)
@@ -211,7 +213,7 @@ class _Iteration:
         """State after the step or a part of it; None where none lowers the energy."""
         share = 1.0
         for _ in range(4):
-            tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound)
+            tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound, state.slipping)
             found = self._state(tractions)
             expected = inner(slip, tractions - state.tractions)
             if found.energy <= state.energy + 1e-4 * expected + 1e-14 * abs(state.energy):

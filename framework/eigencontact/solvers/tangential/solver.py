@@ -125,6 +125,7 @@ class TangentialSolver:
         control: TangentialControl,
         *,
         start: FloatArray | None = None,
+        tolerance: float | None = None,
         progress: Progress | None = None,
     ) -> TangentialSolution:
         """Find shear, stick and slip of one increment.
@@ -142,6 +143,8 @@ class TangentialSolver:
             Forces or rigid displacements at the end of the increment.
         start : (k, ny, nx) float64, optional
             Shear near the answer: that of the last step.
+        tolerance : float, optional
+            Instead of that of the options: an outer iteration need not solve to the end at once.
         progress : callable, optional
             Told the residual of each iteration.
 
@@ -160,7 +163,7 @@ class TangentialSolver:
                 f"{bound.max()}); check its coefficient"
             )
         try:
-            return self._solve(bound, offset, control, start, report, progress)
+            return self._solve(bound, offset, control, start, report, tolerance or self.options.tolerance, progress)
         finally:
             report.convolutions = self.operator.applications - done
             report.seconds = perf_counter() - began
@@ -172,6 +175,7 @@ class TangentialSolver:
         control: TangentialControl,
         start: FloatArray | None,
         report: TangentialReport,
+        tolerance: float,
         progress: Progress | None,
     ) -> TangentialSolution:
         grid, options = self.grid, self.options
@@ -205,12 +209,12 @@ class TangentialSolver:
         def note(residual: float) -> None:
             report.history.append((grid.nx * grid.ny, residual))
             if progress is not None:
-                progress(f"friction, {grid.nx} x {grid.ny} cells", residual, options.tolerance)
+                progress(f"friction, {grid.nx} x {grid.ny} cells", residual, tolerance)
 
         first = np.zeros_like(here) if start is None else start[cut] / traction
         try:
             state = solve_discs(
-                problem, first, tolerance=0.7 * options.tolerance, max_iterations=options.max_iterations,
+                problem, first, tolerance=0.7 * tolerance, max_iterations=options.max_iterations,
                 on_iteration=note,
             )  # fmt: skip
         except Infeasible:
@@ -219,7 +223,7 @@ class TangentialSolver:
         for mode, value in control.displacements().items():
             rigid[mode] = value
         rigid[list(free)] = state.rigid / sizes * length if free else 0.0
-        solution = self._certified(state, bound, offset, rigid, free, (box, traction), report)
+        solution = self._certified(state, bound, offset, rigid, free, (box, traction), report, tolerance)
         if report.certificate is None or not report.certificate.holds:
             raise NotConverged(
                 f"friction did not converge in {report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
@@ -237,6 +241,7 @@ class TangentialSolver:
         free: Mapping[int, float],
         scale: tuple[Box, float],
         report: TangentialReport,
+        tolerance: float,
     ) -> TangentialSolution:
         """Check the friction conditions with a convolution of their own, which also serves outside the contact."""
         grid, (box, traction) = self.grid, scale
@@ -263,7 +268,7 @@ class TangentialSolver:
             stick=float(np.max(length_of(slip) * stick)) / largest,
             alignment=float(max(across.max(), (along * slipping).max())) / largest,
             load=max(errors, default=0.0),
-            tolerance=self.options.tolerance,
+            tolerance=tolerance,
         )
         return TangentialSolution(
             shear=shear, displacement=displacement, slip=slip, stick=stick, rigid=rigid, forces=forces, report=report
