@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from eigencontact.core.material import Material, dundurs_constant
 from eigencontact.planning.plan import LeftOut
 from eigencontact.scene.schema import Scene
-from eigencontact.solvers.tangential.compliance import Pair
 
 __all__ = ["Coupling", "coupling_of"]
 
+Pair = tuple[str, str]
 Bodies = tuple[Material | None, Material | None]
 
 #: Dundurs constants below this are zero: constants given with round-off.
