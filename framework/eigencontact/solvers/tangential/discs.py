@@ -15,6 +15,8 @@ BoolArray = NDArray[np.bool_]
 _TINY = np.finfo(float).tiny
 #: Forces that the projected tractions miss, relative to what all cells at their bound could carry.
 _EXACT, _ENOUGH = 1e-14, 1e-9
+#: Multipliers of forces, in units of the tractions, that only grow this large where the forces cannot be carried.
+_FAR = 1e12
 
 
 class Infeasible(EigencontactError):
@@ -67,22 +69,33 @@ class RigidPlane:
         """Tractions within the discs that carry the forces and are closest to the given ones.
 
         The multipliers of the forces maximise a concave dual function of as many variables as there are modes; it is
-        climbed by Newton's method. The tractions of cells that are `held` stay on the rim of their discs: the closest
-        point of the whole disc would move slipping cells off their bound by as little as the forces had been missed.
+        climbed by Newton's method. The tractions of cells that are `held` stay on the rim of their discs, if the others
+        can make up the forces: the closest point of the whole disc would move slipping cells off their bound by as
+        little as the forces had been missed.
 
         Raises
         ------
         Infeasible
             There are none.
         """
-        held = np.zeros(bound.shape, dtype=bool) if held is None else held
+        none = np.zeros(bound.shape, dtype=bool)
         if not len(self):
-            size = length_of(vectors)
+            size, held = length_of(vectors), none if held is None else held
             return np.asarray(vectors * np.where((size > bound) | held, bound / np.maximum(size, _TINY), 1.0))
+        if held is not None and np.any(held):
+            try:
+                return self._climb(vectors, bound, held, 20)
+            except Infeasible:  # rims are no convex set
+                pass
+        return self._climb(vectors, bound, none, 80)
+
+    def _climb(self, vectors: FloatArray, bound: FloatArray, held: BoolArray, iterations: int) -> FloatArray:
+        """Newton's method on the dual function."""
         capacity = np.einsum("mij,ij->m", np.sqrt(np.einsum("mkij,mkij->mij", self.fields, self.fields)), bound) + _TINY
         amounts, value = np.zeros(len(self)), np.inf
         error = self.forces
-        for _ in range(80):
+        limit = _FAR * (1.0 + float(length_of(vectors).max(initial=0.0)))
+        for _ in range(iterations):
             moved = vectors + self.combine(amounts)
             size = length_of(moved)
             outside = (size > bound) | held
@@ -91,7 +104,6 @@ class RigidPlane:
             error = self.work(closest) - self.forces
             if np.all(np.abs(error) <= _EXACT * capacity):
                 return closest
-            self._refuse_more_than(bound, amounts, capacity)
             value = self._dual(size, outside, bound, amounts)
             direction = np.where(outside, moved / np.maximum(size, _TINY), 0.0) * np.sqrt(factor)
             along = np.einsum("mkij,kij->mij", self.fields, direction)
@@ -99,6 +111,7 @@ class RigidPlane:
             slope -= np.einsum("mij,lij->ml", along, along)
             slope += (1e-13 * np.trace(slope) + _TINY) * np.eye(len(self))
             change = -np.linalg.solve(slope, error)
+            change *= min(1.0, limit / max(float(np.abs(change).max()), _TINY))
             share, expected = 1.0, float(error @ change)
             for _ in range(40):
                 trial = amounts + share * change
@@ -108,19 +121,11 @@ class RigidPlane:
                     break
                 share *= 0.5
             amounts = trial
+            if np.abs(amounts).max() >= limit:
+                break
         if np.all(np.abs(error) <= _ENOUGH * capacity):
             return closest
         raise Infeasible(f"friction must carry the prescribed forces (got {error / capacity} of its capacity missing)")
-
-    def _refuse_more_than(self, bound: FloatArray, amounts: FloatArray, capacity: FloatArray) -> None:
-        """Refuse forces that do more work on a motion of the modes than any tractions within the discs could.
-
-        Where there are none the multipliers grow without limit along such a motion: that is seen here long before they
-        leave the range of numbers.
-        """
-        most = float(np.sum(bound * length_of(self.combine(amounts))))
-        if self.forces @ amounts > most + 0.5 * _ENOUGH * float(np.abs(amounts) @ capacity):
-            raise Infeasible(f"friction must carry the prescribed forces (got {self.forces} of at most {capacity})")
 
     def _dual(self, size: FloatArray, outside: NDArray[np.bool_], bound: FloatArray, amounts: FloatArray) -> float:
         """Negative of the dual function, to be minimised."""
