@@ -24,6 +24,8 @@ _PAIRS = (
 _MOTIONS = {"shift": _PAIRS[1:3], "twist": _PAIRS[3:]}
 #: Two states are one if all loads and displacements agree to this part of their ranges.
 _CLOSED = 0.01
+#: Pairs whose ranges of load and displacement have a product below this part of the largest are by-products.
+_BY_PRODUCT = 1e-6
 #: A cycle leaves its end by at least this part of the range of something.
 _EXCURSION = 0.5
 
@@ -132,13 +134,11 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
 
 
 def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Loads and displacements in units of their ranges, ``(steps, k)``; those that stay the same are left out."""
-    kept = []
-    for load, way in _PAIRS:
-        pair = [columns[name] for name in (load, way) if name in columns]
-        if all(np.ptp(values) > 1e-6 * np.abs(values).max(initial=0.0) for values in pair):
-            kept += [values / np.ptp(values) for values in pair]
-    return np.stack(kept, axis=-1) if kept else np.zeros((0, 0))
+    """Loads and displacements in units of their ranges, ``(steps, k)``, of the pairs that do work worth the name."""
+    pairs = [(columns[load], columns[way]) for load, way in _PAIRS if load in columns and way in columns]
+    works = [float(np.ptp(load) * np.ptp(way)) for load, way in pairs]
+    kept = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
+    return np.stack([values / np.ptp(values) for pair in kept for values in pair], axis=-1) if kept else np.zeros((0, 0))
 
 
 def _ends(states: NDArray[np.float64]) -> tuple[int, int] | None:
