@@ -44,6 +44,11 @@ class Coupling:
         """Names of the traction components, as the influence plugins name them."""
         return ("p", *(f"q_{c}" for c in self.components))
 
+    @property
+    def joins_normal(self) -> bool:
+        """Whether pressure moves the surfaces along themselves, or shear moves them along their normal."""
+        return any((i == "z") != (j == "z") for i, j in self.pairs)
+
     def left_out(self) -> list[LeftOut]:
         """What this coupling leaves out of the physics, and why."""
         why = f'numerics.coupling = "{self.level}"'

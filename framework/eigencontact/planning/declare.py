@@ -27,7 +27,9 @@ __all__ = ["CONTACT", "ContactDeclaration", "friction_fields", "observer_block",
 #: Surface fields of every contact.
 CONTACT = frozenset({"pressure", "gap", "displacement_z"})
 
-_DIRECTIONS = {"x": "shear q_x", "y": "shear q_y", "z": "pressure p"}
+#: Traction along each direction, and what it is called.
+_TRACTIONS = {"x": "q_x", "y": "q_y", "z": "p"}
+_WORDS = {"q_x": "shear q_x", "q_y": "shear q_y", "p": "pressure p"}
 
 
 def friction_fields(coupling: Coupling | None) -> frozenset[str]:
@@ -79,6 +81,12 @@ class ContactDeclaration:
         if alone and isinstance(self.geometries[0], HasReferencePressure):
             blocks.append(self._reference())
             outputs["reference_pressure"] = "pictures"
+        if self.coupling is not None:
+            blocks.append(self._shear_bound())
+            outputs["shear_bound"] = "pictures"
+            if "reference_pressure" in outputs and not self.coupling.joins_normal:
+                blocks.append(self._reference_shear())
+                outputs |= dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
         for request in scene.stress:
             blocks.append(self._stress(request))
             outputs[f"stress:{request.label}"] = f"[[stress]] {request.label!r}"
@@ -118,14 +126,16 @@ class ContactDeclaration:
             needed |= {"residual_displacement_z"}
             needed |= {f"residual_displacement_{c}" for c in "xy" if coupling.level != "none"}
         text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
-        keys = dict(zip("zxy", (self.influences[name].key for name in coupling.tractions), strict=False))
+        uses = [(i, _TRACTIONS[j]) for i, j in coupling.pairs]
         return Block(
             name="frictional-contact",
             runner="frictional-contact",
             requires=frozenset(needed),
             provides=CONTACT | friction_fields(coupling),
             why="pressure and shear with friction, stick and slip",
-            kernels=tuple(KernelUse(f"displacement {i}", _DIRECTIONS[j], keys[j], text) for i, j in coupling.pairs),
+            kernels=tuple(
+                KernelUse(f"displacement {i}", _WORDS[name], self.influences[name].key, text) for i, name in uses
+            ),
             cost=friction_cost(
                 grid.shape, box, coupling.pairs, periodic=self._periodic, precision=numerics.precision,
                 threads=numerics.threads,
@@ -156,6 +166,24 @@ class ContactDeclaration:
             why=f"geometry {self.geometries[0].key!r} has a closed form, drawn beside the result",
         )
 
+    def _shear_bound(self) -> Block:
+        return Block(
+            name="shear-bound",
+            runner="shear-bound",
+            requires=frozenset({"pressure", "slip_distance"}),
+            provides=frozenset({"shear_bound"}),
+            why="what the friction law allows, drawn beside the shear",
+        )
+
+    def _reference_shear(self) -> Block:
+        return Block(
+            name="reference-shear",
+            runner="reference-shear",
+            requires=frozenset({"pressure", "shear_bound"}),
+            provides=frozenset({"reference_shear_x", "reference_shear_y"}),
+            why=f"geometry {self.geometries[0].key!r} has a closed form of the shear while it rises in one direction",
+        )
+
     def _stress(self, request: StressRequest) -> Block:
         lattice = region_lattice(request, self.grid)
         tractions = ("p",) if self.coupling is None else self.coupling.tractions
@@ -174,7 +202,6 @@ class ContactDeclaration:
             )  # fmt: skip
             text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
         inner = {f"eigenstrain:{request.label}"} if request.body in self.strained else set()
-        words = {"p": "pressure p", "q_x": "shear q_x", "q_y": "shear q_y"}
         return Block(
             name=f"stress-{request.label}",
             runner="stress",
@@ -182,7 +209,7 @@ class ContactDeclaration:
             provides=frozenset({f"stress:{request.label}"}),
             why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
             kernels=tuple(
-                KernelUse("stress (6 components)", words[name], self.influences[name].key, text, count)
+                KernelUse("stress (6 components)", _WORDS[name], self.influences[name].key, text, count)
                 for name in tractions
             ),
             cost=cost,
