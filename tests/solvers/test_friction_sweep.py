@@ -1,0 +1,37 @@
+"""Random frictional contacts converge, all of them; judged from outside by the tractions alone."""
+
+import pytest
+
+from solvers.friction_scenes import errors, follow, make_scene
+
+TOLERANCE = 1e-6
+#: The conditions are met by displacements of all tractions together; each of the two solves of a coupled increment is
+#: right to its share of the tolerance, and they agree to the tolerance in contact.
+ALLOWED = {"gap": 1.5, "overlap": 5.0, "stick": 1.5, "across": 1.5, "along": 1.5, "bound": 1.0}
+
+
+def failures(seeds):
+    """Scenes that do not converge or violate a condition, in words."""
+    said = []
+    for seed in seeds:
+        scene = make_scene(seed)
+        try:
+            found = errors(scene, follow(scene, tolerance=TOLERANCE))
+        except Exception as error:  # noqa: BLE001 - told with the scene
+            said.append(f"{scene}: {type(error).__name__}: {error}")
+            continue
+        wrong = {name: value for name, value in found.items() if not value <= ALLOWED[name] * TOLERANCE}
+        if wrong:
+            said.append(f"{scene}: {wrong}")
+    return said
+
+
+@pytest.mark.parametrize("seed", [3, 17, 41, 78, 137, 190])
+def test_some_random_scenes_converge(seed):
+    assert failures([seed]) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 500, 25))
+def test_five_hundred_random_scenes_converge(first):
+    assert failures(range(first, first + 25)) == []
