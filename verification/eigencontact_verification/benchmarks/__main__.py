@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, trade
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, tangential, trade
 from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
 from eigencontact_verification.benchmarks.machine import describe, facts
@@ -41,7 +41,7 @@ def _count(text: str) -> int:
 
 
 def _code(text: str) -> str:
-    names = {**CODES, **fidelity.METHODS, **trade.METHODS}
+    names = {**CODES, **fidelity.METHODS, **trade.METHODS, **tangential.METHODS}
     if ":" not in text and text not in names:
         known = ", ".join(sorted(names))
         raise argparse.ArgumentTypeError(f"must be one of {known} or package.module:OBJECT (got {text})")
@@ -96,6 +96,10 @@ def parser() -> argparse.ArgumentParser:
     six = commands.add_parser("trade", parents=[common], help="finite elements against the semi-analytical ways")
     six.add_argument("--picture", type=Path, metavar="FILE", help="draw error against time and memory")
     six.set_defaults(size=1)
+    seven = commands.add_parser("tangential", parents=[common], help="partial slip against one bare application")
+    seven.add_argument("--sizes", type=_count, nargs="+", default=[64, 128, 256, 512], metavar="N")
+    seven.add_argument("--cases", nargs="+", choices=list(tangential.CASES), default=list(tangential.CASES))
+    seven.add_argument("--peers", action="store_true", help=f"also {', '.join(tangential.PEERS)}, where installed")
     return top
 
 
@@ -108,6 +112,8 @@ def _report(out: Campaign, benchmark: str, machine: str, *, brief: bool) -> str:
         remarks = hertz.scaling(out.rows) + remarks
     elif benchmark == "eigenstrain":
         remarks = eigenstrain.scaling(out.rows) + remarks
+    elif benchmark == "tangential":
+        remarks = tangential.growth(out.rows) + remarks
     remarks += [f"{code} {text}" for code, text in out.settings.items()]
     parts.append("\n".join(f"- {remark}" for remark in remarks))
     parts.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {machine}.")
@@ -117,9 +123,11 @@ def _report(out: Campaign, benchmark: str, machine: str, *, brief: bool) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one benchmark; return 1 if nothing could be measured, 2 for files that cannot be written."""
     options = parser().parse_args(arguments)
-    peers = PEERS if getattr(options, "peers", False) else ()
     ways = {"fidelity": fidelity.METHODS, "trade": trade.METHODS}.get(options.benchmark)
-    codes = options.codes or (list(ways) if ways else [*OURS, *peers])
+    friction = options.benchmark == "tangential"
+    ours, peers = (tangential.OURS, tangential.PEERS) if friction else (OURS, PEERS)
+    with_peers = getattr(options, "peers", False)
+    codes = options.codes or (list(ways) if ways else [*ours, *(peers if with_peers else ())])
     sizes = options.sizes if "sizes" in options else [options.size]
     elsewhere = dict(options.interpreter)
     machine = facts()

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, trade
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, tangential, trade
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,6 +24,7 @@ BENCHMARKS: dict[str, tuple[Sequence[Column], Callable[[Task, list[Sample]], Row
     "eigenstrain": (eigenstrain.COLUMNS, eigenstrain.summarise),
     "cloud": (cloud.COLUMNS, cloud.summarise),
     "trade": (trade.COLUMNS, trade.summarise),
+    "tangential": (tangential.COLUMNS, tangential.summarise),
 }
 
 

@@ -19,7 +19,7 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"`` or ``"trade"``.
+        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"`` or ``"tangential"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
@@ -35,7 +35,8 @@ class Task:
     depths : int
         Number of depths (stress only).
     case : str
-        Where the eigenstrain is (fidelity); what is computed of it (eigenstrain); shapes (cloud).
+        Where the eigenstrain is (fidelity); what is computed of it (eigenstrain); shapes (cloud); Poisson's
+        ratio (tangential).
     """
 
     benchmark: str

@@ -8,33 +8,35 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, trade
-from eigencontact_verification.benchmarks.codes import Code, find_code
+from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, tangential, trade
+from eigencontact_verification.benchmarks.codes import find_code
 from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 __all__ = ["MEASURES", "METHODS", "main", "perform"]
 
-MEASURES: dict[str, Callable[[Code, Task], Sample]] = {
+MEASURES: dict[str, Callable[[Any, Task], Sample]] = {
     "hertz": hertz.measure,
     "stress": stress.measure,
     "fidelity": fidelity.measure,
     "eigenstrain": eigenstrain.measure,
     "cloud": cloud.measure,
     "trade": trade.measure,
+    "tangential": tangential.measure,
 }
 
-#: Ways of computing of benchmarks that do not compare codes.
-METHODS = {
+#: Ways of computing of benchmarks that do not compare codes, or compare what few of them do.
+METHODS: dict[str, Mapping[str, Any]] = {
     "fidelity": fidelity.METHODS,
     "eigenstrain": eigenstrain.METHODS,
     "cloud": cloud.METHODS,
     "trade": trade.METHODS,
+    "tangential": tangential.METHODS,
 }
 
 

@@ -1,0 +1,310 @@
+"""Cattaneo-Mindlin contact: the tangential solve against the bare FFTs of one application, and what it is worth.
+
+The set-up (normal contact, coefficients known before the tangential load comes) is timed apart from the tangential
+solve, where a code can do that; the first solve in a fresh process includes the coefficients and FFT plans of shear.
+A loop of forty load steps is timed where a code keeps the history.
+"""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.benchmarks.clock import sample, timed
+from eigencontact_verification.benchmarks.sliding import ShearConvolution, SlidingProblem, judge_sliding
+from eigencontact_verification.benchmarks.table import Column, Row
+
+if TYPE_CHECKING:
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = ["CASES", "COLUMNS", "METHODS", "OURS", "PEERS", "ShearCode", "Sheared", "growth", "measure", "summarise"]
+
+FloatArray = NDArray[np.float64]
+
+#: Poisson's ratio of each case.
+CASES = {"nu-0.3": 0.3, "nu-0.5": 0.5}
+#: Load steps of the cycle, and the size at which it is run.
+CYCLE_STEPS, CYCLE_SIZE = 40, 128
+
+
+@dataclass(frozen=True, slots=True)
+class Sheared:
+    """A code's answer: pressure (n, n) and shear (2, n, n) [E*]; counts where it reports them."""
+
+    pressure: FloatArray
+    shear: FloatArray
+    iterations: int | None = None
+    applications: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A code ready for the tangential load: the solve, and a cycle of that many steps that returns applications."""
+
+    solve: Callable[[], Sheared]
+    cycle: Callable[[int], int] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ShearCode:
+    """One code, or one way of using it; see `eigencontact_verification.benchmarks.codes.Code`.
+
+    Attributes
+    ----------
+    name, distribution, modules, settings
+        As there.
+    prepare : callable
+        ``prepare(problem, threads) -> Prepared``, everything that can be done before the tangential load is known.
+    """
+
+    name: str
+    distribution: str
+    modules: tuple[str, ...]
+    settings: str
+    prepare: Callable[[SlidingProblem, int], Prepared]
+
+    def load(self) -> None:
+        """Import what the code needs; ImportError says that it is absent."""
+        for name in self.modules:
+            importlib.import_module(name)
+
+
+def prepare_eigencontact(problem: SlidingProblem, threads: int) -> Prepared:
+    """Solve with this package, as a library user would."""
+    from eigencontact.core.grid import Grid
+    from eigencontact.core.material import Material
+    from eigencontact.planning.kernels import PairCoefficients
+    from eigencontact.solvers.control import Control
+    from eigencontact.solvers.normal import NormalOptions
+    from eigencontact.solvers.tangential.contact import FrictionalContact
+    from eigencontact.solvers.tangential.control import TangentialControl
+    from eigencontact.solvers.tangential.solver import TangentialOptions
+    from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
+
+    n, hertz = problem.n, problem.hertz
+    body = Material(young_modulus=1.0 - problem.poisson_ratio**2, poisson_ratio=problem.poisson_ratio)
+    loads = {"x": ShearLoadX(), "y": ShearLoadY(), "z": PressureLoad()}
+    contact = FrictionalContact(
+        Grid(nx=n, ny=n, dx=hertz.cell, dy=hertz.cell),
+        {(i, j): PairCoefficients(loads[j], (body, None), i) for i, j in ("xx", "xy", "yx", "yy", "zz")},
+        lambda pressure, _: problem.friction * pressure,
+        NormalOptions(tolerance=1e-6, threads=threads),
+        TangentialOptions(tolerance=1e-6, threads=threads),
+    )
+    control, most = Control(normal_load=hertz.load), problem.friction * hertz.load
+    pressed = contact.step(hertz.separation, control, TangentialControl()).sliding
+
+    def solve() -> Sheared:
+        load = TangentialControl(tangential_load_x=problem.tangential_load)
+        found = contact.step(hertz.separation, control, load, pressed)
+        report = found.tangential.report
+        return Sheared(found.normal.pressure, found.tangential.shear, report.iterations, report.convolutions)
+
+    def cycle(steps: int) -> int:
+        state, count = pressed, 0
+        for number in range(1, steps + 1):
+            load = 0.9 * most * float(np.sin(2 * np.pi * number / steps))
+            found = contact.step(hertz.separation, control, TangentialControl(tangential_load_x=load), state)
+            state, count = found.sliding, count + found.tangential_convolutions
+        return count
+
+    return Prepared(solve, cycle)
+
+
+def prepare_tamaas(name: str, tolerance: float = 1e-8, most: int = 2000) -> Callable[[SlidingProblem, int], Prepared]:
+    """One of the friction solvers of Tamaas: periodic, both loads at once, normal contact included."""
+
+    def prepare(problem: SlidingProblem, threads: int) -> Prepared:
+        tamaas: Any = importlib.import_module("tamaas")
+        n, side = problem.n, problem.hertz.side
+        tamaas.set_log_level(tamaas.LogLevel.error)
+        tamaas.initialize(threads)
+
+        def solve() -> Sheared:
+            model = tamaas.ModelFactory.createModel(tamaas.model_type.surface_2d, [side] * 2, [n, n])
+            model.E, model.nu = 1.0 - problem.poisson_ratio**2, problem.poisson_ratio
+            solver = getattr(tamaas, name)(model, -problem.hertz.separation, tolerance, problem.friction)
+            solver.max_iter, solver.dump_freq = most, 10 * most
+            solver.solve([problem.tangential_load / side**2, 0.0, problem.hertz.load / side**2])
+            tractions = np.array(model.traction)
+            return Sheared(tractions[..., 2], np.moveaxis(tractions[..., :2], -1, 0))
+
+        return Prepared(solve)
+
+    return prepare
+
+
+def prepare_aspher(problem: SlidingProblem, threads: int) -> Prepared:  # noqa: ARG001 - one signature for all
+    """Incremental solver of ASPHER, preconditioned, FFT operator; a step that it refuses counts as a failure."""
+    aspher: Any = importlib.import_module("aspher")
+    n, area = problem.n, problem.hertz.side**2
+
+    def pressed() -> Any:
+        model = aspher.CoulombFriction(problem.friction)
+        solver = aspher.FrictionSolver(n, problem.hertz.side, E_star=1.0, nu=problem.poisson_ratio, model=model)
+        solver.set_gap(problem.hertz.separation)
+        result = solver.step(p_bar=problem.hertz.load / area)
+        if not result.converged:
+            raise RuntimeError(f"normal step must converge (got {result.status_reason})")
+        return solver
+
+    ready = [pressed()]
+
+    def solve() -> Sheared:
+        solver = ready.pop() if ready else pressed()
+        result = solver.step(q_bar=(problem.tangential_load / area, 0.0))
+        if not result.converged:
+            raise RuntimeError(f"tangential step must converge (got {result.status_reason})")
+        shear = np.stack([np.array(result.qx).reshape(n, n), np.array(result.qy).reshape(n, n)])
+        return Sheared(np.array(solver.pressure).reshape(n, n), shear, int(result.tangential_iters))
+
+    return Prepared(solve)
+
+
+def measure(code: ShearCode, task: Task) -> Sample:
+    """Prepare, solve once cold and `task.warm` times more, alternating with bare applications, in this process.
+
+    Raises
+    ------
+    ImportError
+        If the code is absent.
+    """
+    began = time.perf_counter()
+    code.load()
+    problem = SlidingProblem(n=task.n, poisson_ratio=CASES[task.case])
+    prepared, setup, _ = timed(lambda: code.prepare(problem, task.threads))
+    answer, first, cpu = timed(prepared.solve)
+    judgement = judge_sliding(problem, answer.pressure, answer.shear)
+    application, field = ShearConvolution(problem), np.stack([problem.shear, problem.shear])
+    floor, again = sample(lambda: application(field, task.threads)), list[float]()
+    while len(again) < task.warm and time.perf_counter() - began + 2 * first < task.budget:
+        again.append(timed(prepared.solve)[1])
+        floor += sample(lambda: application(field, task.threads))
+    cycle: dict[str, float] = {}
+    if prepared.cycle is not None and task.n == CYCLE_SIZE:
+        count, seconds, _ = timed(lambda: prepared.cycle(CYCLE_STEPS))  # type: ignore[misc]
+        cycle = {"cycle_s": seconds, "cycle_applications": count}
+    return {
+        "status": "ok",
+        "setup_s": setup,
+        "first_s": first,
+        "first_cpu_s": cpu,
+        "again_s": again,
+        "application_s": median(floor),
+        "iterations": answer.iterations,
+        "applications": answer.applications,
+        **cycle,
+        **asdict(judgement),
+    }
+
+
+def summarise(task: Task, samples: list[Sample]) -> Row:
+    """One row of the table from the processes of one code, size and case; medians over processes."""
+    again = [t for s in samples for t in s["again_s"]]
+    cycles = [s["cycle_s"] for s in samples if "cycle_s" in s]
+    last = samples[-1]
+    kept = ("iterations", "applications", "residual", "load_error", "shear_error", "stick_radius")
+    return {
+        "case": task.case,
+        "code": task.code,
+        "n": task.n,
+        "threads": task.threads,
+        "processes": len(samples),
+        "setup_s": median(s["setup_s"] for s in samples),
+        "first_s": median(s["first_s"] for s in samples),
+        "again_s": median(again) if again else None,
+        "application_s": median(s["application_s"] for s in samples),
+        "again_per_application": (
+            median(median(s["again_s"]) / s["application_s"] for s in samples if s["again_s"]) if again else None
+        ),
+        "cores": median(s["first_cpu_s"] / s["first_s"] for s in samples),
+        "cycle_s": median(cycles) if cycles else None,
+        "cycle_applications": last.get("cycle_applications"),
+        **{key: last[key] for key in kept},
+    }
+
+
+def growth(rows: list[Row]) -> list[str]:
+    """Sentences on how applications and time grow with N, and on the cycle, for codes that report them."""
+    said = []
+    for case, code in dict.fromkeys((row["case"], row["code"]) for row in rows):
+        mine = [row for row in rows if (row["case"], row["code"]) == (case, code)]
+        for key, words in (("applications", "applications"), ("again_s", "seconds")):
+            known = [(row["n"], row[key]) for row in mine if row[key]]
+            if len(known) < 3:
+                continue
+            n, value = np.log(np.array(known, dtype=float)).T
+            power = float(np.polyfit(n, value, 1)[0])
+            said.append(f"{case}, {code}: {words} grow as N^{power:.2f} from N = {known[0][0]} to {known[-1][0]}")
+        said += [
+            f"{case}, {code}: a cycle of {CYCLE_STEPS} load steps, |Q| up to 0.9 of friction, at N = {row['n']} takes"
+            f" {row['cycle_s']:.2g} s and {row['cycle_applications']} applications"
+            for row in mine
+            if row["cycle_s"] is not None
+        ]
+    return said
+
+
+OURS = ("eigencontact",)
+PEERS = ("tamaas-condat", "tamaas-polonsky-keer", "tamaas-kato", "aspher")
+METHODS = {
+    code.name: code
+    for code in (
+        ShearCode(
+            name="eigencontact",
+            distribution="eigencontact",
+            modules=(
+                "pyfftw",
+                "scipy.fft",
+                "eigencontact.solvers.tangential.contact",
+                "eigencontact.planning.kernels",
+                "eigencontact_plugins.surface_loads",
+            ),
+            settings="FrictionalContact, x with y coupled, tolerance 1e-6",
+            prepare=prepare_eigencontact,
+        ),
+        *(
+            ShearCode(
+                name=f"tamaas-{name}",
+                distribution="tamaas",
+                modules=("tamaas",),
+                settings=f"{solver}, periodic, normal and tangential load at once (the solve includes the normal "
+                "contact), fully coupled, tolerance 1e-8, at most 2000 iterations",
+                prepare=prepare_tamaas(solver),
+            )
+            for name, solver in (("condat", "Condat"), ("polonsky-keer", "PolonskyKeerTan"), ("kato", "Kato"))
+        ),
+        ShearCode(
+            name="aspher",
+            distribution="aspher",
+            modules=("aspher",),
+            settings="FrictionSolver, preconditioned, FFT, default tolerances",
+            prepare=prepare_aspher,
+        ),
+    )
+}
+
+COLUMNS = (
+    Column("case", "case"),
+    Column("N", "n", "d"),
+    Column("code", "code"),
+    Column("set-up [s]", "setup_s", ".2g"),
+    Column("first solve [s]", "first_s", ".3g"),
+    Column("again [s]", "again_s", ".3g"),
+    Column("applications", "applications", "d"),
+    Column("iterations", "iterations", "d"),
+    Column("again / bare application", "again_per_application", ".3g"),
+    Column("residual", "residual", ".1e"),
+    Column("q error, L2", "shear_error", ".1e"),
+    Column("c/a", "stick_radius", ".4f"),
+    Column("load error", "load_error", "+.0e"),
+    Column("cores", "cores", ".1f", brief=False),
+    Column("processes", "processes", "d", brief=False),
+)
