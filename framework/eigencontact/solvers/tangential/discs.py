@@ -109,9 +109,10 @@ class RigidPlane:
             along = np.einsum("mkij,kij->mij", self.fields, direction)
             slope = np.einsum("mkij,ij,lkij->ml", self.fields, factor, self.fields)
             slope -= np.einsum("mij,lij->ml", along, along)
-            slope += (1e-13 * np.trace(slope) + _TINY) * np.eye(len(self))
+            reach = 2.0 * float(size.max(initial=0.0) + bound.max(initial=0.0)) + _TINY
+            flat = float(np.abs(error).max()) / reach + _TINY  # limits the change to that reach where all cells slip
+            slope += (1e-13 * np.trace(slope) + flat) * np.eye(len(self))
             change = -np.linalg.solve(slope, error)
-            change *= min(1.0, limit / max(float(np.abs(change).max()), _TINY))
             share, expected = 1.0, float(error @ change)
             for _ in range(40):
                 trial = amounts + share * change
