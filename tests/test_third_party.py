@@ -1,7 +1,7 @@
 """A real package of a stranger: built as a wheel, installed into an environment of its own, used from scenes.
 
-`sample_package` brings a torus (only `contains`) and a spheroid (potentials). A second package beside it cannot be
-imported. Nothing here needs a network.
+`sample_package` brings a torus (only `contains`), a spheroid (potentials) and a friction law. A second package beside
+it cannot be imported. Nothing here needs a network.
 """
 
 import json
@@ -55,6 +55,40 @@ eigenstrain = [1e-3, 0.0, -1e-3]
 [grid]
 cells = 17
 spacing = ["1 um", "1 um"]
+
+[output]
+pictures = false
+vtk = false
+"""
+FRICTION = """
+title = "Friction of a stranger"
+
+[body1]
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+
+[geometry]
+type = "sphere"
+radius = "105 um"
+
+[friction]
+type = "adhesive"
+tau0 = "50 MPa"
+coefficient = 0.1
+cap = "500 MPa"
+
+[grid]
+cells = 24
+size = ["16 um", "16 um"]
+
+[[steps]]
+normal-load = "0.65 N"
+
+[[steps]]
+shift-x = "2 um"
+
+[numerics]
+coupling = "none"
 
 [output]
 pictures = false
@@ -120,13 +154,21 @@ def stranger(root, tmp_path_factory):
     installed = run(*pip, "--python", python, "install", "-q", "--no-deps", *wheels)
     assert installed.returncode == 0, installed.stderr
     (folder / "scene.toml").write_text(INCLUSIONS, encoding="utf-8")
+    (folder / "friction.toml").write_text(FRICTION, encoding="utf-8")
     return Stranger(python, sources, folder)
 
 
-def test_both_shapes_are_listed_with_their_package(stranger):
+LISTED = {
+    "torus": "Ring of circular section",
+    "spheroid": "Ellipsoid of revolution about z",
+    "adhesive": "Shear strength that begins at tau0",
+}
+
+
+def test_all_are_listed_with_their_package(stranger):
     listed = stranger("plugins")
     assert listed.returncode == 0, listed.stderr
-    for key, words in {"torus": "Ring of circular section", "spheroid": "Ellipsoid of revolution about z"}.items():
+    for key, words in LISTED.items():
         (line,) = (line for line in listed.stdout.splitlines() if line.split()[:1] == [key])
         assert words in line
         assert line.endswith(f"({ORIGIN})")
@@ -171,6 +213,37 @@ def test_a_scene_with_both_runs_and_cites(stranger):
     assert summary["versions"]["plugin inclusion-shape torus"] == ORIGIN
     assert summary["versions"]["plugin inclusion-shape spheroid"] == ORIGIN
     assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in summary["references"]
+
+
+SLIDING = """
+import json
+import numpy as np
+import eigencontact as ec
+
+fields = ec.open_results("slid").isel(step=-1)
+pressure = fields["pressure"].values
+bound = np.where(pressure > 0, np.minimum(50e6 + 0.1 * pressure, 500e6), 0.0)
+print(json.dumps({"error": float(np.abs(fields["shear_x"].values - bound).max() / bound.max()),
+                  "load": float(fields["tangential_load_x"]) / (bound.sum() * (16e-6 / 24) ** 2),
+                  "capped": int(np.sum(bound == 500e6)), "below": int(np.sum((bound > 0) & (bound < 500e6)))}))
+"""
+
+
+def test_a_contact_slips_by_their_law(stranger):
+    """Far behind the shift all of it slips: the shear is min(tau0 + coefficient p, cap), where there is contact."""
+    done = stranger("run", "friction.toml", "-o", "slid", "--json")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary["versions"]["plugin friction-law adhesive"] == ORIGIN
+    assert "B. J. Briscoe and D. Tabor 1975, Wear 34, 29" in summary["references"]
+    found = stranger.script(SLIDING)
+    assert found["error"] < 1e-9
+    assert abs(found["load"] - 1) < 1e-9
+    assert found["capped"] > 0
+    assert found["below"] > 0
+    refused = stranger("explain", "friction.toml", "--set", "friction.cap=1 MPa")
+    assert refused.returncode == 2
+    assert "adhesive.cap must be finite and at least tau0, 50000000.0 [Pa] (got 1000000.0)" in refused.stderr
 
 
 FIELDS = """
