@@ -1,0 +1,121 @@
+"""Every bundled scene with friction runs, is certified, and agrees with its closed form, here on coarser cells."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.scene.loader import bundled_names
+
+#: Coarser cells, so that each scene takes about a second; the rough scene keeps the points of its measurement.
+COARSER = {
+    "cattaneo-mindlin": ["grid.cells-per-contact-radius=24", "steps.1.increments=1", "stress.0.depth-cells=12"],
+    "gross-slip": ["grid.cells-per-contact-radius=16", "steps.1.increments=4"],
+    "fretting-mode-1": ["grid.cells-per-contact-radius=20", "steps.1.increments=5"],
+    "fretting-mode-2": ["grid.cells-per-contact-radius=20"],
+    "fretting-mode-3": ["grid.cells-per-contact-radius=20", "steps.1.increments=4"],
+    "rotating-shear": ["grid.cells-per-contact-radius=12"],
+    "rough-surface-friction": [],
+}
+#: Sphere of 200 um on steel under 12.307 N: contact radius [m]; load that friction carries [N].
+A, CARRIED = 20.0e-6, 0.5 * 12.307
+
+
+@pytest.fixture(scope="module")
+def finished():
+    """Run a bundled scene once for all tests of this module."""
+    known = {}
+
+    def run(name):
+        if name not in known:
+            known[name] = ec.run(ec.load_scene(name, [*COARSER[name], "output.pictures=false"]))
+        return known[name]
+
+    return run
+
+
+def test_every_bundled_scene_with_friction_is_tested():
+    assert [name for name in bundled_names() if ec.load_scene(name).friction is not None] == sorted(COARSER)
+
+
+@pytest.mark.parametrize("name", COARSER)
+def test_all_steps_are_certified_and_obey_the_law(name, finished):
+    result = finished(name)
+    data, scene = result.dataset, ec.load_scene(name)
+    assert result.summary["converged"] is True
+    for residual in ("gap", "penetration", "load", "bound", "stick", "alignment", "coupling"):
+        assert float(data[f"{residual}_residual"].max()) <= 1e-6
+    shear = np.hypot(data.shear_x.values, data.shear_y.values)
+    bound = scene.friction["coefficient"] * data.pressure.values
+    assert np.all(shear <= bound + 1e-6 * bound.max())
+    np.testing.assert_allclose(shear[data.contact_zone.values == 1], bound[data.contact_zone.values == 1], rtol=1e-5)
+    # The work of a step is taken with the mean of the shear at its ends, which undoes a little where the shear turns.
+    energy = data.dissipated_energy.values
+    assert np.all(np.diff(energy) >= -1e-3 * energy[-1])
+    for key in ("tangential_load", "shift", "stick_radius", "slip_fraction", "dissipated_energy", "torsion_moment"):
+        assert result.summary[key] == float(data[key][-1])
+
+
+def test_cattaneo_mindlin(finished):
+    """CM-1."""
+    summary = finished("cattaneo-mindlin").summary
+    assert summary["contact_radius"] == pytest.approx(A, rel=5e-3)
+    assert summary["stick_radius"] == pytest.approx(0.5 ** (1 / 3) * A, rel=1e-2)
+    assert summary["shift"] == pytest.approx(449.3e-9, rel=5e-3)
+    assert summary["max_von_mises"] > 0
+
+
+def energy_of_the_cycle(data, increments):
+    return float(data.dissipated_energy[-1] - data.dissipated_energy[-1 - increments])
+
+
+def test_gross_slip(finished):
+    """CM-3: slides at the bound of friction, and takes 3.762e-5 J a cycle."""
+    data = finished("gross-slip").dataset
+    assert energy_of_the_cycle(data, 32) == pytest.approx(3.762e-5, rel=1e-2)
+    np.testing.assert_allclose(data.tangential_load_x[[4, 20, 36]], [CARRIED, -CARRIED, CARRIED], rtol=1e-5)
+    np.testing.assert_array_equal(data.slip_fraction[[4, 20, 36]], 1.0)
+    assert float(data.slip_fraction[6]) < 0.5
+
+
+def test_fretting_mode_1(finished):
+    """CM-2: 0.5489 of what friction carries, c/a = 0.7670, 2.942e-7 J a cycle."""
+    data = finished("fretting-mode-1").dataset
+    np.testing.assert_allclose(data.tangential_load_x[[5, 25, 45]] / CARRIED, [0.5489, -0.5489, 0.5489], rtol=5e-3)
+    np.testing.assert_allclose(data.stick_radius[[5, 25, 45]] / A, 0.7670, rtol=1e-2)
+    assert energy_of_the_cycle(data, 40) == pytest.approx(2.942e-7, rel=2e-2)
+
+
+def test_fretting_mode_2(finished):
+    """Spence's stick circle, mu/beta = 0.7, on twenty increments; the ring slips inwards, its shear outwards."""
+    data = finished("fretting-mode-2").dataset
+    assert float(data.stick_radius[-1] / data.contact_radius[-1]) == pytest.approx(0.7334, rel=1.5e-2)
+    last = data.isel(step=-1)
+    slipping = last.contact_zone == 1
+    assert float((last.slip_x * last.x + last.slip_y * last.y).where(slipping).max()) < 0
+    assert float((last.shear_x * last.x + last.shear_y * last.y).where(slipping).min()) > 0
+    assert float(np.abs(last.tangential_load)) < 1e-9
+
+
+def test_fretting_mode_3(finished):
+    """TO-1: moment and stick radius at the turns."""
+    data = finished("fretting-mode-3").dataset
+    np.testing.assert_allclose(data.torsion_moment[[4, 20, 36]], [65.05e-6, -65.05e-6, 65.05e-6], rtol=5e-3)
+    np.testing.assert_allclose(data.stick_radius[[4, 20, 36]], 10e-6, rtol=2e-2)
+
+
+def test_rotating_shear(finished):
+    """The first pull is Cattaneo's; then the load keeps its size at the corners, and the stick circle shrinks."""
+    data = finished("rotating-shear").dataset
+    assert float(data.stick_radius[4]) == pytest.approx(0.4 ** (1 / 3) * A, rel=2e-2)
+    np.testing.assert_allclose(data.tangential_load[6::2], 0.6 * CARRIED, rtol=1e-5)
+    assert float(data.stick_radius[-1]) < 0.93 * float(data.stick_radius[4])
+    assert np.all(np.diff(data.dissipated_energy[4:]) > 0)
+
+
+def test_rough_surface_friction(finished):
+    """Half of what friction carries leaves some spots stuck; pulled back, the shear does not vanish with the load."""
+    data = finished("rough-surface-friction").dataset
+    assert 0.3 < float(data.slip_fraction[2]) < 0.95
+    assert float(data.tangential_load_x[2]) == pytest.approx(0.045, rel=1e-5)
+    assert abs(float(data.tangential_load_x[4])) < 1e-6 * 0.09
+    assert float(np.abs(data.shear_x[4]).max()) > 0.05 * float(data.pressure[4].max())
