@@ -90,7 +90,7 @@ def stored(tmp_path_factory):
 
 LOAD = synthetic.LOAD
 MONOTONIC = tuple((LOAD, reach, 0.0) for reach in (0.0, 0.2, 0.5))
-BACK = np.linspace(0.8, -0.8, 9)[1:]
+BACK = np.linspace(0.8, -0.8, 5)[1:]
 #: From rest to 0.8, back to -0.8 and again to 0.8: the second half mirrors the first.
 CYCLE = (
     *((LOAD, reach, 0.0) for reach in (0.4, 0.8)),
@@ -153,7 +153,7 @@ CASES = {
     "torsion": {"history": CYCLE, "change": torsion},
     "radial": {"history": MONOTONIC, "change": radial},
     "rough": {"history": MONOTONIC, "change": rough, "n": 64},
-    "one direction": {"history": CYCLE, "change": one_direction},
+    "one direction": {"history": MONOTONIC, "change": one_direction},
     "one row": {"history": MONOTONIC, "ny": 1},
     "no contact": {"history": MONOTONIC, "change": nothing},
 }
@@ -162,9 +162,9 @@ CASES = {
 DRAWN = {
     shear_map: ("monotonic", "torsion", "rough", "one row", "no contact"),
     shear_profiles: ("beside the closed form", "torsion", "rough", "one row", "no contact"),
-    dissipation_map: ("cycle", "no contact"),
+    dissipation_map: ("cycle",),
     fretting_loops: ("cycle", "torsion"),
-    zone_strip: ("cycle", "radial", "one row", "no contact"),
+    zone_strip: ("cycle", "radial", "no contact"),
 }
 
 
@@ -226,7 +226,7 @@ def test_the_map_shows_the_zones_and_equal_scales(stored):
     assert words[2].startswith("longest arrow: ")
 
 
-@pytest.mark.parametrize("n", [24, 25, 64, 101])
+@pytest.mark.parametrize("n", [24, 25, 64])
 def test_arrows_are_those_of_their_cells_and_lie_evenly(stored, n):
     dataset = stored(MONOTONIC, n=n, change=torsion)
     quiver = next(item for item in shear_map(dataset).axes[0].collections if isinstance(item, mpl.quiver.Quiver))
@@ -310,9 +310,9 @@ def test_the_loop_is_that_of_the_scalars_and_its_last_cycle_is_tinted(stored):
     np.testing.assert_allclose(1e-9 * loop.get_xdata(), dataset["shift_x"].values, rtol=1e-12, atol=1e-18)
     np.testing.assert_allclose(1e-3 * loop.get_ydata(), dataset["tangential_load_x"].values, rtol=1e-12, atol=1e-15)
     corners = main.patches[0].get_xy()
-    np.testing.assert_allclose(1e-9 * corners[:17, 0], dataset["shift_x"].values[1:], rtol=1e-12, atol=1e-18)
+    np.testing.assert_allclose(1e-9 * corners[:9, 0], dataset["shift_x"].values[1:], rtol=1e-12, atol=1e-18)
     title = figure.get_suptitle()
-    assert title.startswith("Cycle of steps 2 to 18: area of the loop ")
+    assert title.startswith("Cycle of steps 2 to 10: area of the loop ")
     assert "energy ratio" in title
 
 

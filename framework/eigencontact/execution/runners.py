@@ -110,6 +110,8 @@ _HOMES = {
     "frictional-contact": ("friction", "FrictionalContactRunner"),
     "tangential-displacement": ("contact", "TangentialDisplacement"),
     "reference-pressure": ("contact", "ReferencePressure"),
+    "shear-bound": ("friction_reference", "ShearBound"),
+    "reference-shear": ("friction_reference", "ReferenceShear"),
     "stress": ("stress", "Stress"),
     "residual-displacement": ("eigenstrain", "ResidualDisplacement"),
     "eigenstrain-region": ("eigenstrain", "EigenstrainRegion"),

@@ -85,8 +85,10 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
     Notes
     -----
     Integrals are by the trapezoidal rule over the closed polygon (the area of the polygon). Where the tractions change
-    linearly through each step that is the work exactly, so that in a closed cycle `work` and `dissipated` agree to the
-    tolerance of the solver: one comes from loads and rigid displacements, the other from shear and slip of each cell.
+    linearly through each step that is the work exactly, so that in a cycle that closes on itself under a constant
+    contact `work` and `dissipated` agree to the tolerance of the solver: one comes from loads and rigid displacements,
+    the other from shear and slip of each cell. Where the state still drifts from cycle to cycle, as under coupling of
+    normal and tangential contact, they differ by about the load times the displacement that is missing to closure.
 
     References
     ----------
@@ -138,7 +140,9 @@ def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
     pairs = [(columns[load], columns[way]) for load, way in _PAIRS if load in columns and way in columns]
     works = [float(np.ptp(load) * np.ptp(way)) for load, way in pairs]
     kept = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
-    return np.stack([values / np.ptp(values) for pair in kept for values in pair], axis=-1) if kept else np.zeros((0, 0))
+    return (
+        np.stack([values / np.ptp(values) for pair in kept for values in pair], axis=-1) if kept else np.zeros((0, 0))
+    )
 
 
 def _ends(states: NDArray[np.float64]) -> tuple[int, int] | None:

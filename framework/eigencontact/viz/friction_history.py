@@ -168,4 +168,4 @@ def _courses(axes: Axes, dataset: xr.Dataset, steps: NDArray[Any]) -> None:
     axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, -0.1), max(high, 1.15))
-    axes.set_ylabel("Load / largest")
+    axes.set_ylabel("Load / max.")

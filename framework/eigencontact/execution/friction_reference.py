@@ -1,0 +1,124 @@
+"""Runners beside a contact with friction: the bound that the law sets, and the closed form of monotonic loading."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.execution.runners import State
+from eigencontact.planning.blocks import Block
+from eigencontact.planning.plan import Plan
+from eigencontact.plugin import FrictionLaw, FrictionState, HasReferencePressure
+from eigencontact.plugin.friction import checked_shear_bound
+from eigencontact.results.records import StepRecord
+
+__all__ = ["ReferenceShear", "ShearBound"]
+
+FloatArray = NDArray[np.float64]
+
+#: Loads that differ by no more than this part of what friction carries are the same.
+_SAME = 1e-9
+#: Sine of the angle between two loads of one direction.
+_TURN = 1e-4
+#: Bounds that are in proportion to the pressure to this part have one coefficient.
+_UNIFORM = 1e-9
+
+
+class ShearBound:
+    """The largest shear that the friction law allows at each cell, with the pressure of the step."""
+
+    def __init__(self, plan: Plan, _block: Block) -> None:
+        assert plan.friction is not None
+        self._law: FrictionLaw = plan.friction
+        self._axes = plan.grid.axes()
+
+    def __call__(self, state: State) -> None:
+        """Advance one step; see `Runner`."""
+        y, x = self._axes
+        pressure = state.fields["pressure"]
+        slipped = np.zeros_like(pressure) if state.previous is None else state.previous.fields["slip_distance"]
+        asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=state.time)
+        state.fields["shear_bound"] = checked_shear_bound(self._law, asked)
+
+
+class ReferenceShear:
+    """Closed form of the shear of a geometry whose pressure has one, while it holds.
+
+    Under a constant normal load P and a tangential load Q that rises from zero in one direction, and with one
+    coefficient of friction f, the shear is f times the pressure under P less the pressure under P - Q/f: Cattaneo and
+    Mindlin's for a sphere, any shape's by Ciavarella and Jaeger. The theorem leaves out the normal displacement by
+    shear and what shear does across its own direction, as most of "none" and "partial" coupling do. Where a step
+    leaves that path, by unloading, turning, twisting or another normal load, neither it nor any later one has a
+    closed form here.
+
+    Whether the path was kept so far is told by the last step having the field, so that resumed runs agree.
+
+    References
+    ----------
+    M. Ciavarella, The generalized Cattaneo partial slip plane contact problem, Int. J. Solids Structures 35 (1998).
+    J. Jaeger, A new principle in contact mechanics, ASME J. Tribology 120 (1998) 677-684.
+    """
+
+    def __init__(self, plan: Plan, _block: Block) -> None:
+        from eigencontact.core.material import contact_modulus
+
+        self._grid = plan.grid
+        self._modulus = contact_modulus(*plan.bodies)
+        geometry = plan.geometries[0]
+        assert isinstance(geometry, HasReferencePressure)
+        self._geometry = geometry
+
+    def __call__(self, state: State) -> None:
+        """Advance one step; see `Runner`."""
+        scalars, pressure = state.scalars, state.fields["pressure"]
+        coefficient = _coefficient(pressure, state.fields["shear_bound"])
+        if coefficient is None or any(scalars[name] for name in ("tilt_x", "tilt_y", "twist")):
+            return
+        load = np.array([scalars["tangential_load_x"], scalars["tangential_load_y"]])
+        capacity = coefficient * scalars["normal_load"]
+        if not _path_kept(load, scalars["normal_load"], capacity, state.previous):
+            return
+        size = float(np.hypot(*load))
+        shear, along = np.zeros(self._grid.shape), np.zeros(2)
+        if size > _SAME * capacity:
+            along = load / size
+            whole, part = (self._pressure(scalars["normal_load"] * (1 - f)) for f in (0.0, size / capacity))
+            shear = coefficient * (whole - part)
+        for axis, direction in zip("xy", along, strict=True):
+            state.fields[f"reference_shear_{axis}"] = direction * shear
+
+    def _pressure(self, load: float) -> FloatArray:
+        if load <= 0:
+            return np.zeros(self._grid.shape)
+        y, x = self._grid.axes()
+        return np.broadcast_to(self._geometry.reference_pressure(x, y, load, self._modulus), self._grid.shape)
+
+
+def _coefficient(pressure: FloatArray, bound: FloatArray) -> float | None:
+    """Ratio of the bound to the pressure where it is the same everywhere."""
+    loaded = pressure > 0
+    if not loaded.any():
+        return None
+    ratio = bound[loaded] / pressure[loaded]
+    return float(ratio.mean()) if np.ptp(ratio) <= _UNIFORM * ratio.max() and ratio.max() > 0 else None
+
+
+def _path_kept(load: FloatArray, normal_load: float, capacity: float, last: StepRecord | None) -> bool:
+    """Whether the tangential load is still on its way from zero, in one direction under one normal load."""
+    still = float(np.hypot(*load)) <= _SAME * capacity
+    if last is None:
+        return still
+    if "reference_shear_x" not in last.fields:
+        return False
+    before = np.array([last.scalars["tangential_load_x"], last.scalars["tangential_load_y"]])
+    reached, size = float(np.hypot(*before)), float(np.hypot(*load))
+    if still and reached <= _SAME * capacity:
+        return True
+    if abs(normal_load - last.scalars["normal_load"]) > _SAME * normal_load:
+        return False
+    # Rising along one line: no part across the last load, none against it. What the solver leaves across is no turn.
+    across = abs(before[0] * load[1] - before[1] * load[0])
+    return bool(
+        reached <= _SAME * capacity
+        or (size >= reached * (1 - _SAME) and before @ load > 0 and across <= _TURN * reached * size)
+    )
