@@ -26,8 +26,8 @@ def _state(shape: tuple[int, int], pressure: float, spacing: float, time: float 
         field[0, 0] = 0.0
     return FrictionState(
         pressure=field,
-        x=spacing * (np.arange(nx) - 0.5 * (nx - 1))[None, :],
-        y=spacing * (np.arange(ny) - 0.5 * (ny - 1))[:, None],
+        x=spacing * np.linspace(0.5 - 0.5 * nx, 0.5 * nx - 0.5, nx)[None, :],
+        y=spacing * np.linspace(0.5 - 0.5 * ny, 0.5 * ny - 0.5, ny)[:, None],
         slip_distance=spacing * steps,
         time=time,
     )
