@@ -278,10 +278,11 @@ def _run_info(planned: Plan) -> RunInfo:
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
     if planned.geometries:
         digest.update(planned.separation().tobytes())  # a changed topography file is a changed scene
-    for source in planned.sources:  # and so is a changed mesh, or a changed table of eigenstrain
-        for part in (source.shape, source.field):
-            file = Path(str(getattr(part, "file", "")))
-            digest.update(file.read_bytes() if file.is_file() else b"")
+    # and so is a changed mesh, a changed table of eigenstrain, a changed map of friction
+    parts = [part for source in planned.sources for part in (source.shape, source.field)]
+    for part in [*parts, planned.friction]:
+        file = Path(str(getattr(part, "file", "")))
+        digest.update(file.read_bytes() if file.is_file() else b"")
     versions = {
         "python": platform.python_version(),
         "numpy": np.__version__,

@@ -7,7 +7,7 @@ import pytest
 
 import eigencontact as ec
 from eigencontact.core.quantities import QUANTITIES
-from eigencontact.errors import NotConverged
+from eigencontact.errors import NotConverged, ResultsError
 from eigencontact.execution import friction
 from eigencontact.execution.history import control_at, ramps, start_of_ramp, tangential_control_at
 from eigencontact.results.layout import SCALARS
@@ -268,6 +268,22 @@ def uninterrupted():
         return known[coupling]
 
     return run
+
+
+def test_another_map_of_friction_is_another_scene(tmp_path):
+    """A run cannot be resumed with a file that has changed since."""
+    file, folder = tmp_path / "map.npz", tmp_path / "out"
+    law = {"type": "coulomb-map", "file": str(file)}
+    mapped = scene([{"normal_load": LOAD}, {"tangential_load_x": 1.0}], friction=law)
+    for coefficient in (0.3, 0.4):
+        axis = np.array([-50e-6, 50e-6])
+        np.savez(file, x=axis, y=axis, coefficient=np.full((2, 2), coefficient))
+        if coefficient == 0.3:
+            with pytest.raises(Stop):
+                ec.run(mapped, folder, watcher=Stopper(2))
+        else:
+            with pytest.raises(ResultsError, match="another scene"):
+                ec.run(mapped, folder, resume=True)
 
 
 @pytest.fixture
