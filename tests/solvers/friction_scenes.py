@@ -282,7 +282,7 @@ def errors(scene, course):
     position = moved[:2] - np.einsum("m,mkij->kij", last.tangential.rigid, mode_fields(grid, "xy"))
     before = course.before or Sliding.at_rest(grid)
     slip, size, bound = position - before.position, np.hypot(*q), scene.bound(p, before)
-    largest = np.hypot(*last.tangential.displacement)[loaded].max()
+    largest = np.hypot(*last.tangential.displacement)[loaded].max() or 1.0  # 0 where there is no shear at all
     stick = loaded & (size < bound * (1 - 1e-9))
     unit = q / np.where(size > 0, size, 1.0)
     along = np.einsum("kij,kij->ij", slip, unit)

@@ -30,6 +30,9 @@ BoolArray = NDArray[np.bool_]
 _TINY = np.finfo(float).tiny
 #: Conjugate-gradient steps in one Newton step at most.
 _INNER = 80
+#: Part of the loaded cells that may change between stick and slip for the Newton steps to be worth some precision, and
+#: the residual of a step, relative to its first, before that.
+_SETTLED, _ROUGH = 0.01, 0.4
 #: Stiffness of a cell, in units of the largest coefficient, from which the first gradient step is taken.
 _SOFTEST = 0.2
 
@@ -68,7 +71,6 @@ class DiscState:
     rigid: FloatArray
     slipping: BoolArray
     residual: float = np.inf
-    energy: float = 0.0
 
 
 def solve_discs(
@@ -122,21 +124,22 @@ class _Iteration:
         start = start * self.loaded
         held = self.loaded & (length_of(start) >= self.problem.bound * (1.0 - 1e-9))
         state = self._state(self.problem.modes.closest(start, self.problem.bound, held))
+        slipped: BoolArray | None = None
         for number in range(max_iterations + 1):
             slip, free, outward = self._look(state)
             on_iteration(state.residual)
             if state.residual <= tolerance or number == max_iterations:
                 break
-            looseness = min(0.1, max(0.3 * state.residual**0.5, 0.01))
+            few = _SETTLED * np.count_nonzero(self.loaded)
+            settled = slipped is not None and np.count_nonzero(state.slipping != slipped) <= few
+            looseness = min(0.1, max(0.3 * state.residual**0.5, 0.01)) if settled else _ROUGH
+            slipped = state.slipping
             step = self._newton(free, outward, max(looseness, 0.3 * tolerance / state.residual))
             state = self._moved(state, slip, step) or self._descended(state, slip)
         return state
 
     def _state(self, tractions: FloatArray) -> DiscState:
-        displacement = self.problem.apply(tractions)
-        energy = 0.5 * inner(tractions, displacement) + inner(tractions, self.problem.offset)
-        none = np.zeros(0)
-        return DiscState(tractions, displacement, none, self.loaded, energy=energy)
+        return DiscState(tractions, self.problem.apply(tractions), np.zeros(0), self.loaded)
 
     def _look(self, state: DiscState) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Tell stick from slip, fit the free rigid modes, and measure what is wrong with the slip."""
@@ -215,8 +218,8 @@ class _Iteration:
         for _ in range(4):
             tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound, state.slipping)
             found = self._state(tractions)
-            expected = inner(slip, tractions - state.tractions)
-            if found.energy <= state.energy + 1e-4 * expected + 1e-14 * abs(state.energy):
+            expected, gained = _change_of_energy(slip, state, found)
+            if gained <= 1e-4 * expected:
                 return found
             share *= 0.4
         return None
@@ -227,11 +230,23 @@ class _Iteration:
         for _ in range(12):
             tractions = self.problem.modes.closest(state.tractions - self.gradient_step * slip, self.problem.bound)
             found = self._state(tractions)
-            if found.energy <= state.energy + 0.25 * inner(slip, tractions - state.tractions):
+            expected, gained = _change_of_energy(slip, state, found)
+            if gained <= 0.25 * expected:
                 self.gradient_step *= 1.5
                 return found
             self.gradient_step *= 0.4
         return found
+
+
+def _change_of_energy(slip: FloatArray, state: DiscState, found: DiscState) -> tuple[float, float]:
+    """Change of the energy from one state to another with the same forces: to first order, and exactly.
+
+    It is not the difference of two energies: near the answer that would be lost in their round-off, long before the
+    slip of lightly loaded cells is right.
+    """
+    change = found.tractions - state.tractions
+    first = inner(slip, change)
+    return first, first + 0.5 * inner(change, found.displacement - state.displacement)
 
 
 def _across(field: FloatArray, unit: FloatArray) -> FloatArray:
