@@ -10,7 +10,7 @@ from eigencontact.core.grid import Box
 from eigencontact.results.cycles import last_cycle
 from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import cell_edges, view_of
+from eigencontact.viz.window import cell_edges, is_ragged, view_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,8 +104,8 @@ def zone_strip(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Below the zones on the line along x through the middle of the contact (along y where only that direction is
-        loaded or has cells); above it the loads, each relative to its largest size.
+        Below the zones on the line along x through the middle of the contact, or through most of it where it is in
+        patches (along y where only that direction is loaded or has cells); above it the loads, each relative to its largest size.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
@@ -117,6 +117,8 @@ def zone_strip(dataset: xr.Dataset) -> Figure:
     across = "y" if along == "x" else "x"
     box = Box.around(touched) or Box(0, touched.shape[0], 0, touched.shape[1])
     at = (box.y0 + box.y1) // 2 if along == "x" else (box.x0 + box.x1) // 2
+    if is_ragged(touched):  # patches: the line that meets most of them
+        at = int(np.argmax(touched.sum(axis=1 if along == "x" else 0)))
     view = view_of(touched)
     part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
     strip = zones[:, at, part] if along == "x" else zones[:, part, at]
