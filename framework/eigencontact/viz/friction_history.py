@@ -105,7 +105,8 @@ def zone_strip(dataset: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         Below the zones on the line along x through the middle of the contact, or through most of it where it is in
-        patches (along y where only that direction is loaded or has cells); above it the loads, each relative to its largest size.
+        patches (along y where only that direction is loaded or has cells); above it the loads, each relative to its
+        largest size.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
