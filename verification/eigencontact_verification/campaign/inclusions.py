@@ -15,11 +15,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, own_error
+from eigencontact_verification.campaign.case import Case, Curve, Fields, Level, Outer, Profile, Quantity, own_error
 from eigencontact_verification.campaign.lines import (
     STRESSES,
     chosen,
     growth_to,
+    in_units,
     inner_lines,
     planes_of,
     read_section,
@@ -169,26 +170,53 @@ class InclusionCase(Case):
 
     def judged(self) -> Fields:
         """Values of the half-space theorem."""
-        from eigencontact import inclusion_field
-
-        shape, cells, fields = shape_of(self.parameters["shape"]), self.parameters["cells"], {}
+        cells, fields = self.parameters["cells"], {}
         for profile in self.profiles:
-            tries = []
-            for count in (cells, *([round(cells / _CELL_RATIO)] if self.parameters["cut"] else [])):
-                values = inclusion_field(
-                    shape,
-                    self.eigenstrain,
-                    profile.points,
-                    young_modulus=_MODULUS,
-                    poisson_ratio=self.parameters["poisson_ratio"],
-                    quantity=profile.quantity,
-                    cells=count,
-                )
-                tries.append(chosen(values, profile))
+            counts = (cells, round(cells / _CELL_RATIO)) if self.parameters["cut"] else (cells,)
+            tries = [chosen(self.field(profile.points, profile.quantity, cells=count), profile) for count in counts]
             fields[profile.name] = tries[0]
             if len(tries) == 2:
                 fields[own_error(profile.name)] = _error_of_cells(*tries)
         return fields
+
+    def field(self, points: FloatArray, quantity: Quantity, *, cells: int | None = None) -> FloatArray:
+        """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the half-space theorem at points ``(n, 3)``."""
+        from eigencontact import inclusion_field
+
+        return np.asarray(
+            inclusion_field(
+                shape_of(self.parameters["shape"]),
+                self.eigenstrain,
+                points,
+                young_modulus=_MODULUS,
+                poisson_ratio=self.parameters["poisson_ratio"],
+                quantity=quantity,
+                cells=cells or self.parameters["cells"],
+            )
+        )
+
+    @property
+    def words(self) -> str:
+        """What is solved, for the figures."""
+        low, high = (np.asarray(corner) for corner in shape_of(self.parameters["shape"]).bounds)
+        extents = " × ".join(f"{extent:.3g}" for extent in high - low)
+        return (
+            f"{self.kernel}, extents {extents}, centre at depth {(low[2] + high[2]) / 2:.3g}, eigenstrain "
+            f"{self.parameters['eigenstrain']}, ν = {self.parameters['poisson_ratio']:g}"
+        )
+
+    def curve(self, profile: Profile) -> Curve | None:
+        """Field on the line of a profile, closely; not of a shape that has to be cut into cells."""
+        from eigencontact_verification.campaign.fields import curve
+
+        contains = shape_of(self.parameters["shape"]).contains
+        return None if self.parameters["cut"] else curve(profile, self.field, contains)
+
+    def pictures(self, folder: Path) -> tuple[Path, ...]:
+        """Mesh and field of the coarse model (VTU, PNG)."""
+        from eigencontact_verification.campaign.fields import inclusion_pictures
+
+        return inclusion_pictures(self, folder)
 
 
 def _error_of_cells(fine: FloatArray, coarse: FloatArray) -> FloatArray:
@@ -202,6 +230,20 @@ def _error_of_cells(fine: FloatArray, coarse: FloatArray) -> FloatArray:
     near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
     near.append(np.broadcast_to(0.5 * difference.max(axis=0), difference.shape))
     return np.asarray(np.maximum.reduce(near) / (_CELL_RATIO - 1))
+
+
+def unit_length(key: str, extents: tuple[float, float, float]) -> str:
+    """Name of the length that is 1 in a case, for the figures.
+
+    Examples
+    --------
+    >>> unit_length("sphere", (1.0, 1.0, 1.0)), unit_length("cuboid", (1.6, 1.0, 0.6))
+    ('diameter', 'width')
+    """
+    x, y, z = (bool(np.isclose(extent, 1.0)) for extent in extents)
+    if x and y:
+        return "edge" if key == "cuboid" else "diameter" if key in ("sphere", "ellipsoid", "cylinder") else "width"
+    return "length" if x else "width" if y else "height" if z else "length unit"
 
 
 def inclusion_case(
@@ -304,11 +346,12 @@ def inclusion_case(
         components=stresses,
         formal_order=2.0 if revolved else 3.0,  # curved elements are not promised to be more exact anywhere
     )
+    length = unit_length(str(shape["key"]), tuple((high - low).tolist()))
     return InclusionCase(
         kernel=str(shape["key"]),
         name=f"{name}-{eigenstrain}-nu-{round(100 * poisson_ratio):02d}",
         parameters=parameters,
         quick=quick,
-        profiles=(*lines, *inner),
+        profiles=in_units((*lines, *inner), length=length, displacement=f"ε* {length}", stress="E ε*"),
         ratio=(refine_by[2] / refine_by[0]) ** 0.5,
     )
