@@ -28,7 +28,7 @@ Field = Callable[[FloatArray, "Quantity"], FloatArray]
 #: Points of a drawn line for each point that is compared.
 _CLOSER = 8
 #: How much of the body is shown on each side of the source, and largest drawn displacement, in its longest extent.
-_AROUND, _WARP = 1.0, 0.15
+_AROUND, _WARP = 1.0, 0.1
 #: Samples across the shown part: of the outline, and of the field by closed forms or by cells.
 _OUTLINE, _SAMPLES, _SAMPLES_CELLS = 400, 120, 30
 #: Colours end where this part of the section is below: stress is infinite at edges.
@@ -195,8 +195,8 @@ def _block(subject: _Subject, solution: Any) -> _Body:
     grid, (low, high) = solution.grid, subject.window
     kept = []
     for line, a, b in zip(grid.lines, low, high, strict=True):
-        first, last = np.searchsorted(line, a, side="right") - 1, np.searchsorted(line, b)
-        kept.append(slice(max(0, int(first)), min(line.size, int(last) + 1)))
+        first, last = (int(np.argmin(np.abs(line - end))) for end in (a, b))
+        kept.append(slice(first, last + 1))
     x, y, z = (line[part] for line, part in zip(grid.lines, kept, strict=True))
     block = pv.RectilinearGrid(x, y, z)
     counts = [axis.size for axis in grid.axes[::-1]]
@@ -310,24 +310,28 @@ def _space(subject: _Subject, solution: Any, body: _Body, file: Path) -> None:
     image, labels = _rendered(subject, solution, body, largest, warp)
     rows, columns = (np.flatnonzero((image.min(axis=2) < 250).any(axis=side)) for side in (1, 0))
     pad = 0.07 * len(rows)
-    width, height = len(columns) + 2 * pad, len(rows) + 2 * pad
+    width, height = columns[-1] - columns[0] + 8 * pad, rows[-1] - rows[0] + 3 * pad
     middle = np.array([columns.mean(), rows.mean()])
     with paper_style():
-        figure = new_figure(max(5.4, 4.0 * width / height + 1.1), 4.6)
+        figure = new_figure(max(4.6, 3.9 * width / height + 0.9), 4.6)
         axes = figure.subplots()
         axes.imshow(image, interpolation="antialiased")
-        axes.set_xlim(columns[0] - pad, columns[-1] + pad)
-        axes.set_ylim(rows[-1] + pad, rows[0] - pad)
+        axes.set_xlim(columns[0] - 4 * pad, columns[-1] + 4 * pad)
+        axes.set_ylim(rows[-1] + 2 * pad, rows[0] - pad)
         axes.set_axis_off()
         for text, at in labels.items():
-            off = (at - middle) / np.linalg.norm(at - middle)
-            x, y = at + 0.5 * pad * off
-            side = "left" if off[0] > 0.5 else "right" if off[0] < -0.5 else "center"
-            axes.text(x, y, text, ha=side, va="center", fontsize=8.5, clip_on=False)
-        bar = figure.colorbar(ScalarMappable(Normalize(0.0, largest), _MAP), ax=axes, shrink=0.6, aspect=22, pad=0.08)
+            below, left = text.startswith("z"), at[0] < middle[0]
+            beside = columns[0] - 0.5 * pad if left else columns[-1] + 0.5 * pad
+            place = (float(at[0]), rows[-1] + 0.5 * pad) if below else (float(beside), float(at[1]))
+            axes.annotate(
+                text, (float(at[0]), float(at[1])), xytext=place, fontsize=8.5, annotation_clip=False,
+                ha="center" if below else "right" if left else "left", va="top" if below else "center",
+                arrowprops={"arrowstyle": "-", "color": "0.6", "linewidth": 0.7, "shrinkA": 1, "shrinkB": 1},
+            )  # fmt: skip
+        bar = figure.colorbar(ScalarMappable(Normalize(0.0, largest), _MAP), ax=axes, shrink=0.6, aspect=22, pad=0.02)
         bar.set_label(f"displacement |u| [{subject.displacement}]")
-        notes = f"{_elements(solution)}, cut open; displacement drawn × {warp:g}; unit of length: {subject.length}"
-        figure.suptitle(f"{subject.case.words}\n{notes}", fontsize=8.5)
+        notes = f"displacement drawn × {warp:g}; unit of length: {subject.length}"
+        figure.suptitle(f"{subject.case.words}\n{_elements(solution)}, cut open\n{notes}", fontsize=8.5)
         figure.savefig(file, dpi=200)
 
 
@@ -350,7 +354,7 @@ def _rendered(
             body.faces, scalars="size", cmap=_MAP, clim=(0.0, largest), show_scalar_bar=False, ambient=0.7,
             diffuse=0.35, specular=0.0,
         )  # fmt: skip
-        plotter.add_mesh(body.edges.translate(lift), color="white", line_width=1.4, opacity=0.35, lighting=False)
+        plotter.add_mesh(body.edges.translate(lift), color="white", line_width=1.8, opacity=0.45, lighting=False)
         for line in _outlines(subject, body):
             moved = line + warp * solution.displacement(line) + 3 * lift
             plotter.add_mesh(pv.lines_from_points(moved), color=_OUTLINE_COLOUR, line_width=7, lighting=False)
@@ -370,8 +374,8 @@ def _ends(body: _Body) -> dict[str, FloatArray]:
     (x0, y0, _), (x1, y1, z1) = body.low, body.high
     if body.cuts[0][1] < 0:  # the edges of the cuts
         return {
-            f"x = {x0:.3g}": np.array([x0, 0.0, 0.0]),
-            f"y = {y0:.3g}": np.array([0.0, y0, 0.0]),
+            f"x = −{-x0:.3g}": np.array([x0, 0.0, 0.0]),
+            f"y = −{-y0:.3g}": np.array([0.0, y0, 0.0]),
             f"z = {z1:.3g}": np.array([0.0, 0.0, z1]),
         }
     return {
@@ -417,9 +421,9 @@ def _section(subject: _Subject, solution: Any, file: Path) -> None:
     error = 100 * np.abs(right - closed) / top
     worst = max(1.0, float(np.nanquantile(error, 0.98)))
     across, down = cell * np.arange(x.size + 1), cell * np.arange(z.size + 1)
-    scale = min(3.0, 2.0 * deep / wide) / deep  # inch a unit of length
+    scale = min(3.0 / deep, 2.2 / wide)  # inch a unit of length
     with paper_style():
-        figure = new_figure(3 * wide * scale + 2.9, deep * scale + 0.95)
+        figure = new_figure(3 * wide * scale + 2.9, deep * scale + 1.35)
         whole, half = figure.subplots(1, 2, width_ratios=(2, 1.05))
         looks = {"cmap": _MAP, "vmin": 0.0, "vmax": top, "rasterized": True}
         whole.pcolormesh(-across[::-1], down, left[:, ::-1], **looks)
@@ -430,13 +434,20 @@ def _section(subject: _Subject, solution: Any, file: Path) -> None:
             sides = [np.linspace(low, wide, 2 * _OUTLINE), np.linspace(0.0, deep, 2 * _OUTLINE)]
             for line in _outline(subject.contains, 1, 0.0, sides):
                 axes.plot(line[:, 0], line[:, 2], color=_OUTLINE_COLOUR, linewidth=1.2)
+            if subject.high[2] - subject.low[2] < 0.1 * cell:  # a traction
+                ends = [max(low, float(subject.low[0])), float(subject.high[0])]
+                axes.plot(ends, [0.0, 0.0], color=_OUTLINE_COLOUR, linewidth=4.0, clip_on=False)
             axes.set_aspect("equal")
             axes.set_xlim(low, wide)
             axes.set_ylim(deep, 0.0)
             label_plane(axes, f"x [{subject.length}]", f"z [{subject.length}]")
         whole.set_title("finite elements   |   semi-analytical")
         half.set_title("their difference")
-        figure.colorbar(stress, ax=whole, label=f"von Mises stress [{subject.stress}]", extend="max", aspect=25)
-        figure.colorbar(wrong, ax=half, label=f"[% of {top:.3g} {subject.stress}]", extend="max", aspect=25)
+        for axes, shown, inches, words in (
+            (whole, stress, 2 * wide * scale, f"von Mises stress [{subject.stress}]"),
+            (half, wrong, wide * scale, f"[% of {top:.3g} {subject.stress}]"),
+        ):
+            beside = axes.inset_axes((1 + 0.1 / inches, 0.0, 0.12 / inches, 1.0))
+            figure.colorbar(shown, cax=beside, label=words, extend="max")
         figure.suptitle(f"{subject.case.words}\n{_elements(solution)}, plane y = 0", fontsize=8.5)
         figure.savefig(file, dpi=200)
