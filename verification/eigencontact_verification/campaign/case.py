@@ -4,7 +4,8 @@ The list of cases is the module `eigencontact_verification.campaign.cases`, whic
 
 - ``kernels() -> tuple[str, ...]``: keys that can be verified, installed plugins included;
 - ``cases_of(kernel) -> tuple[Case, ...]``: the cases of one key, the quick ones among them;
-- ``gaps() -> tuple[Gap, ...]``: what is known not to be covered.
+- ``gaps() -> tuple[Gap, ...]``: what is known not to be covered;
+- ``why_not(kernel) -> str``: why something that is installed cannot be verified.
 """
 
 from __future__ import annotations

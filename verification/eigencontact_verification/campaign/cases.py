@@ -15,7 +15,7 @@ from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusio
 from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
 from eigencontact_verification.campaign.tractions import TRACTIONS, rectangle_case
 
-__all__ = ["cases_of", "gaps", "kernels"]
+__all__ = ["cases_of", "gaps", "kernels", "why_not"]
 
 POISSON_RATIOS = (0.0, 0.3, 0.45)
 DEPTHS = (0.5, 1.5, 5.0)
@@ -165,6 +165,28 @@ def gaps() -> tuple[Gap, ...]:
         Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
         *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
     )
+
+
+def why_not(kernel: str) -> str:
+    """Why something that is installed, or should be, cannot be verified; empty if there is no such thing.
+
+    That is a shape that cannot be built without being told how, a plugin that is broken, or one of another kind.
+    """
+    if kernel in kernels():
+        return ""
+    if kernel in _shapes():
+        return _refusal(kernel)
+    registry = installed_plugins()
+    broken = [str(item) for item in registry.broken if item.name == kernel]
+    if broken:
+        return broken[0]
+    kinds = [entry.kind for entry in registry.named(kernel)]
+    if kinds:
+        return (
+            f"kernel must be an inclusion shape or a surface traction (got {kernel!r}, which is of kind "
+            f"{kinds[0]}); one of {', '.join(kernels())}"
+        )
+    return ""
 
 
 def _refusal(key: str) -> str:
