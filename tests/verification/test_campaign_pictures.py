@@ -153,6 +153,14 @@ def test_lines_pass_through_what_is_compared_and_break_at_the_source():
     assert steps["s_yy"] == pytest.approx(0.3 / (1 - 0.3**2), rel=0.02)
 
 
+def test_the_surface_above_a_flush_source_is_compared():
+    flush = inclusion_case({**CUBE, "center": [0.0, 0.0, 0.5]}, "zz", 0.3, name="flush")
+    for profile, edge in zip(flush.profiles[:3], (0.5, 0.5, 0.5 * 2**0.5), strict=True):
+        assert profile.along[0] == 0.0
+        ((low, high),) = gaps_of(profile.along)
+        assert low < edge < high
+
+
 @pytest.mark.parametrize("kernel", cases.kernels())
 def test_figures_say_units(kernel):
     for case in cases.cases_of(kernel)[:3]:

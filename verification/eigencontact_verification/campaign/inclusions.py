@@ -344,7 +344,8 @@ def inclusion_case(
         max(2.0 * size, 2.0 * float(middle[2])),
         ("even", "even") if revolved else planes,
         paths=("x",) if revolved else ("x", "y", "diagonal"),
-        source=made.contains if low[2] <= 0.05 * size else None,
+        # mirrored in the surface, which is no boundary of a source that touches it: points above its middle are kept
+        source=(lambda x, y, z: made.contains(x, y, np.abs(z))) if low[2] <= 0.05 * size else None,
         margin=0.25 * thinnest,
         both_sides=not revolved and "none" in planes,
     )
