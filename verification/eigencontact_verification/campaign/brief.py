@@ -33,7 +33,8 @@ def totals(report: Report) -> str:
     words = ", ".join(f"{count} {word}" for word, count in report.counts.items() if count or word == "disagrees")
     part = report.inconclusive
     kind = "quick" if report.quick else "full"
-    said = f"{len(report.cases)} cases ({kind}), {total} verdicts: {words}; {100 * part:.1f} % inconclusive"
+    cases = "1 case" if len(report.cases) == 1 else f"{len(report.cases)} cases"
+    said = f"{cases} ({kind}), {total} verdicts: {words}; {100 * part:.1f} % inconclusive"
     said += f"; {_duration(report.seconds)}."
     solves = report.solves
     if solves:
