@@ -29,6 +29,7 @@ from eigencontact_verification.campaign.lines import (
 )
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion
 from eigencontact_verification.fem.model import Model, Region
+from eigencontact_verification.fem.uncertainty import SAFETY
 
 __all__ = ["EIGENSTRAINS", "InclusionCase", "inclusion_case", "shape_of", "tensor_of"]
 
@@ -53,7 +54,7 @@ EIGENSTRAINS: dict[str, dict[str, float]] = {
 _REFINE, _REFINE_FAR = (5, 7, 10), (4, 6, 9)
 _GROWTH_ROUND = 2.5
 #: Cells across a shape without potentials over those of the coarser cuttings that give the error.
-_CELL_RATIOS = (1.5, 2.0)
+_CELL_RATIOS = (3 / 2, 9 / 7)
 #: Reach of the body in depths or extents. Displacement of the surface by a strain in its plane decays slowest.
 _REACH, _REACH_IN_PLANE = 12.0, 40.0
 
@@ -236,12 +237,13 @@ def _error_of_cells(fine: FloatArray, *coarser: FloatArray) -> FloatArray:
     """Error of the finest of three cuttings, as if it fell with the cell size; it falls with its square, unsteadily.
 
     Unsteadily: how much of a thin region the cells hold too much depends on where they end, so that two cuttings may
-    share an error (a torus of 12 and of 18 cells). The worse of two comparisons counts, and the largest of three
+    share an error (a torus of 12 and of 18 cells). The worse of two comparisons counts, times the safety factor of the
+    grid convergence index, and the largest of three
     neighbours, nowhere less than half of the largest of all: it is a smooth field, and where two values happen to be
     equal their error does not vanish.
     """
     tries = zip(coarser, _CELL_RATIOS, strict=True)
-    difference = np.maximum.reduce([np.abs(fine - coarse) / (ratio - 1) for coarse, ratio in tries])
+    difference = SAFETY * np.maximum.reduce([np.abs(fine - coarse) / (ratio - 1) for coarse, ratio in tries])
     index = np.arange(len(difference))
     near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
     near.append(np.broadcast_to(0.5 * difference.max(axis=0), difference.shape))
