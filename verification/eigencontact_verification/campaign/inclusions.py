@@ -238,9 +238,8 @@ def _error_of_cells(fine: FloatArray, *coarser: FloatArray) -> FloatArray:
 
     Unsteadily: how much of a thin region the cells hold too much depends on where they end, so that two cuttings may
     share an error (a torus of 12 and of 18 cells). The worse of two comparisons counts, times the safety factor of the
-    grid convergence index, and the largest of three
-    neighbours, nowhere less than half of the largest of all: it is a smooth field, and where two values happen to be
-    equal their error does not vanish.
+    grid convergence index, and the largest of three neighbours, nowhere less than half of the largest of all: it is a
+    smooth field, and where two values happen to be equal their error does not vanish.
     """
     tries = zip(coarser, _CELL_RATIOS, strict=True)
     difference = SAFETY * np.maximum.reduce([np.abs(fine - coarse) / (ratio - 1) for coarse, ratio in tries])
