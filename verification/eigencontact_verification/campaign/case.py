@@ -127,7 +127,8 @@ class Case(ABC):
     ratio: float = 2.0
     bracket_level: Level = 1
 
-    #: Modules outside ``fem`` and this class whose code decides what `reference` computes; their text is hashed too.
+    #: Code outside ``fem`` that decides what `reference` computes, as ``"module"`` or ``"module:object"``; its text is
+    #: hashed. By default the whole class; where it is given, nothing else, so that words and pictures do not count.
     code: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:

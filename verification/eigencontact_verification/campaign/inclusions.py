@@ -36,7 +36,13 @@ __all__ = ["EIGENSTRAINS", "InclusionCase", "inclusion_case", "shape_of", "tenso
 FloatArray = NDArray[np.float64]
 
 _AXES = "xyz"
-_LINES, _RECOVERY = (f"eigencontact_verification.campaign.{name}" for name in ("lines", "recovery"))
+#: Code that decides what the finite elements of a case compute.
+_OWN = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
+_READING = ("lines:read_section", "lines:read_solid", "lines:chosen", "recovery")
+_CODE = (
+    *(f"{__name__}:{name}" for name in (*_OWN, "InclusionCase.reference")),
+    *(f"eigencontact_verification.campaign.{name}" for name in _READING),
+)
 _MODULUS = 1.0
 #: Eigenstrains by name: components and their values. Those of Table 2.3 of the thesis are xx-yy, xx-zz and the shears.
 EIGENSTRAINS: dict[str, dict[str, float]] = {
@@ -121,7 +127,7 @@ class InclusionCase(Case):
 
     made: Any = None
 
-    code: ClassVar[tuple[str, ...]] = (__name__, _LINES, _RECOVERY)
+    code: ClassVar[tuple[str, ...]] = _CODE
 
     @property
     def shape(self) -> Any:
@@ -330,6 +336,7 @@ def inclusion_case(
     parameters: dict[str, Any] = {
         "shape": dict(shape),
         "eigenstrain": eigenstrain,
+        "components": EIGENSTRAINS[eigenstrain],
         "poisson_ratio": poisson_ratio,
         "elements": "axisymmetric" if revolved else "solid",
         "fitted": revolved and not _fills_its_section(made),

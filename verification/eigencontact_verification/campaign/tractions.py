@@ -28,7 +28,11 @@ FloatArray = NDArray[np.float64]
 #: Key of each kernel, and the direction of its traction.
 TRACTIONS = {"pressure": "z", "shear-x": "x", "shear-y": "y"}
 _AXES = "xyz"
-_LINES, _RECOVERY = (f"eigencontact_verification.campaign.{name}" for name in ("lines", "recovery"))
+#: Code that decides what the finite elements of a case compute.
+_CODE = (
+    *(f"{__name__}:RectangleCase.{name}" for name in ("traction", "model", "reference")),
+    *(f"eigencontact_verification.campaign.{name}" for name in ("lines:read_solid", "lines:chosen", "recovery")),
+)
 _MODULUS = 1.0
 #: Parts of every element of the coarse mesh at the three levels, and its elements from the rectangle outwards.
 _REFINE = (4, 6, 9)
@@ -45,7 +49,7 @@ class RectangleCase(Case):
     distance, ``"free"`` returns u(R) + 2 D: the value is then the extrapolated one, its uncertainty all of D.
     """
 
-    code: ClassVar[tuple[str, ...]] = (__name__, _LINES, _RECOVERY)
+    code: ClassVar[tuple[str, ...]] = _CODE
 
     @property
     def traction(self) -> tuple[float, float, float]:
