@@ -44,7 +44,7 @@ def totals(report: Report) -> str:
             said += f", peak memory of the largest {max(memory or 0 for _, memory in solves) / 1e9:.2f} GB"
         said += f"{computed}."
     if part > _MANY:
-        said += f" More than {100 * _MANY:.0f} % is inconclusive: the finite elements of this campaign cannot tell."
+        said += f" More than {100 * _MANY:.0f} % is inconclusive, which is no agreement; read the reasons."
     return said
 
 
