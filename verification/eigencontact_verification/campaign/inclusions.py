@@ -227,14 +227,14 @@ class InclusionCase(Case):
 
     def curve(self, profile: Profile) -> Curve | None:
         """Field on the line of a profile, closely; not of a shape that has to be cut into cells."""
-        from eigencontact_verification.campaign.fields import curve
+        from eigencontact_verification.campaign.pictures.fields import curve
 
         contains = self.shape.contains
         return None if self.parameters["cut"] else curve(profile, self.field, contains)
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Mesh and field of the coarse model (VTU, PNG)."""
-        from eigencontact_verification.campaign.fields import inclusion_pictures
+        from eigencontact_verification.campaign.pictures.fields import inclusion_pictures
 
         return inclusion_pictures(self, folder)
 

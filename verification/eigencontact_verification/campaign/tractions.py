@@ -113,13 +113,13 @@ class RectangleCase(Case):
 
     def curve(self, profile: Profile) -> Curve:
         """Closed forms on the line of a profile, closely."""
-        from eigencontact_verification.campaign.fields import curve
+        from eigencontact_verification.campaign.pictures.fields import curve
 
         return curve(profile, self.field)
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Mesh and field of the coarse model (VTU, PNG)."""
-        from eigencontact_verification.campaign.fields import rectangle_pictures
+        from eigencontact_verification.campaign.pictures.fields import rectangle_pictures
 
         return rectangle_pictures(self, folder)
 
