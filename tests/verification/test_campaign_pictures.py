@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from analytic_cases import analytic
-from eigencontact_verification.campaign import cases, fields
+from eigencontact_verification.campaign import cases
+from eigencontact_verification.campaign.pictures import fields, section, space
 from eigencontact_verification.campaign.command import _pictures
 from eigencontact_verification.campaign.figures import draw, gaps_of
 from eigencontact_verification.campaign.inclusions import inclusion_case, shape_of, unit_length
@@ -45,8 +46,10 @@ def written(request, tmp_path_factory):
     pytest.importorskip("pyvista")
     case = CASES[request.param]()
     with pytest.MonkeyPatch.context() as patch:
-        for name, value in {"_PIXELS": (800, 700), "_SAMPLES": 30, "_OUTLINE": 200}.items():
-            patch.setattr(fields, name, value)
+        patch.setattr(space, "_PIXELS", (800, 700))
+        patch.setattr(fields, "SAMPLES", 30)
+        for module in (space, section):
+            patch.setattr(module, "OUTLINE_SAMPLES", 200)
         files = case.pictures(tmp_path_factory.mktemp(request.param) / "fields")
     return case, {file.name: file for file in files}
 
@@ -110,7 +113,7 @@ def test_a_machine_that_cannot_render_keeps_the_rest(tmp_path, monkeypatch):
     def broken(*_args):
         raise RuntimeError("no display")
 
-    monkeypatch.setattr(fields, "_space", broken)
+    monkeypatch.setattr(fields, "draw_space", broken)
     case = CASES["traction"]()
     found = JudgedCase(case=case, rows=(), outcomes=(), judged={}, estimates={})
     (note,) = _pictures([found], tmp_path)
