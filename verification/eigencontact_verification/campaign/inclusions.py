@@ -283,6 +283,7 @@ def inclusion_case(
     quick: bool = False,
     refine: float = 1.0,
     outer_elements: int | None = None,
+    divisions: tuple[int, int, int] | None = None,
     made: Any = None,
 ) -> InclusionCase:
     """Case of one shape.
@@ -313,6 +314,8 @@ def inclusion_case(
         Elements of the undivided mesh along the shortest extent (along half of it in axisymmetric models).
     outer_elements : int, optional
         Elements of the undivided mesh from the source outwards; by default 2, or 3 to a far boundary.
+    divisions : (int, int, int), optional
+        Parts of every element of the undivided mesh at the three levels; by default as the distance of the boundary asks.
     made : inclusion shape, optional
         The shape itself, where it need not be installed; `shape` then only names it.
     """
@@ -332,7 +335,7 @@ def inclusion_case(
     reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))
     far = reach * (1.0 if revolved else refine) > 30 * thinnest
     fine = thinnest / (2 * refine if revolved else refine)
-    refine_by = _REFINE_FAR if revolved or far else _REFINE
+    refine_by = divisions or (_REFINE_FAR if revolved or far else _REFINE)
     parameters: dict[str, Any] = {
         "shape": dict(shape),
         "eigenstrain": eigenstrain,

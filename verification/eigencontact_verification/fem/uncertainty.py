@@ -44,7 +44,7 @@ FloatArray = NDArray[np.float64]
 #: Least order that is believed, and least that is used.
 LOWEST_ORDER = 0.5
 SAFETY, CAUTIOUS = 1.25, 3.0
-#: Least discretisation error at a point, as a part of the largest of its component on the profile.
+#: Least discretisation error of a component at a point, as a part of the largest of all components on the profile.
 FLOOR = 0.1
 #: A component whose judged values stay below this part of the field is zero by symmetry.
 ZERO = 1e-6
@@ -185,7 +185,7 @@ def _discretisation(
     scatter = np.sqrt(np.mean(_window(newer - older / ratio**used, 2) ** 2, axis=0))
     index = SAFETY * difference + 2.0 * scatter
     uncertainty = np.where(sound, index, np.maximum(index, CAUTIOUS * difference)) / (ratio**used - 1.0)
-    uncertainty = np.maximum(uncertainty, FLOOR * uncertainty.max(axis=0))
+    uncertainty = np.maximum(uncertainty, FLOOR * uncertainty.max())
     whole = np.clip(np.where(np.isfinite(order), order, formal), LOWEST_ORDER, formal)
     value = np.where(sound, fine - newer / (ratio**whole - 1.0), fine)
     return value, uncertainty, order, credible
