@@ -315,7 +315,7 @@ def inclusion_case(
     outer_elements : int, optional
         Elements of the undivided mesh from the source outwards; by default 2, or 3 to a far boundary.
     divisions : (int, int, int), optional
-        Parts of every element of the undivided mesh at the three levels; by default as the distance of the boundary asks.
+        Parts of every element of the undivided mesh at the three levels; by default by the distance of the boundary.
     made : inclusion shape, optional
         The shape itself, where it need not be installed; `shape` then only names it.
     """

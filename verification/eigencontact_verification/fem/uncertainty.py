@@ -10,8 +10,10 @@ Three meshes give the discretisation error, two outer boundary conditions the er
   of both orders counts, never more than the formal one. The difference that enters is the larger of fine-medium and
   medium-coarse brought to the fine mesh, and the largest among neighbours: where one difference happens to vanish, the
   error does not. Twice the scatter of both differences about the order in use is added to 1.25 times the difference
-  (as Eça and Hoekstra add the deviation of their fit), and nowhere less than a tenth of the largest value on the
-  profile is used: both make the interval hold at all points together, which is what a verdict asks;
+  (as Eça and Hoekstra add the deviation of their fit), and nowhere less than a tenth of the largest value of all
+  components on the profile is used: both make the interval hold at all points together, which is what a verdict asks.
+  Of all components, because they belong to one vector or tensor: axes turned by six degrees mix a tenth of one into
+  another, and what is known of a field does not depend on how its axes are named;
 - *truncation*: the mean of fixed and free outer faces is the value, half their distance the uncertainty. It is a smooth
   field of the size of the body, so nowhere less than half of its largest value on the profile is used. That the truth
   lies between both is an assumption (it holds exactly for a dilating ball in a concentric ball); check it with another
