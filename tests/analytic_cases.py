@@ -78,3 +78,7 @@ def cases_of(kernel):
 
 def gaps():
     return (Gap(kernel="other", what="stress inside", reason="the exact field is singular there"),)
+
+
+def why_not(kernel):
+    return "shape 'odd' must be buildable from lengths" if kernel == "odd" else ""

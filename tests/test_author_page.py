@@ -75,7 +75,7 @@ def test_the_scene_runs_with_the_shape_of_the_first_block(page, install, tmp_pat
 def test_every_check_is_explained_and_no_other(page, names):
     rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `check_")]
     explained = {name for row in rows for name in re.findall(r"`(check_\w+)`", row)}
-    assert explained == {check.__name__ for check in checks_for(names["fast_shell"])}
+    assert explained == {check.__name__ for check in checks_for(names["fast_shell"], finite_elements=True)}
 
 
 def test_every_kind_is_in_the_table_with_a_file_that_exists(page, root):
@@ -89,8 +89,8 @@ def test_every_kind_is_in_the_table_with_a_file_that_exists(page, root):
 
 
 def test_every_command_exists(page):
-    known = {command.name or command.callback.__name__ for command in app.registered_commands} | {"gallery"}
-    asked = set(re.findall(r"eigencontact (new-plugin|plugins|explain|run|[a-z]+-[a-z]+)\b(?! =)", page)) - {
+    known = {command.name or command.callback.__name__ for command in app.registered_commands} | {"gallery", "verify"}
+    asked = set(re.findall(r"eigencontact (new-plugin|plugins|explain|run|verify|[a-z]+-[a-z]+)\b(?! =)", page)) - {
         "hollow-ball"
     }
     assert asked

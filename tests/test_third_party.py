@@ -100,7 +100,7 @@ def run(*arguments, **more):
     """Run a process that must succeed or not, as its caller says."""
     return subprocess.run(
         [str(item) for item in arguments],
-        capture_output=True, text=True, check=False, timeout=200, env=os.environ | OFFLINE, **more,
+        capture_output=True, text=True, check=False, timeout=400, env=os.environ | OFFLINE, **more,
     )  # fmt: skip
 
 
@@ -284,3 +284,23 @@ def test_the_package_passes_its_own_conformance_tests(stranger):
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:]
     assert "skipped" not in done.stdout
+
+
+ELEMENTS = """
+import json
+from test_conformance import SHAPES
+from eigencontact_verification.conformance import checks_for
+
+found = []
+for shape in SHAPES[:2]:
+    check = checks_for(shape, finite_elements=True)[-1]
+    check(shape)
+    found.append(f"{check.__name__} {shape.key}")
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.slow
+def test_finite_elements_agree_with_both_shapes(stranger):
+    found = stranger.script(f"import sys; sys.path.insert(0, {str(stranger.sources / 'tests')!r})\n{ELEMENTS}")
+    assert found == [f"check_against_finite_elements {key}" for key in ("torus", "spheroid")]

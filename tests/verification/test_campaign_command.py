@@ -67,6 +67,10 @@ def test_a_failed_solution_is_an_exit_code(verify, monkeypatch):
         (["--kernel", "zzz"], "kernel must be one of analytic, other (got 'zzz')"),
         (["--limit", "2"], "--limit must be between 0 and 1 (got 2.0)"),
         (["--workers", "0"], "--workers"),
+        (["odd"], "shape 'odd' must be buildable from lengths"),
+        (["--markdown", "nowhere.md"], "nowhere.md"),
+        (["--figure", "plain.png"], "--figure must be CASE=FILE.png (got plain.png)"),
+        (["--figure", "analytic/plan=a.png"], "got 'analytic/plan'); did you mean 'analytic/plain'?"),
     ],
 )
 def test_wrong_input_is_refused(verify, tmp_path, arguments, words):
@@ -75,6 +79,27 @@ def test_wrong_input_is_refused(verify, tmp_path, arguments, words):
     assert words in outcome.err
     assert outcome.out == ""
     assert list(tmp_path.iterdir()) == []
+
+
+def test_markdown_and_figure(verify, tmp_path):
+    page, markers = tmp_path / "page.md", ("<!-- verify:coverage -->", "<!-- /verify:coverage -->")
+    page.write_text("\n".join(["before", *markers, "after"]), encoding="utf-8")
+    arguments = ("--markdown", page, "--figure", f"analytic/plain={tmp_path}/new/plain.png")
+    outcome = verify("analytic", "--quick", *arguments)
+    assert outcome.code == 0, outcome.err
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith(f"before\n{markers[0]}\n\n1 case (quick), 5 verdicts")
+    assert text.endswith(f"\n{markers[1]}\nafter")
+    assert "| analytic | ✓ 1/1" in text
+    assert (tmp_path / "new" / "plain.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_markers_are_looked_for_before_anything_is_solved(verify, tmp_path):
+    (tmp_path / "page.md").write_text("nothing\n", encoding="utf-8")
+    outcome = verify("--markdown", "page.md")
+    assert outcome.code == 2
+    assert "page.md must have the lines '<!-- verify:coverage -->' and" in outcome.err
+    assert not (tmp_path / "cross-check").exists()
 
 
 def test_pictures_that_fail_are_said(tmp_path, monkeypatch):

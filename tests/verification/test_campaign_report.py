@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analytic_cases import analytic, gaps
+from eigencontact_verification.campaign.brief import brief, totals
 from eigencontact_verification.campaign.judge import coverage, judge
 from eigencontact_verification.campaign.report import Report, write_report
 from eigencontact_verification.campaign.run import Solved, tasks_of
@@ -144,3 +145,51 @@ def test_the_page_stands_alone(written):
     assert "a &lt;note&gt;" in text
     assert text.count("<table") == text.count("</table>")
     assert 'class="disagrees">✗ disagrees</td>' in text
+
+
+# --- the table of a README --------------------------------------------------------------------------------------------
+
+
+def rows_of(text):
+    """Cells of the Markdown table by kernel and component."""
+    head, _, *rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line[:1] == "|"]
+    return {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
+
+
+def test_one_row_a_kernel_one_column_a_component(written):
+    report, *_ = written
+    other = judge(solved(analytic("alone", kernel="second")))
+    narrow = dataclasses.replace(other, rows=tuple(row for row in other.rows if row.component != "s_xx"))
+    table = rows_of(brief(dataclasses.replace(report, cases=(*report.cases, narrow))))
+    assert list(table) == ["analytic", "second"]
+    assert list(table["analytic"]) == ["u_x", "u_y", "u_z", "s_xx", "s_xz"]
+    assert table["analytic"]["u_x"].startswith("! 2/4 · 2")
+    assert table["analytic"]["s_xz"] == "✗ 2/4 · 0.5 %"
+    assert table["second"]["u_x"] == "✓ 1/1 · 0.3 %"
+    assert table["second"]["s_xx"] == ""
+
+
+def test_the_sentence_before_the_table(written):
+    report, *_ = written
+    text = totals(report)
+    part = 100 * report.counts["inconclusive"] / 20
+    assert text.startswith("4 cases (quick), 20 verdicts: 1 disagrees, 5 failed, ")
+    assert f"{part:.1f} % inconclusive; 1.5 s. Longest finite-element solve" in text
+    assert "peak memory of the largest" in text
+    assert ("More than 15 %" in text) == (part > 15)
+    plain = dataclasses.replace(report, cases=report.cases[:1], quick=False, seconds=4000.0)
+    assert totals(plain).startswith("1 case (full), 5 verdicts: 0 disagrees, 5 agrees; 0.0 % inconclusive; 1 h 6 min.")
+    assert "More than" not in totals(plain)
+    blunt = dataclasses.replace(report, cases=report.cases[1:2])
+    assert "More than 15 % is inconclusive" in totals(blunt)
+
+
+def test_what_is_not_covered_is_listed_and_where_it_was_measured(written):
+    report, _, files = written
+    text = brief(report)
+    assert "- other: stress inside (the exact field is singular there)" in text
+    assert re.search(r"Measured \d{4}-\d\d-\d\d on .*numpy .*scikit-fem ", text)
+    data = json.loads(files["json"].read_text(encoding="utf-8"))
+    assert data["inconclusive"] == pytest.approx(report.inconclusive)
+    assert data["longest_solve_seconds"] == max(seconds for seconds, _ in report.solves)
+    assert totals(report) in files["markdown"].read_text(encoding="utf-8")

@@ -106,6 +106,16 @@ def test_a_difference_that_vanishes_at_one_point_keeps_its_uncertainty():
     assert found.uncertainty[30] > 0.01 * (X[30] - 0.5)  # the fine mesh is still that far off
 
 
+def test_a_small_component_is_no_surer_than_a_tenth_of_its_tensor():
+    """In axes turned by a few degrees it would hold a part of the others, and of their error."""
+    x = np.linspace(0.0, 1.0, 25)
+    errors = [h**2 * np.stack([np.cos(x), 1e-4 * np.sin(x)], axis=1) for h in (0.4, 0.2, 0.1)]
+    found = estimate(*errors, ratio=2.0, formal_order=2.0)
+    large, small = found.parts["discretisation"].T
+    assert small == pytest.approx(0.1 * large.max() * np.ones_like(x))
+    assert large.max() == pytest.approx(1.25 * 0.01, rel=1e-6)
+
+
 def test_a_region_of_lower_order_keeps_its_uncertainty():
     """Order 2 rules the norm near the source; far away the error is of order 1."""
     near, far = np.exp(-20.0 * X), 0.02 * (X > 0.5)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
 
-__all__ = ["Column", "Row", "replace_section", "table"]
+__all__ = ["Column", "Row", "check_section", "replace_section", "table"]
 
 Row = dict[str, Any]
 
@@ -64,8 +64,13 @@ def table(rows: Iterable[Row], columns: Sequence[Column]) -> str:
     )
 
 
-def replace_section(path: Path, section: str, text: str) -> None:
-    """Replace what stands between ``<!-- benchmark:SECTION -->`` and ``<!-- /benchmark:SECTION -->``.
+def check_section(path: Path, section: str, *, family: str = "benchmark") -> None:
+    """Raise what `replace_section` would raise, so that a long computation does not end in it."""
+    _split(path, section, family)
+
+
+def replace_section(path: Path, section: str, text: str, *, family: str = "benchmark") -> None:
+    """Replace what stands between ``<!-- FAMILY:SECTION -->`` and ``<!-- /FAMILY:SECTION -->``.
 
     Parameters
     ----------
@@ -75,21 +80,31 @@ def replace_section(path: Path, section: str, text: str) -> None:
         Name in the markers.
     text : str
         What is to stand between them.
+    family : str
+        What wrote it, the first word of the markers.
 
     Raises
     ------
     ValueError
         If a marker is missing, repeated or out of order; the file is then left alone.
+    OSError
+        If the file cannot be read or written.
     """
-    begin, end = f"<!-- benchmark:{section} -->", f"<!-- /benchmark:{section} -->"
+    before, old, after = _split(path, section, family)
+    new = f"\n\n{text.strip()}\n\n"
+    if new != old:
+        path.write_text(before + new + after, encoding="utf-8")
+
+
+def _split(path: Path, section: str, family: str) -> tuple[str, str, str]:
+    """Text up to the end of the first marker, between both, and from the second on."""
+    begin, end = f"<!-- {family}:{section} -->", f"<!-- /{family}:{section} -->"
     old = path.read_text(encoding="utf-8")
-    pattern = re.compile(rf"^{re.escape(begin)}$.*?^{re.escape(end)}$", re.MULTILINE | re.DOTALL)
-    found = pattern.findall(old)
+    pattern = re.compile(rf"(?<=^{re.escape(begin)}$).*?(?=^{re.escape(end)}$)", re.MULTILINE | re.DOTALL)
+    found = list(pattern.finditer(old))
     if len(found) != 1 or old.count(begin) != 1 or old.count(end) != 1:
         raise ValueError(
             f"{path.name} must have the lines {begin!r} and {end!r} once each, in this order"
             f" (got {old.count(begin)} and {old.count(end)}); add both where the table belongs"
         )
-    new = pattern.sub(lambda _: f"{begin}\n\n{text.strip()}\n\n{end}", old)
-    if new != old:
-        path.write_text(new, encoding="utf-8")
+    return old[: found[0].start()], found[0].group(), old[found[0].end() :]

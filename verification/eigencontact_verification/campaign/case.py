@@ -4,7 +4,8 @@ The list of cases is the module `eigencontact_verification.campaign.cases`, whic
 
 - ``kernels() -> tuple[str, ...]``: keys that can be verified, installed plugins included;
 - ``cases_of(kernel) -> tuple[Case, ...]``: the cases of one key, the quick ones among them;
-- ``gaps() -> tuple[Gap, ...]``: what is known not to be covered.
+- ``gaps() -> tuple[Gap, ...]``: what is known not to be covered;
+- ``why_not(kernel) -> str``: why something that is installed cannot be verified.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Case", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
+__all__ = ["Case", "Curve", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
 
 Quantity = Literal["displacement", "stress"]
 #: Mesh of a case: 0 coarse, 1 medium, 2 fine.
@@ -28,6 +29,8 @@ Level = Literal[0, 1, 2]
 Outer = Literal["fixed", "free"]
 #: Values by name of profile, each (n, components).
 Fields = dict[str, NDArray[np.float64]]
+#: Abscissa (n,) and values (n, components) of a line to be drawn; it breaks where values are not finite.
+Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,7 +127,8 @@ class Case(ABC):
     ratio: float = 2.0
     bracket_level: Level = 1
 
-    #: Modules outside ``fem`` and this class whose code decides what `reference` computes; their text is hashed too.
+    #: Code outside ``fem`` that decides what `reference` computes, as ``"module"`` or ``"module:object"``; its text is
+    #: hashed. By default the whole class; where it is given, nothing else, so that words and pictures do not count.
     code: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
@@ -150,6 +154,15 @@ class Case(ABC):
         Where the method itself discretises (a shape cut into cells), a second entry named `own_error` of the profile
         gives the error of the values, of the same shape; it is added to the reference's uncertainty.
         """
+
+    @property
+    def words(self) -> str:
+        """What is solved, in words, for the figures; by default nothing."""
+        return ""
+
+    def curve(self, profile: Profile) -> Curve | None:  # noqa: ARG002
+        """Semi-analytical values closely along the line of a profile, gaps included, for the figures; None if dear."""
+        return None
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:  # noqa: ARG002
         """Write mesh and field of the coarse model into `folder` (VTU, PNG); by default nothing."""

@@ -15,7 +15,7 @@ from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusio
 from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
 from eigencontact_verification.campaign.tractions import TRACTIONS, rectangle_case
 
-__all__ = ["cases_of", "gaps", "kernels"]
+__all__ = ["cases_of", "gaps", "kernels", "why_not"]
 
 POISSON_RATIOS = (0.0, 0.3, 0.45)
 DEPTHS = (0.5, 1.5, 5.0)
@@ -38,10 +38,21 @@ def _cuboid() -> tuple[Case, ...]:
             for name in EIGENSTRAINS:
                 if name != "uniform":
                     quick = nu == 0.3 and (depth, name) in {(1.5, "zz"), (1.5, "xz"), (5.0, "xy")}
-                    cases.append(inclusion_case(cube, name, nu, name=f"depth-{_text(depth)}", quick=quick))
+                    title, divisions = f"depth-{_text(depth)}", _divisions(depth, name, nu)
+                    cases.append(inclusion_case(cube, name, nu, name=title, quick=quick, divisions=divisions))
     brick = {"key": "cuboid", "center": [0.0, 0.0, 0.6], "edges": [1.6, 1.0, 0.6]}
     cases += [inclusion_case(brick, name, 0.3, name="brick") for name in ("xx", "yy", "zz", "xy", "xz", "yz")]
     return tuple(cases)
+
+
+def _divisions(depth: float, name: str, poisson_ratio: float) -> tuple[int, int, int] | None:
+    """Finer meshes where the largest displacement of the surface is many elements away, and as incompressibility nears.
+
+    A strain in the plane of a deep cube moves the surface most some five edges beside it.
+    """
+    if depth < 5 or name not in ("xx", "yy", "xy", "xx-yy"):
+        return None
+    return (6, 8, 11) if poisson_ratio > 0.4 else (5, 7, 10)
 
 
 def _sphere() -> tuple[Case, ...]:
@@ -165,6 +176,28 @@ def gaps() -> tuple[Gap, ...]:
         Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
         *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
     )
+
+
+def why_not(kernel: str) -> str:
+    """Why something that is installed, or should be, cannot be verified; empty if there is no such thing.
+
+    That is a shape that cannot be built without being told how, a plugin that is broken, or one of another kind.
+    """
+    if kernel in kernels():
+        return ""
+    if kernel in _shapes():
+        return _refusal(kernel)
+    registry = installed_plugins()
+    broken = [str(item) for item in registry.broken if item.name == kernel]
+    if broken:
+        return broken[0]
+    kinds = [entry.kind for entry in registry.named(kernel)]
+    if kinds:
+        return (
+            f"kernel must be an inclusion shape or a surface traction (got {kernel!r}, which is of kind "
+            f"{kinds[0]}); one of {', '.join(kernels())}"
+        )
+    return ""
 
 
 def _refusal(key: str) -> str:

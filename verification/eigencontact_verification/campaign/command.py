@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import time
 from functools import partial
 from pathlib import Path
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CaseList", "campaign", "verify"]
 
+#: Name in the markers of a README.
+_SECTION = "coverage"
+
 
 class CaseList(Protocol):
     """What the module with the cases offers."""
@@ -34,6 +38,9 @@ class CaseList(Protocol):
 
     def gaps(self) -> tuple[Gap, ...]:
         """What no case covers."""
+
+    def why_not(self, kernel: str) -> str:
+        """Why something that is installed, or should be, cannot be verified; empty if there is no such thing."""
 
 
 def verify(
@@ -63,6 +70,22 @@ def verify(
     pictures: Annotated[
         bool, typer.Option("--pictures", help="Also write mesh and field of one case a kernel (VTU, PNG).")
     ] = False,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            "--markdown",
+            metavar="FILE",
+            help="Also write the coverage between `<!-- verify:coverage -->` and `<!-- /verify:coverage -->` of FILE.",
+        ),
+    ] = None,
+    figure: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--figure",
+            metavar="CASE=FILE",
+            help="Also copy the figure of a case there: `--figure sphere/depth-1-5-zz-nu-30=sphere.png`; repeatable.",
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
@@ -76,6 +99,7 @@ def verify(
     Example: `eigencontact verify --quick --kernel cuboid`
     """
     from eigencontact.errors import EigencontactError
+    from eigencontact_verification.benchmarks.table import check_section
 
     names = [*(kernels or []), *(kernel or [])]
     if not 0.0 < limit < 1.0:
@@ -84,6 +108,9 @@ def verify(
         from eigencontact_verification.campaign import cases
 
         chosen = _chosen(cases, names, quick=quick)
+        copies = _copies(chosen, figure or [])
+        if markdown is not None:
+            check_section(markdown, _SECTION, family="verify")
         executor = _executor(workers or _cores(), memory * 1e9, cluster)
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
@@ -95,10 +122,13 @@ def verify(
     except KeyboardInterrupt:
         typer.echo("eigencontact: interrupted; finished solutions are kept, run the same again to continue", err=True)
         raise typer.Exit(130) from None
+    trouble = _written(report, files, markdown, copies)
     if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
     elif not quiet:
         _print(report, files)
+    if trouble:
+        _refuse(trouble)
     raise typer.Exit(report.exit_code)
 
 
@@ -136,6 +166,8 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
     known = cases.kernels()
     for name in names:
         if name not in known:
+            if reason := cases.why_not(name):
+                raise ValueError(reason)
             raise ValueError(
                 f"kernel must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; "
                 "`eigencontact plugins` lists what is installed"
@@ -145,6 +177,43 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
     if not found:
         raise ValueError(f"kernel must have a quick case (got {', '.join(names)}); run it without --quick")
     return tuple(found)
+
+
+def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
+    """Files of ``CASE=FILE`` by case, each of a case that will be solved."""
+    from eigencontact.errors import nearest
+
+    known, copies = [case.key for case in chosen], {}
+    for text in figures:
+        case, equals, file = text.rpartition("=")
+        if not (equals and case and file.endswith(".png")):
+            raise ValueError(f"--figure must be CASE=FILE.png (got {text}); the report lists the cases")
+        if case not in known:
+            raise ValueError(
+                f"--figure must name a case of this campaign (got {case!r}){nearest(case, known)}; "
+                f"there are {len(known)}, such as {known[0]}"
+            )
+        copies[case] = Path(file)
+    return copies
+
+
+def _written(report: Report, files: dict[str, Path], markdown: Path | None, copies: dict[str, Path]) -> str:
+    """Write what is wanted outside the folder of the report; the first problem in words, or nothing."""
+    from eigencontact_verification.benchmarks.table import replace_section
+    from eigencontact_verification.campaign.brief import brief
+
+    try:
+        if markdown is not None:
+            replace_section(markdown, _SECTION, brief(report), family="verify")
+        for case, file in copies.items():
+            drawn = files["figures"] / f"{case.replace('/', '-')}.png"
+            if not drawn.is_file():
+                return f"--figure must name a case that was solved (got {case}); see why not in {files['markdown']}"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(drawn, file)
+    except (ValueError, OSError) as problem:
+        return str(problem)
+    return ""
 
 
 def _gaps(cases: CaseList, names: Sequence[str]) -> tuple[Gap, ...]:
@@ -270,6 +339,7 @@ def _print(report: Report, files: dict[str, Path]) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact_verification.campaign.brief import totals
     from eigencontact_verification.campaign.judge import coverage
 
     console = Console(highlight=False)
@@ -283,6 +353,5 @@ def _print(report: Report, files: dict[str, Path]) -> None:
         if row.word != "agrees":
             words = f"{row.word}: {row.kernel}/{row.case}, {row.profile}, {row.component}: {row.reason}"
             console.print(words, markup=False, soft_wrap=True)
-    counts = ", ".join(f"{count} {word}" for word, count in report.counts.items())
-    console.print(f"\n{counts}; {len(report.gaps)} known gaps; {report.seconds:.0f} s", markup=False)
+    console.print(f"\n{totals(report)} {len(report.gaps)} known gaps.", markup=False, soft_wrap=True)
     console.print(f"report: {files['html'].resolve()}", markup=False, soft_wrap=True)

@@ -15,11 +15,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, own_error
+from eigencontact_verification.campaign.case import Case, Curve, Fields, Level, Outer, Profile, Quantity, own_error
 from eigencontact_verification.campaign.lines import (
     STRESSES,
     chosen,
     growth_to,
+    in_units,
     inner_lines,
     planes_of,
     read_section,
@@ -28,13 +29,20 @@ from eigencontact_verification.campaign.lines import (
 )
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion
 from eigencontact_verification.fem.model import Model, Region
+from eigencontact_verification.fem.uncertainty import SAFETY
 
 __all__ = ["EIGENSTRAINS", "InclusionCase", "inclusion_case", "shape_of", "tensor_of"]
 
 FloatArray = NDArray[np.float64]
 
 _AXES = "xyz"
-_LINES, _RECOVERY = (f"eigencontact_verification.campaign.{name}" for name in ("lines", "recovery"))
+#: Code that decides what the finite elements of a case compute.
+_OWN = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
+_READING = ("lines:read_section", "lines:read_solid", "lines:chosen", "recovery")
+_CODE = (
+    *(f"{__name__}:{name}" for name in (*_OWN, "InclusionCase.reference")),
+    *(f"eigencontact_verification.campaign.{name}" for name in _READING),
+)
 _MODULUS = 1.0
 #: Eigenstrains by name: components and their values. Those of Table 2.3 of the thesis are xx-yy, xx-zz and the shears.
 EIGENSTRAINS: dict[str, dict[str, float]] = {
@@ -51,8 +59,8 @@ EIGENSTRAINS: dict[str, dict[str, float]] = {
 #: Parts of every element of the undivided mesh at the three levels, where the boundary is near and where it is far.
 _REFINE, _REFINE_FAR = (5, 7, 10), (4, 6, 9)
 _GROWTH_ROUND = 2.5
-#: Cells across a shape without potentials over those of the coarser cutting that gives the error.
-_CELL_RATIO = 1.5
+#: Cells across a shape without potentials over those of the coarser cuttings that give the error.
+_CELL_RATIOS = (3 / 2, 9 / 7)
 #: Reach of the body in depths or extents. Displacement of the surface by a strain in its plane decays slowest.
 _REACH, _REACH_IN_PLANE = 12.0, 40.0
 
@@ -109,9 +117,22 @@ def _fills_its_section(shape: Any) -> bool:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class InclusionCase(Case):
-    """A region with uniform eigenstrain below a free surface."""
+    """A region with uniform eigenstrain below a free surface.
 
-    code: ClassVar[tuple[str, ...]] = (__name__, _LINES, _RECOVERY)
+    Parameters
+    ----------
+    made : inclusion shape, optional
+        The region itself, where it is at hand and need not be installed; by default it is made from the parameters.
+    """
+
+    made: Any = None
+
+    code: ClassVar[tuple[str, ...]] = _CODE
+
+    @property
+    def shape(self) -> Any:
+        """The region."""
+        return shape_of(self.parameters["shape"]) if self.made is None else self.made
 
     @property
     def eigenstrain(self) -> FloatArray:
@@ -120,7 +141,7 @@ class InclusionCase(Case):
 
     def solid_model(self, level: Level, outer: Outer) -> Model:
         """Model of hexahedra."""
-        given, shape = self.parameters, shape_of(self.parameters["shape"])
+        given, shape = self.parameters, self.shape
         return Model(
             young_modulus=_MODULUS,
             poisson_ratio=given["poisson_ratio"],
@@ -135,7 +156,7 @@ class InclusionCase(Case):
 
     def axisymmetric_model(self, level: Level, outer: Outer) -> AxisymmetricModel:
         """Model of quadrilaterals in the half plane (r, z)."""
-        given, shape = self.parameters, shape_of(self.parameters["shape"])
+        given, shape = self.parameters, self.shape
         low, high = section_bounds(shape)
         strain = self.eigenstrain
         region = AxisymmetricRegion(
@@ -158,7 +179,7 @@ class InclusionCase(Case):
 
     def reference(self, level: Level, outer: Outer) -> Fields:
         """Values of the finite-element model."""
-        contains = shape_of(self.parameters["shape"]).contains
+        contains = self.shape.contains
         if self.parameters["elements"] == "axisymmetric":
             from eigencontact_verification.fem.axisymmetric import solve_axisymmetric
 
@@ -169,39 +190,83 @@ class InclusionCase(Case):
 
     def judged(self) -> Fields:
         """Values of the half-space theorem."""
-        from eigencontact import inclusion_field
-
-        shape, cells, fields = shape_of(self.parameters["shape"]), self.parameters["cells"], {}
+        cells, fields = self.parameters["cells"], {}
         for profile in self.profiles:
-            tries = []
-            for count in (cells, *([round(cells / _CELL_RATIO)] if self.parameters["cut"] else [])):
-                values = inclusion_field(
-                    shape,
-                    self.eigenstrain,
-                    profile.points,
-                    young_modulus=_MODULUS,
-                    poisson_ratio=self.parameters["poisson_ratio"],
-                    quantity=profile.quantity,
-                    cells=count,
-                )
-                tries.append(chosen(values, profile))
+            counts = (cells, *(round(cells / ratio) for ratio in _CELL_RATIOS)) if self.parameters["cut"] else (cells,)
+            tries = [chosen(self.field(profile.points, profile.quantity, cells=count), profile) for count in counts]
             fields[profile.name] = tries[0]
-            if len(tries) == 2:
+            if len(tries) > 1:
                 fields[own_error(profile.name)] = _error_of_cells(*tries)
         return fields
 
+    def field(self, points: FloatArray, quantity: Quantity, *, cells: int | None = None) -> FloatArray:
+        """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the half-space theorem at points ``(n, 3)``."""
+        from eigencontact import inclusion_field
 
-def _error_of_cells(fine: FloatArray, coarse: FloatArray) -> FloatArray:
-    """Error of the finer of two cuttings, as if it fell with the cell size; it falls with its square or faster.
+        return np.asarray(
+            inclusion_field(
+                self.shape,
+                self.eigenstrain,
+                points,
+                young_modulus=_MODULUS,
+                poisson_ratio=self.parameters["poisson_ratio"],
+                quantity=quantity,
+                cells=cells or self.parameters["cells"],
+            )
+        )
 
-    The largest of three neighbours, nowhere less than half of the largest of all: it is a smooth field, and where the
-    two values happen to be equal their error does not vanish.
+    @property
+    def words(self) -> str:
+        """What is solved, for the figures."""
+        low, high = (np.asarray(corner) for corner in self.shape.bounds)
+        extents = " × ".join(f"{extent:.3g}" for extent in high - low)
+        return (
+            f"{self.kernel}, extents {extents}, centre at depth {(low[2] + high[2]) / 2:.3g}, eigenstrain "
+            f"{self.parameters['eigenstrain']}, ν = {self.parameters['poisson_ratio']:g}"
+        )
+
+    def curve(self, profile: Profile) -> Curve | None:
+        """Field on the line of a profile, closely; not of a shape that has to be cut into cells."""
+        from eigencontact_verification.campaign.pictures.fields import curve
+
+        contains = self.shape.contains
+        return None if self.parameters["cut"] else curve(profile, self.field, contains)
+
+    def pictures(self, folder: Path) -> tuple[Path, ...]:
+        """Mesh and field of the coarse model (VTU, PNG)."""
+        from eigencontact_verification.campaign.pictures.fields import inclusion_pictures
+
+        return inclusion_pictures(self, folder)
+
+
+def _error_of_cells(fine: FloatArray, *coarser: FloatArray) -> FloatArray:
+    """Error of the finest of three cuttings, as if it fell with the cell size; it falls with its square, unsteadily.
+
+    Unsteadily: how much of a thin region the cells hold too much depends on where they end, so that two cuttings may
+    share an error (a torus of 12 and of 18 cells). The worse of two comparisons counts, times the safety factor of the
+    grid convergence index, and the largest of three neighbours, nowhere less than half of the largest of all: it is a
+    smooth field, and where two values happen to be equal their error does not vanish.
     """
-    difference = np.abs(fine - coarse)
+    tries = zip(coarser, _CELL_RATIOS, strict=True)
+    difference = SAFETY * np.maximum.reduce([np.abs(fine - coarse) / (ratio - 1) for coarse, ratio in tries])
     index = np.arange(len(difference))
     near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
     near.append(np.broadcast_to(0.5 * difference.max(axis=0), difference.shape))
-    return np.asarray(np.maximum.reduce(near) / (_CELL_RATIO - 1))
+    return np.asarray(np.maximum.reduce(near))
+
+
+def unit_length(key: str, extents: tuple[float, float, float]) -> str:
+    """Name of the length that is 1 in a case, for the figures.
+
+    Examples
+    --------
+    >>> unit_length("sphere", (1.0, 1.0, 1.0)), unit_length("cuboid", (1.6, 1.0, 0.6))
+    ('diameter', 'width')
+    """
+    x, y, z = (bool(np.isclose(extent, 1.0)) for extent in extents)
+    if x and y:
+        return "edge" if key == "cuboid" else "diameter" if key in ("sphere", "ellipsoid", "cylinder") else "width"
+    return "length" if x else "width" if y else "height" if z else "length unit"
 
 
 def inclusion_case(
@@ -218,6 +283,8 @@ def inclusion_case(
     quick: bool = False,
     refine: float = 1.0,
     outer_elements: int | None = None,
+    divisions: tuple[int, int, int] | None = None,
+    made: Any = None,
 ) -> InclusionCase:
     """Case of one shape.
 
@@ -247,8 +314,12 @@ def inclusion_case(
         Elements of the undivided mesh along the shortest extent (along half of it in axisymmetric models).
     outer_elements : int, optional
         Elements of the undivided mesh from the source outwards; by default 2, or 3 to a far boundary.
+    divisions : (int, int, int), optional
+        Parts of every element of the undivided mesh at the three levels; by default by the distance of the boundary.
+    made : inclusion shape, optional
+        The shape itself, where it need not be installed; `shape` then only names it.
     """
-    made = shape_of(shape)
+    region, made = made, shape_of(shape) if made is None else made
     low, high = (np.asarray(corner, dtype=float) for corner in made.bounds)
     size, thinnest = float(np.max(high - low)), float(np.min(high - low))
     middle = (low + high) / 2
@@ -264,10 +335,11 @@ def inclusion_case(
     reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))
     far = reach * (1.0 if revolved else refine) > 30 * thinnest
     fine = thinnest / (2 * refine if revolved else refine)
-    refine_by = _REFINE_FAR if revolved or far else _REFINE
+    refine_by = divisions or (_REFINE_FAR if revolved or far else _REFINE)
     parameters: dict[str, Any] = {
         "shape": dict(shape),
         "eigenstrain": eigenstrain,
+        "components": EIGENSTRAINS[eigenstrain],
         "poisson_ratio": poisson_ratio,
         "elements": "axisymmetric" if revolved else "solid",
         "fitted": revolved and not _fills_its_section(made),
@@ -283,7 +355,8 @@ def inclusion_case(
         max(2.0 * size, 2.0 * float(middle[2])),
         ("even", "even") if revolved else planes,
         paths=("x",) if revolved else ("x", "y", "diagonal"),
-        source=made.contains if low[2] <= 0.05 * size else None,
+        # mirrored in the surface, which is no boundary of a source that touches it: points above its middle are kept
+        source=(lambda x, y, z: made.contains(x, y, np.abs(z))) if low[2] <= 0.05 * size else None,
         margin=0.25 * thinnest,
         both_sides=not revolved and "none" in planes,
     )
@@ -304,11 +377,13 @@ def inclusion_case(
         components=stresses,
         formal_order=2.0 if revolved else 3.0,  # curved elements are not promised to be more exact anywhere
     )
+    length = unit_length(str(shape["key"]), tuple((high - low).tolist()))
     return InclusionCase(
         kernel=str(shape["key"]),
         name=f"{name}-{eigenstrain}-nu-{round(100 * poisson_ratio):02d}",
         parameters=parameters,
+        made=region,
         quick=quick,
-        profiles=(*lines, *inner),
+        profiles=in_units((*lines, *inner), length=length, displacement=f"ε* {length}", stress="E ε*"),
         ratio=(refine_by[2] / refine_by[0]) ** 0.5,
     )

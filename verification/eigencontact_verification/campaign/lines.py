@@ -7,6 +7,7 @@ or, at edges, is infinite. Components that a plane of symmetry makes zero are le
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ __all__ = [
     "chosen",
     "clear_of",
     "growth_to",
+    "in_units",
     "inner_lines",
     "planes_of",
     "read_section",
@@ -197,6 +199,18 @@ def inner_lines(
             )
         )
     return tuple(profiles)
+
+
+def in_units(profiles: Iterable[Profile], *, length: str, displacement: str, stress: str) -> tuple[Profile, ...]:
+    """Profiles whose abscissa and values have a unit in words of the problem: ``"edge"``, ``"ε* edge"``, ``"E ε*"``."""
+    return tuple(
+        replace(
+            profile,
+            label=f"{profile.label} [{length}]",
+            unit=displacement if profile.quantity == "displacement" else stress,
+        )
+        for profile in profiles
+    )
 
 
 def _column(x: float, y: float, depths: FloatArray) -> FloatArray:

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from eigencontact_verification.campaign.brief import MARKS, totals
 from eigencontact_verification.campaign.case import Gap
 from eigencontact_verification.campaign.figures import draw
 from eigencontact_verification.campaign.judge import WORDS, Coverage, JudgedCase, Row, coverage
 
 __all__ = ["Report", "write_report"]
 
-_MARKS = {"agrees": "✓", "inconclusive": "?", "failed": "!", "disagrees": "✗"}
 _METHOD = (
     "Each kernel is compared with a finite-element model that shares no code with it. The model's own uncertainty, "
     "u_FE, is the sum of a grid convergence index (three meshes) and half the distance of fixed and free outer faces. "
@@ -66,6 +66,27 @@ class Report:
         return {word: sum(row.word == word for row in self.rows) for word in WORDS}
 
     @property
+    def inconclusive(self) -> float:
+        """Part of the verdicts that is inconclusive, 0 to 1."""
+        return self.counts["inconclusive"] / max(1, len(self.rows))
+
+    @property
+    def solves(self) -> tuple[tuple[float, int | None], ...]:
+        """Wall time [s] and peak memory [byte] of each finite-element solution that was tried."""
+        return tuple(
+            (outcome.seconds, outcome.memory)
+            for case in self.cases
+            for task, outcome in case.outcomes
+            if task.level is not None and outcome.seconds is not None
+        )
+
+    @property
+    def computed(self) -> bool:
+        """Whether any of them was computed by this campaign: the others were found in the store."""
+        outcomes = (outcome for case in self.cases for task, outcome in case.outcomes if task.level is not None)
+        return any(not outcome.cached for outcome in outcomes)
+
+    @property
     def exit_code(self) -> int:
         """0 unless something disagrees or could not be solved."""
         return 1 if self.counts["disagrees"] or self.counts["failed"] else 0
@@ -81,6 +102,9 @@ class Report:
             "limit": self.limit,
             "seconds": self.seconds,
             "counts": self.counts,
+            "inconclusive": self.inconclusive,
+            "longest_solve_seconds": max((seconds for seconds, _ in self.solves), default=None),
+            "largest_solve_bytes": max((memory for _, memory in self.solves if memory is not None), default=None),
             "exit_code": self.exit_code,
             "coverage": [asdict(one) for one in coverage(self.rows)],
             "not_covered": [asdict(gap) for gap in self.gaps],
@@ -164,7 +188,7 @@ _COVERAGE_HEAD = (
 def _coverage_cells(one: Coverage) -> tuple[str, ...]:
     agreed = f"{one.counts['agrees']} of {sum(one.counts.values())}"
     return (
-        one.kernel, one.quantity, one.component, f"{_MARKS[one.word]} {one.word}", agreed, _percent(one.uncertainty),
+        one.kernel, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, _percent(one.uncertainty),
         _percent(one.difference),
     )  # fmt: skip
 
@@ -175,7 +199,7 @@ _ROW_HEAD = ("profile", "component", "verdict", "u_FE", "mesh", "truncation", "|
 def _row_cells(row: Row) -> tuple[str, ...]:
     order = "–" if row.order is None else f"{row.order:.2f}" + ("" if row.credible else " (not credible)")
     return (
-        row.profile, row.component, f"{_MARKS[row.word]} {row.word}", _percent(row.uncertainty),
+        row.profile, row.component, f"{MARKS[row.word]} {row.word}", _percent(row.uncertainty),
         _percent(row.discretisation), _percent(row.truncation), _percent(row.difference), order, row.reason,
     )  # fmt: skip
 
@@ -193,13 +217,6 @@ def _task_cells(found: JudgedCase) -> list[tuple[str, ...]]:
     return rows
 
 
-def _summary(report: Report) -> str:
-    total = max(1, len(report.rows))
-    words = ", ".join(f"{count} {word} ({100 * count / total:.0f} %)" for word, count in report.counts.items())
-    kind = "quick campaign" if report.quick else "full campaign"
-    return f"{kind.capitalize()}: {len(report.cases)} cases, {len(report.rows)} components of profiles: {words}."
-
-
 def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
@@ -209,7 +226,7 @@ def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[
 
 def _markdown(report: Report, pictures: dict[str, str]) -> str:
     gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
-    lines = ["# Finite-element cross-check", "", _summary(report), "", _METHOD.format(limit=_percent(report.limit)), ""]
+    lines = ["# Finite-element cross-check", "", totals(report), "", _METHOD.format(limit=_percent(report.limit)), ""]
     lines += ["## Coverage", "", *_markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows)))]
     lines += ["## Not covered", ""]
     lines += _markdown_table(("kernel", "what", "why"), gaps) if gaps else ["Nothing is listed.", ""]
@@ -251,7 +268,7 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     parts = [
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>Finite-element cross-check</title>",
         f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body>",
-        f"<h1>Finite-element cross-check</h1><p>{html.escape(_summary(report))}</p>",
+        f"<h1>Finite-element cross-check</h1><p>{html.escape(totals(report))}</p>",
         f"<p>{html.escape(_METHOD.format(limit=_percent(report.limit)))}</p><h2>Coverage</h2>",
         _html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
         "<h2>Not covered</h2>",
@@ -263,7 +280,7 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     parts.append("<h2>Cases</h2>\n")
     for found in report.cases:
         opened = "" if found.word == "agrees" else " open"
-        title = f"{html.escape(found.case.key)}: <span class='{found.word}'>{_MARKS[found.word]} {found.word}</span>"
+        title = f"{html.escape(found.case.key)}: <span class='{found.word}'>{MARKS[found.word]} {found.word}</span>"
         parts.append(f"<details{opened}><summary>{title}</summary>")
         if found.case.key in pictures:
             data = base64.b64encode((folder / pictures[found.case.key]).read_bytes()).decode("ascii")

@@ -55,14 +55,19 @@ def _plugin_versions() -> list[str]:
 
 @lru_cache(maxsize=64)
 def _class_digest(kind: type[Case]) -> str:
-    """Digest of the text of a class, its bases and the modules it names in `code`."""
+    """Digest of the text of the code that a class names, or of itself and its bases."""
     digest = hashlib.sha256()
-    for base in kind.__mro__:
+    for base in () if kind.code else kind.__mro__:
         if issubclass(base, Case) and base is not Case:
             with contextlib.suppress(OSError, TypeError):  # a class made at a prompt has no file
                 digest.update(inspect.getsource(base).encode())
     for name in kind.code:
-        digest.update(inspect.getsource(import_module(name)).encode())
+        module, _, path = name.partition(":")
+        part: Any = import_module(module)
+        for attribute in path.split(".") if path else ():
+            part = inspect.getattr_static(part, attribute)
+        part = part.fget if isinstance(part, property) else part
+        digest.update(inspect.getsource(part).encode())
     return digest.hexdigest()
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer
+from eigencontact_verification.campaign.case import Case, Curve, Fields, Level, Outer, Profile, Quantity
 from eigencontact_verification.campaign.lines import (
     chosen,
     growth_to,
+    in_units,
     inner_lines,
     planes_of,
     read_solid,
@@ -26,7 +28,11 @@ FloatArray = NDArray[np.float64]
 #: Key of each kernel, and the direction of its traction.
 TRACTIONS = {"pressure": "z", "shear-x": "x", "shear-y": "y"}
 _AXES = "xyz"
-_LINES, _RECOVERY = (f"eigencontact_verification.campaign.{name}" for name in ("lines", "recovery"))
+#: Code that decides what the finite elements of a case compute.
+_CODE = (
+    *(f"{__name__}:RectangleCase.{name}" for name in ("traction", "model", "reference")),
+    *(f"eigencontact_verification.campaign.{name}" for name in ("lines:read_solid", "lines:chosen", "recovery")),
+)
 _MODULUS = 1.0
 #: Parts of every element of the coarse mesh at the three levels, and its elements from the rectangle outwards.
 _REFINE = (4, 6, 9)
@@ -43,7 +49,7 @@ class RectangleCase(Case):
     distance, ``"free"`` returns u(R) + 2 D: the value is then the extrapolated one, its uncertainty all of D.
     """
 
-    code: ClassVar[tuple[str, ...]] = (__name__, _LINES, _RECOVERY)
+    code: ClassVar[tuple[str, ...]] = _CODE
 
     @property
     def traction(self) -> tuple[float, float, float]:
@@ -79,20 +85,43 @@ class RectangleCase(Case):
 
     def judged(self) -> Fields:
         """Values of the closed forms."""
+        return {
+            profile.name: chosen(self.field(profile.points, profile.quantity), profile) for profile in self.profiles
+        }
+
+    def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
+        """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the closed forms at points ``(n, 3)``."""
         from eigencontact import rectangle_field
 
-        fields = {}
-        for profile in self.profiles:
-            values = rectangle_field(
+        return np.asarray(
+            rectangle_field(
                 self.traction,
                 self.parameters["half_widths"],
-                profile.points,
+                points,
                 young_modulus=_MODULUS,
                 poisson_ratio=self.parameters["poisson_ratio"],
-                quantity=profile.quantity,
+                quantity=quantity,
             )
-            fields[profile.name] = chosen(values, profile)
-        return fields
+        )
+
+    @property
+    def words(self) -> str:
+        """What is solved, for the figures."""
+        a, b = self.parameters["half_widths"]
+        what = "pressure p" if self.kernel == "pressure" else f"traction q along {TRACTIONS[self.kernel]}"
+        return f"uniform {what} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"
+
+    def curve(self, profile: Profile) -> Curve:
+        """Closed forms on the line of a profile, closely."""
+        from eigencontact_verification.campaign.pictures.fields import curve
+
+        return curve(profile, self.field)
+
+    def pictures(self, folder: Path) -> tuple[Path, ...]:
+        """Mesh and field of the coarse model (VTU, PNG)."""
+        from eigencontact_verification.campaign.pictures.fields import rectangle_pictures
+
+        return rectangle_pictures(self, folder)
 
 
 def rectangle_case(
@@ -138,11 +167,12 @@ def rectangle_case(
         (0.23 * a, 0.17 * b, 0.5 * size),
         margin=0.1 * size,
     )
+    load = "p" if kernel == "pressure" else "q"
     return RectangleCase(
         kernel=kernel,
         name=f"rectangle-nu-{round(100 * poisson_ratio):02d}",
         parameters=parameters,
         quick=quick,
-        profiles=(*lines, *inner),
+        profiles=in_units((*lines, *inner), length="a", displacement=f"{load} a / E", stress=load),
         ratio=1.5,
     )

@@ -12,6 +12,7 @@ from eigencontact_verification.conformance import (
     boundary,
     common,
     eigenstrain,
+    finite_elements,
     friction,
     geometry,
     identities,
@@ -71,15 +72,19 @@ _BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
     (HasMirrorPotential, (integrals.check_chi,)),
     (HasFarField, (integrals.check_far_field,)),
 )
+#: Minutes a shape; only where asked for.
+_SLOW: dict[str, tuple[Check, ...]] = {"inclusion-shape": (finite_elements.check_against_finite_elements,)}
 
 
-def checks_for(component: Any) -> tuple[Check, ...]:
+def checks_for(component: Any, *, finite_elements: bool = False) -> tuple[Check, ...]:
     """Checks that apply to a component: those of every kind, of its kind, and of each ability it offers.
 
     Parameters
     ----------
     component : Component
         An instance of a plugin class.
+    finite_elements : bool
+        Also the slow check of a shape, against finite elements: ten seconds to two minutes.
 
     Returns
     -------
@@ -101,10 +106,18 @@ def checks_for(component: Any) -> tuple[Check, ...]:
         for ability, more in _BY_ABILITY:
             if isinstance(component, ability):
                 checks += more
+    if finite_elements:
+        checks += _SLOW.get(component.kind, ())
     return tuple(checks)
 
 
-def parametrize_with_checks(components: Iterable[Any], *, waive: Mapping[str, str] | None = None) -> Any:
+def parametrize_with_checks(
+    components: Iterable[Any],
+    *,
+    waive: Mapping[str, str] | None = None,
+    finite_elements: bool = False,
+    slow_marks: Iterable[Any] = (),
+) -> Any:
     """Decorate a test of (component, check): one test for every component and every check that applies to it.
 
     Parameters
@@ -114,6 +127,11 @@ def parametrize_with_checks(components: Iterable[Any], *, waive: Mapping[str, st
     waive : mapping of str to str, optional
         Names of checks that these components are known to fail, and why. A waived check must fail: when it passes, the
         test fails until the waiver is taken away.
+    finite_elements : bool
+        Also `check_against_finite_elements`, ten seconds to two minutes a shape; ``pytest -k "not finite_elements"``
+        leaves it out of a run.
+    slow_marks : iterable of pytest marks
+        Put on that check: ``[pytest.mark.slow]`` where the suite has such a marker.
 
     Returns
     -------
@@ -137,8 +155,10 @@ def parametrize_with_checks(components: Iterable[Any], *, waive: Mapping[str, st
     """
     import pytest
 
-    waive, components = dict(waive or {}), list(components)
-    applicable = {check.__name__ for component in components for check in checks_for(component)}
+    waive, components, slow_marks = dict(waive or {}), list(components), list(slow_marks)
+    applicable = {
+        check.__name__ for component in components for check in checks_for(component, finite_elements=finite_elements)
+    }
     for name, reason in waive.items():
         if name not in applicable:
             raise ValueError(f"waive must name a check that applies (got {name!r}){nearest(name, applicable)}")
@@ -146,8 +166,10 @@ def parametrize_with_checks(components: Iterable[Any], *, waive: Mapping[str, st
             raise ValueError(f"waive[{name!r}] must be the reason (got {reason!r})")
     cases = []
     for number, component in enumerate(components):
-        for check in checks_for(component):
+        for check in checks_for(component, finite_elements=finite_elements):
             known = waive.get(check.__name__)
             marks = [pytest.mark.xfail(reason=known, strict=True)] if known else []
+            if check in _SLOW.get(component.kind, ()):
+                marks += slow_marks
             cases.append(pytest.param(component, check, id=f"{component.key}{number}-{check.__name__}", marks=marks))
     return pytest.mark.parametrize(("component", "check"), cases)

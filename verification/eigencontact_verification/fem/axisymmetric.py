@@ -372,7 +372,10 @@ class AxisymmetricSolution:
         return np.asarray(np.einsum("ian,abn,jbn->nij", frame, polar, frame))
 
     def write_vtu(self, path: str | Path) -> None:
-        """Mesh in the plane y = 0, displacement at nodes and stress in the middle of elements, as a VTU file."""
+        """Write the mesh in the plane y = 0, nodal displacement, and what the elements have in their middle, as VTU.
+
+        Fields: ``displacement``; ``stress`` (xx, xy, xz, yx, ...), ``von_mises``, and ``region``, the mesh's mark.
+        """
         import meshio
 
         mesh = self.basis.mesh
@@ -383,9 +386,15 @@ class AxisymmetricSolution:
         for axis, part in ((0, 0), (2, 1)):
             moved[scalar, axis] = self.vector[self.basis.dofs.element_dofs[part::2]]
         middle = np.stack((self.grid.centres[0], 0 * self.grid.centres[0], self.grid.centres[1]), axis=1)
+        stress = self.stress(middle)
+        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
         meshio.Mesh(
             nodes,
             [("quad9", scalar.T)],
             point_data={"displacement": moved},
-            cell_data={"stress": [self.stress(middle).reshape(-1, 9)], "region": [self.grid.marks]},
+            cell_data={
+                "stress": [stress.reshape(-1, 9)],
+                "von_mises": [np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))],
+                "region": [self.grid.marks],
+            },
         ).write(path)

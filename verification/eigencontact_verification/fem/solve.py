@@ -202,7 +202,11 @@ class Solution:
         return np.asarray(stress + (0.0 if self.model.remote_stress is None else self.model.remote_stress))
 
     def write_vtu(self, path: str | Path) -> None:
-        """Write mesh, nodal displacement, and stress, Young's modulus and eigenstrain of the elements as VTU."""
+        """Write mesh, nodal displacement, and what the elements have in their middle as a VTU file.
+
+        Fields: ``displacement``; ``stress`` and ``eigenstrain`` (xx, xy, xz, yx, ...), ``von_mises``,
+        ``young_modulus``, and ``region``: 0 in the body, n in the n-th region, the last where they overlap.
+        """
         import meshio
 
         grid = self.grid
@@ -217,12 +221,19 @@ class Solution:
         kind = "hexahedron" if grid.order == 1 else "hexahedron27"
         centres = grid.low + grid.size / 2
         lam, mu, eigenstrain = assembly.point_state(self.model, centres)
+        stress = self.stress(centres)
+        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+        number = np.zeros(len(centres), dtype=np.int32)
+        for count, region in enumerate(self.model.regions, start=1):
+            number[np.asarray(region.contains(*centres.T))] = count
         meshio.Mesh(
             grid.nodes,
             [(kind, grid.element_nodes[:, place])],
             point_data={"displacement": self.nodal},
             cell_data={
-                "stress": [self.stress(centres).reshape(-1, 9)],
+                "stress": [stress.reshape(-1, 9)],
+                "von_mises": [np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))],
+                "region": [number],
                 "eigenstrain": [eigenstrain.reshape(-1, 9)],
                 "young_modulus": [mu * (3 * lam + 2 * mu) / (lam + mu)],
             },

@@ -10,8 +10,10 @@ Three meshes give the discretisation error, two outer boundary conditions the er
   of both orders counts, never more than the formal one. The difference that enters is the larger of fine-medium and
   medium-coarse brought to the fine mesh, and the largest among neighbours: where one difference happens to vanish, the
   error does not. Twice the scatter of both differences about the order in use is added to 1.25 times the difference
-  (as Eça and Hoekstra add the deviation of their fit), and nowhere less than a tenth of the largest value on the
-  profile is used: both make the interval hold at all points together, which is what a verdict asks;
+  (as Eça and Hoekstra add the deviation of their fit), and nowhere less than a tenth of the largest value of all
+  components on the profile is used: both make the interval hold at all points together, which is what a verdict asks.
+  Of all components, because they belong to one vector or tensor: axes turned by six degrees mix a tenth of one into
+  another, and what is known of a field does not depend on how its axes are named;
 - *truncation*: the mean of fixed and free outer faces is the value, half their distance the uncertainty. It is a smooth
   field of the size of the body, so nowhere less than half of its largest value on the profile is used. That the truth
   lies between both is an assumption (it holds exactly for a dilating ball in a concentric ball); check it with another
@@ -44,7 +46,7 @@ FloatArray = NDArray[np.float64]
 #: Least order that is believed, and least that is used.
 LOWEST_ORDER = 0.5
 SAFETY, CAUTIOUS = 1.25, 3.0
-#: Least discretisation error at a point, as a part of the largest of its component on the profile.
+#: Least discretisation error of a component at a point, as a part of the largest of all components on the profile.
 FLOOR = 0.1
 #: A component whose judged values stay below this part of the field is zero by symmetry.
 ZERO = 1e-6
@@ -185,7 +187,7 @@ def _discretisation(
     scatter = np.sqrt(np.mean(_window(newer - older / ratio**used, 2) ** 2, axis=0))
     index = SAFETY * difference + 2.0 * scatter
     uncertainty = np.where(sound, index, np.maximum(index, CAUTIOUS * difference)) / (ratio**used - 1.0)
-    uncertainty = np.maximum(uncertainty, FLOOR * uncertainty.max(axis=0))
+    uncertainty = np.maximum(uncertainty, FLOOR * uncertainty.max())
     whole = np.clip(np.where(np.isfinite(order), order, formal), LOWEST_ORDER, formal)
     value = np.where(sound, fine - newer / (ratio**whole - 1.0), fine)
     return value, uncertainty, order, credible

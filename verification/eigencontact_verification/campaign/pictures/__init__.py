@@ -1,0 +1,1 @@
+"""Pictures of a case; nothing here decides a verdict, so none of it is hashed with stored solutions."""
