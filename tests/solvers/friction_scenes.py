@@ -1,6 +1,6 @@
 """Random frictional contacts: scene k from seed k, with loads that friction can carry by construction."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -102,6 +102,20 @@ def make_scene(seed):
         seed=seed, grid=grid, bodies=bodies, separation=separation, shape=shape, friction=friction, cap=float(cap),
         coupling=coupling, steps=list(zip(controls, tangential, strict=True)),
     )  # fmt: skip
+
+
+def hardened(scene):
+    """The same contact fully coupled, on a rigid body, friction above 1: pressure and shear change each other most."""
+    rng = np.random.default_rng(10_000 + scene.seed)
+    friction = max(scene.friction, float(10 ** rng.uniform(0, np.log10(5))))
+    body = Material(young_modulus=scene.bodies[0].young_modulus, poisson_ratio=rng.uniform(0, 0.25))
+    more = max(1.0, friction / scene.friction)
+    steps = []
+    for control, tangential in scene.steps:
+        shifts = {name: getattr(tangential, name) for name, _ in MODES}
+        longer = {name: None if value is None else more * value for name, value in shifts.items()}
+        steps.append((control, replace(tangential, **longer)))
+    return replace(scene, friction=friction, cap=np.inf, coupling="full", bodies=(body, None), steps=steps)
 
 
 def _grid(rng):

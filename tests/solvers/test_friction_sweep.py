@@ -2,7 +2,7 @@
 
 import pytest
 
-from solvers.friction_scenes import errors, follow, make_scene
+from solvers.friction_scenes import errors, follow, hardened, make_scene
 
 TOLERANCE = 1e-6
 #: The conditions are met by displacements of all tractions together; each of the two solves of a coupled increment is
@@ -10,11 +10,11 @@ TOLERANCE = 1e-6
 ALLOWED = {"gap": 1.5, "overlap": 5.0, "stick": 1.5, "across": 1.5, "along": 1.5, "bound": 1.0}
 
 
-def failures(seeds):
+def failures(seeds, change=lambda scene: scene):
     """Scenes that do not converge or violate a condition, in words."""
     said = []
     for seed in seeds:
-        scene = make_scene(seed)
+        scene = change(make_scene(seed))
         try:
             found = errors(scene, follow(scene, tolerance=TOLERANCE))
         except Exception as error:  # noqa: BLE001 - told with the scene
@@ -35,3 +35,9 @@ def test_some_random_scenes_converge(seed):
 @pytest.mark.parametrize("first", range(0, 500, 25))
 def test_five_hundred_random_scenes_converge(first):
     assert failures(range(first, first + 25)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 60, 10))
+def test_strongly_coupled_scenes_converge(first):
+    assert failures(range(first, first + 10), hardened) == []

@@ -18,7 +18,7 @@ from eigencontact.solvers.report import Progress
 from eigencontact.solvers.solution import NormalOptions, NormalSolution
 from eigencontact.solvers.tangential.compliance import MatrixOperator, Pair, ParityCoefficients
 from eigencontact.solvers.tangential.control import TangentialControl
-from eigencontact.solvers.tangential.solver import TangentialOptions, TangentialSolution, TangentialSolver
+from eigencontact.solvers.tangential.solver import Overloaded, TangentialOptions, TangentialSolution, TangentialSolver
 
 __all__ = ["FrictionalContact", "FrictionalSolution", "Sliding"]
 
@@ -220,7 +220,16 @@ class FrictionalContact:
         mixer, inner, change = Anderson(), _LOOSEST, 0.0
         last: _Round | None = None
         for rounds in range(1, _ROUNDS + 1):
-            last = self._round(asked, last, lift, inner)
+            try:
+                last = self._round(asked, last, lift, inner)
+            except Overloaded as error:
+                if error.at_any_place and asked.control.normal_load is not None:
+                    raise
+                raise NotConverged(
+                    f"{error} (under the pressure of round {rounds}, before normal and tangential contact had agreed; "
+                    "take smaller increments)",
+                    last.tangential.report if last else None,
+                ) from error
             image = self.lift(last.tangential.shear)
             change = self._change(image - lift, last.normal)
             if asked.progress is not None:
@@ -307,11 +316,15 @@ class FrictionalContact:
         return largest / deflection if deflection > 0 else 0.0
 
     def _after(self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray) -> Sliding:
-        """State at the end of the increment; friction works with the mean of the tractions at its two ends."""
+        """State at the end of the increment.
+
+        Friction works with the shear at the end, which the slip of the increment opposes: never negative, and nearer the
+        limit of many increments than the mean of both ends, which would balance with the work of the loads exactly.
+        """
         loaded = pressure > 0
         slip = found.slip * (loaded & ~found.stick)
         distance = np.sqrt(np.einsum("kij,kij->ij", slip, slip))
-        work = -0.5 * np.einsum("kij,kij->ij", before.shear + found.shear, slip)
+        work = -np.einsum("kij,kij->ij", found.shear, slip)
         return Sliding(
             pressure=pressure, shear=found.shear, position=before.position + found.slip, lift=lift, rigid=found.rigid,
             slip_distance=before.slip_distance + distance, dissipated=before.dissipated + work,

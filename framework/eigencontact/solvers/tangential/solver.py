@@ -18,10 +18,24 @@ from eigencontact.solvers.tangential.discs import Infeasible, RigidPlane, length
 from eigencontact.solvers.tangential.newton import DiscProblem, DiscState, solve_discs
 from eigencontact.solvers.tangential.report import FrictionCertificate, TangentialReport
 
-__all__ = ["TangentialOptions", "TangentialSolution", "TangentialSolver"]
+__all__ = ["Overloaded", "TangentialOptions", "TangentialSolution", "TangentialSolver"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+
+class Overloaded(SceneError):
+    """Forces beyond what friction can carry under the pressure at hand.
+
+    Attributes
+    ----------
+    at_any_place : bool
+        The resultant alone is beyond the sum of all bounds: no other place of the same pressure would carry it.
+    """
+
+    def __init__(self, message: str, *, at_any_place: bool) -> None:
+        super().__init__(message)
+        self.at_any_place = at_any_place
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -152,8 +166,10 @@ class TangentialSolver:
         ------
         NotConverged
             With the report; no half result is returned.
+        Overloaded
+            Forces beyond what friction can carry.
         SceneError
-            Forces beyond what friction can carry; a bound that is negative or not finite.
+            A bound that is negative or not finite.
         """
         began, report, done = perf_counter(), TangentialReport(), self.operator.applications
         require(bound.shape == self.grid.shape, "friction", "bound", bound.shape, f"of shape {self.grid.shape}")
@@ -279,7 +295,7 @@ class TangentialSolver:
         arms = np.sqrt(np.einsum("mkij,mkij->mij", fields, fields))
         return np.asarray(np.einsum("mij,ij->m", arms, bound) * self.grid.cell_area + np.finfo(float).tiny)
 
-    def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> SceneError:
+    def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> Overloaded:
         capacity = self._capacity(bound, fields)
         units = ("N", "N", "N m")
         said = ", ".join(
@@ -287,9 +303,11 @@ class TangentialSolver:
             for mode, value in free.items()
         )
         displacement = MODES[next(iter(free))][0]
-        return SceneError(
+        resultant = float(np.hypot(free.get(0, 0.0), free.get(1, 0.0)))
+        return Overloaded(
             f"step.{MODES[next(iter(free))][1]} must be below what friction carries together (got {said}); lower it, "
-            f"or prescribe {displacement} to slide"
+            f"or prescribe {displacement} to slide",
+            at_any_place=resultant >= float(bound.sum()) * self.grid.cell_area,
         )
 
     def _check_directions(self, control: TangentialControl) -> None:
