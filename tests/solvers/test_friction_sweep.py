@@ -5,9 +5,8 @@ import pytest
 from solvers.friction_scenes import errors, follow, hardened, make_scene
 
 TOLERANCE = 1e-6
-#: The conditions are met by displacements of all tractions together; each of the two solves of a coupled increment is
-#: right to its share of the tolerance, and they agree to the tolerance in contact.
-ALLOWED = {"gap": 1.5, "overlap": 5.0, "stick": 1.5, "across": 1.5, "along": 1.5, "bound": 1.0}
+#: Each solve of a coupled increment is right to a fifth of the tolerance; in contact the two agree to all of it.
+ALLOWED = {"gap": 1.2, "overlap": 1.2, "stick": 1.0, "across": 1.0, "along": 1.0, "bound": 1.0}
 
 
 def failures(seeds, change=lambda scene: scene):
