@@ -156,21 +156,24 @@ def test_zones_slip_and_energy_belong_together(pulled):
     np.testing.assert_array_equal(last.slip_x.values != 0, zone == 1)
     np.testing.assert_allclose(np.abs(last.shear_x.values)[zone == 1], MU * pressure[zone == 1], rtol=1e-12)
     np.testing.assert_allclose(last.slip_distance, np.abs(last.slip_x), rtol=1e-12, atol=0)
-    # one increment from no shear: friction worked with half of the shear on the slip, against it
-    work = -0.5 * (last.shear_x * last.slip_x).values
+    # under a steady pressure friction works with the shear that it bounds, against the slip
+    work = -(last.shear_x * last.slip_x).values
     np.testing.assert_allclose(last.dissipated_energy_density, work, rtol=1e-12, atol=0)
     cell = float(np.prod(pulled.dataset.attrs["cell_size"]))
     assert float(last.dissipated_energy) == pytest.approx(work.sum() * cell, rel=1e-12)
 
 
 def test_work_balance_of_a_closed_cycle():
-    """Load times shift around a steady loop is what friction took (CM-2: 2.942e-7 J, here on coarse cells)."""
-    sweep = [{"shift_x": value, "increments": 8} for value in (5e-7, -5e-7, 5e-7)]
+    """Load times shift around a steady loop is what friction took (CM-2: 2.942e-7 J, here on coarse cells).
+
+    The trapezoids under the loop miss a part that falls with the square of the increment.
+    """
+    sweep = [{"shift_x": value, "increments": 20} for value in (5e-7, -5e-7, 5e-7)]
     data = ec.run(scene([{"normal_load": LOAD}, *sweep], cells=28, width=48e-6, coupling="none")).dataset
-    load, shift = data.tangential_load_x.values[-17:], data.shift_x.values[-17:]
+    load, shift = data.tangential_load_x.values[-41:], data.shift_x.values[-41:]
     put_in = float(np.sum(0.5 * (load[1:] + load[:-1]) * np.diff(shift)))
-    taken = float(data.dissipated_energy[-1] - data.dissipated_energy[-17])
-    assert put_in == pytest.approx(taken, rel=1e-3)
+    taken = float(data.dissipated_energy[-1] - data.dissipated_energy[-41])
+    assert put_in == pytest.approx(taken, rel=0.01)
     assert taken == pytest.approx(2.942e-7, rel=0.02)
 
 

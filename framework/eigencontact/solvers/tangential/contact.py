@@ -318,13 +318,14 @@ class FrictionalContact:
     def _after(self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray) -> Sliding:
         """State at the end of the increment.
 
-        Friction works with the shear at the end, which the slip of the increment opposes: never negative, and nearer the
-        limit of many increments than the mean of both ends, which would balance with the work of the loads exactly.
+        Friction works with the mean of the bounds at both ends, in cells that lose contact too: never negative, and
+        hardly dependent on the number of increments (the mean of the shears would balance with the work of the loads
+        exactly, but count the shear before the slip began).
         """
-        loaded = pressure > 0
-        slip = found.slip * (loaded & ~found.stick)
+        loaded, left = pressure > 0, (before.pressure > 0) & (pressure <= 0)
+        slip = found.slip * ((loaded & ~found.stick) | left)
         distance = np.sqrt(np.einsum("kij,kij->ij", slip, slip))
-        work = -np.einsum("kij,kij->ij", found.shear, slip)
+        work = 0.5 * (self.bound(before.pressure, before) + self.bound(pressure, before)) * distance
         return Sliding(
             pressure=pressure, shear=found.shear, position=before.position + found.slip, lift=lift, rigid=found.rigid,
             slip_distance=before.slip_distance + distance, dissipated=before.dissipated + work,

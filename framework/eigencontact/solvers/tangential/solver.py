@@ -23,6 +23,9 @@ __all__ = ["Overloaded", "TangentialOptions", "TangentialSolution", "TangentialS
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+#: Slip, relative to the largest tangential displacement in contact, that is round-off.
+_NOTHING = 1e-12
+
 
 class Overloaded(SceneError):
     """Forces beyond what friction can carry under the pressure at hand.
@@ -268,14 +271,15 @@ class TangentialSolver:
         displacement = self.operator.apply(shear[:, *box.slices], box, whole)
         slip = displacement + offset - np.einsum("m,mkij->kij", rigid, fields)
         loaded = bound > 0
+        largest = float(np.max(length_of(displacement) * loaded)) or np.inf
         slipping = np.zeros(grid.shape, dtype=bool)
         slipping[box.slices] = state.slipping
+        slipping &= length_of(slip) > _NOTHING * largest  # a sliding state repeated as it was has not slipped again
         stick = loaded & ~slipping
         size = length_of(shear)
         unit = np.where(slipping, shear / np.maximum(size, np.finfo(float).tiny), 0.0)
         along = np.einsum("kij,kij->ij", slip, unit)
         across = length_of(slip - unit * along) * slipping
-        largest = float(np.max(length_of(displacement) * loaded)) or np.inf
         forces = np.einsum("mkij,kij->m", fields, shear) * grid.cell_area
         capacity = self._capacity(bound, fields)
         errors = [abs(forces[mode] - value) / capacity[mode] for mode, value in free.items()]
