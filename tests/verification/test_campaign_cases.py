@@ -135,7 +135,7 @@ def test_coverage_of_tractions(kernel):
 
 @pytest.mark.parametrize("kernel", OWN)
 def test_size_of_solid_models(kernel):
-    """The finest solid model of every case has fewer than 2 million unknowns (some 3 GB when solved)."""
+    """The finest solid model of every case has fewer than 2.6 million unknowns (some 4 GB when solved)."""
     from eigencontact_verification.fem.mesh import build_grid
 
     sizes = {}
@@ -148,7 +148,7 @@ def test_size_of_solid_models(kernel):
             continue
         x, y, z = build_grid(model).shape
         sizes[case.name] = 3 * (2 * x + 1) * (2 * y + 1) * (2 * z + 1)
-    assert max(sizes.values(), default=0) < 2_000_000
+    assert max(sizes.values(), default=0) < 2_600_000
 
 
 def test_lines_keep_off_the_boundary():

@@ -174,7 +174,7 @@ def test_the_sentence_before_the_table(written):
     text = totals(report)
     part = 100 * report.counts["inconclusive"] / 20
     assert text.startswith("4 cases (quick), 20 verdicts: 1 disagrees, 5 failed, ")
-    assert f"{part:.1f} % inconclusive; 1.5 s. Longest finite-element solve" in text
+    assert f"{part:.1f} % inconclusive; 1.5 s. 16 finite-element solves, together " in text
     assert "peak memory of the largest" in text
     assert ("More than 15 %" in text) == (part > 15)
     plain = dataclasses.replace(report, cases=report.cases[:1], quick=False, seconds=4000.0)

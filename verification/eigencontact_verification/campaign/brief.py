@@ -39,7 +39,8 @@ def totals(report: Report) -> str:
     solves = report.solves
     if solves:
         computed = "" if report.computed else " (all from the store)"
-        said += f" Longest finite-element solve {_duration(max(seconds for seconds, _ in solves))}"
+        whole, longest = (_duration(of(seconds for seconds, _ in solves)) for of in (sum, max))
+        said += f" {len(solves)} finite-element solves, together {whole}, the longest {longest}"
         if any(memory for _, memory in solves):
             said += f", peak memory of the largest {max(memory or 0 for _, memory in solves) / 1e9:.2f} GB"
         said += f"{computed}."

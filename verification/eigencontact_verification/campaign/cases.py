@@ -38,21 +38,19 @@ def _cuboid() -> tuple[Case, ...]:
             for name in EIGENSTRAINS:
                 if name != "uniform":
                     quick = nu == 0.3 and (depth, name) in {(1.5, "zz"), (1.5, "xz"), (5.0, "xy")}
-                    title, divisions = f"depth-{_text(depth)}", _divisions(depth, name, nu)
+                    title, divisions = f"depth-{_text(depth)}", _divisions(depth, name)
                     cases.append(inclusion_case(cube, name, nu, name=title, quick=quick, divisions=divisions))
     brick = {"key": "cuboid", "center": [0.0, 0.0, 0.6], "edges": [1.6, 1.0, 0.6]}
     cases += [inclusion_case(brick, name, 0.3, name="brick") for name in ("xx", "yy", "zz", "xy", "xz", "yz")]
     return tuple(cases)
 
 
-def _divisions(depth: float, name: str, poisson_ratio: float) -> tuple[int, int, int] | None:
-    """Finer meshes where the largest displacement of the surface is many elements away, and as incompressibility nears.
+def _divisions(depth: float, name: str) -> tuple[int, int, int] | None:
+    """Finer meshes where the largest displacement of the surface is many elements away.
 
     A strain in the plane of a deep cube moves the surface most some five edges beside it.
     """
-    if depth < 5 or name not in ("xx", "yy", "xy", "xx-yy"):
-        return None
-    return (6, 8, 11) if poisson_ratio > 0.4 else (5, 7, 10)
+    return (5, 7, 10) if depth >= 5 and name in ("xx", "yy", "xy", "xx-yy") else None
 
 
 def _sphere() -> tuple[Case, ...]:
@@ -172,6 +170,11 @@ def gaps() -> tuple[Gap, ...]:
         *(
             Gap(kernel=key, what="stress inside, without symmetry of revolution", reason=inside)
             for key in ("sphere", "ellipsoid", "cylinder", "polyhedron")
+        ),
+        Gap(
+            kernel="inhomogeneity",
+            what="void, softer, stiffer, rigid",
+            reason="the solver does not exist yet",
         ),
         Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
         *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
