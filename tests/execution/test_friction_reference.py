@@ -135,7 +135,7 @@ def test_the_area_of_a_closed_loop_is_the_local_work_of_friction(coupling):
         still_open = cycle.load_amplitude * abs(ends[1] - ends[0]) / cycle.dissipated
         assert still_open < (0.02 if coupling == "full" else 1e-4)
         missed[count], taken[count] = (cycle.dissipated - cycle.work) / cycle.dissipated, cycle.dissipated
-    assert 0.0 < missed[16] < 0.01
+    assert abs(missed[16]) < 0.01
     assert taken[4] == pytest.approx(taken[16], rel=0.02 if coupling == "full" else 1e-3)
     if coupling == "partial":
         assert 8.0 < missed[4] / missed[16] < 32.0
