@@ -92,6 +92,7 @@ class VolumeField:
         rule = "below the surface where cells reach it (ask for the plane z = 0 by PlaneFields)"
         require(not flush or quantity == "displacement", "volume", "first target depth", target.first[2], rule)
         self.source, self.target, self.quantity = source, target, quantity
+        self.poisson_ratio, self.shear_modulus = poisson_ratio, shear_modulus
         self.layout = VolumeLayout(source.shape, target.shape, offset_in_cells(source, target))
         self._scale, self._unit = scale_of(quantity, shear_modulus, source), unit_of_length(source.pitch)
         self._threads = threads or available_threads()

@@ -1,0 +1,332 @@
+"""Inhomogeneities as cells of other elastic constants: the equivalent eigenstrain of all cells from one linear system.
+
+A cell with stiffness C_i and prestrain ε_p carries, with an eigenstrain ε*, the stress of the matrix (stiffness C_m,
+compliance M_m),
+
+    σ = σ_0 + A ε*,    C_i (M_m σ + ε* - ε_p) = σ,
+
+where A gives the stress that all eigenstrains cause, and M_m σ + ε* is the total strain. The unknown is the part x
+that the difference of the constants adds, ε* = ε_p + x. The condition of each cell is multiplied by (C_i + 2 μ_m)^-1,
+so that neither a void (it then says σ = 0) nor a rigid cell (total strain = ε_p) nor C_m, infinite for an
+incompressible matrix, makes an entry large; and then by the inverse of what the cell would answer if it were alone.
+What remains is a strain per strain, and its residual is the error that each cell sees in its own eigenstrain.
+
+References
+----------
+J. D. Eshelby 1957, Proc. R. Soc. Lond. A 241, 376 (the method, one ellipsoid); T. Mura 1987, Micromechanics of Defects
+in Solids, section 22; K. Zhou, W. W. Hoh, X. Wang, L. M. Keer, J. H. L. Pang, B. Song and Q. J. Wang 2013, Mech. Mater.
+60, 144 (review, cells with FFT).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.errors import NotConverged, require
+from eigencontact.solvers.cells import Cells
+from eigencontact.solvers.gmres import gmres
+from eigencontact.solvers.report import Progress
+
+__all__ = [
+    "EquivalentInclusions",
+    "InclusionReport",
+    "InhomogeneousCells",
+    "StressOperator",
+    "compliance",
+    "solve_equivalent_inclusions",
+]
+
+FloatArray = NDArray[np.float64]
+
+
+class StressOperator(Protocol):
+    """What is asked of the operator: stress in the cells that carry the eigenstrain (``VolumeField``)."""
+
+    source: Cells
+    target: Cells
+    quantity: str
+    poisson_ratio: float
+    shear_modulus: float
+
+    def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
+        """Stress [Pa] of an eigenstrain, both ``(6, nz, ny, nx)``."""
+        ...
+
+
+@dataclass(slots=True)
+class InclusionReport:
+    """Course of a solve.
+
+    Attributes
+    ----------
+    residual : float
+        Certificate, from a fresh application of the operator: root mean square, over the inhomogeneous cells, of the
+        eigenstrain that each would still add by itself, relative to that of the load's strain σ / 2 μ_m.
+    tolerance : float
+        Its bound.
+    history : list of float
+        Relative residual after each iteration.
+    applications : int
+        Of the operator, all of them.
+    seconds, operator_seconds : float
+        Wall time of the solve, and of the operator within it.
+    """
+
+    residual: float = np.inf
+    tolerance: float = 0.0
+    history: list[float] = field(default_factory=list)
+    applications: int = 0
+    seconds: float = 0.0
+    operator_seconds: float = 0.0
+
+    @property
+    def iterations(self) -> int:
+        """Number of iterations."""
+        return len(self.history)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the certificate is within the tolerance (NaN is not)."""
+        return self.residual <= self.tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class EquivalentInclusions:
+    """Answer.
+
+    Attributes
+    ----------
+    eigenstrain : (6, nz, ny, nx)
+        ε* [-], prestrain included; it causes, in a body of the matrix alone, everything the inhomogeneities cause.
+    stress : (6, nz, ny, nx)
+        σ_0 + A ε* [Pa]: the total.
+    report : InclusionReport
+        Certificate and course.
+    """
+
+    eigenstrain: FloatArray
+    stress: FloatArray
+    report: InclusionReport
+
+
+class InhomogeneousCells:
+    """The linear system of one arrangement of materials, for any number of loads.
+
+    Parameters
+    ----------
+    operator : StressOperator
+        Stress by eigenstrain in the same cells, for the matrix's constants.
+    matrix : Material
+        The material around; ν up to 0.5.
+    stiffness_of_material : sequence of (6, 6)
+        Mandel stiffness [Pa] of material 1, 2, ...: symmetric, not negative; zero is a void.
+    material_index : (nz, ny, nx) of int
+        Material of each cell, 0 is the matrix.
+
+    Notes
+    -----
+    The answer of a cell alone is found once, by six applications of the operator to the middle cell.
+    """
+
+    def __init__(
+        self,
+        operator: StressOperator,
+        matrix: Material,
+        stiffness_of_material: Sequence[ArrayLike],
+        material_index: ArrayLike,
+    ) -> None:
+        index = np.asarray(material_index)
+        _check(operator, matrix, len(stiffness_of_material), index)
+        self.operator, self.matrix, self.shape = operator, matrix, operator.source.shape
+        flat = index.ravel()
+        order = np.argsort(flat, kind="stable")
+        self._cells = order[np.count_nonzero(flat == 0) :]
+        self._report = InclusionReport()
+        self._parts: list[tuple[slice, FloatArray, FloatArray]] = []
+        if self._cells.size == 0:
+            return
+        alone = self._answer_of_one_cell()
+        names, starts = np.unique(flat[self._cells], return_index=True)
+        for name, start, stop in zip(names, starts, [*starts[1:], self._cells.size], strict=True):
+            stress, strain = scaled_condition(stiffness_of_material[name - 1], matrix, int(name))
+            inverse = np.linalg.inv(stress @ alone + strain)
+            self._parts.append((slice(start, stop), inverse @ stress, inverse @ strain))
+
+    def _answer_of_one_cell(self) -> FloatArray:
+        """Stress in a cell by its own eigenstrain, ``(6, 6)``."""
+        k, j, i = (n // 2 for n in self.shape)
+        out = np.empty((6, 6))
+        for component in range(6):
+            strain = np.zeros((6, *self.shape))
+            strain[component, k, j, i] = 1.0
+            out[:, component] = self.operator.apply(strain)[:, k, j, i]
+        return out
+
+    def solve(
+        self,
+        applied_stress: ArrayLike,
+        prestrain: ArrayLike | None = None,
+        *,
+        start: ArrayLike | None = None,
+        tolerance: float = 1e-6,
+        max_iterations: int = 500,
+        restart: int = 60,
+        progress: Progress | None = None,
+    ) -> EquivalentInclusions:
+        """Find the eigenstrain of all cells under a load.
+
+        Parameters
+        ----------
+        applied_stress : (6, nz, ny, nx)
+            Stress σ_0 [Pa] in the cells that the load would cause in the matrix alone.
+        prestrain : (6, nz, ny, nx), optional
+            Eigenstrain ε_p of the cells' own, in the matrix too where it is not zero there.
+        start : (6, nz, ny, nx), optional
+            Eigenstrain ε* to start from, that of a similar load.
+        tolerance : float
+            Bound of ``InclusionReport.residual``.
+        max_iterations : int
+            Iterations allowed.
+        restart : int
+            Vectors of 6 components in all inhomogeneous cells that may be kept.
+        progress : callable, optional
+            Called after each iteration.
+
+        Raises
+        ------
+        NotConverged
+            With the report.
+        """
+        began = perf_counter()
+        self._report = report = InclusionReport(tolerance=tolerance)
+        given = _field("applied_stress", applied_stress, self.shape)
+        fixed = np.zeros((6, *self.shape)) if prestrain is None else _field("prestrain", prestrain, self.shape)
+        load = given + self._apply(fixed)
+        cells = load.reshape(6, -1)[:, self._cells]
+        size = float(np.linalg.norm(cells)) / (2.0 * self.matrix.shear_modulus)
+        found = np.zeros_like(cells)
+        if start is not None:
+            found = (_field("start", start, self.shape) - fixed).reshape(6, -1)[:, self._cells]
+
+        def watch(norm: float) -> None:
+            report.history.append(norm / size)
+            if progress is not None:
+                progress("equivalent inclusions", norm / size, tolerance)
+
+        if size > 0.0:
+            rest = self._residual(found, cells + (self._caused(found) if found.any() else 0.0))
+            found = found + gmres(
+                lambda x: self._row(x.reshape(6, -1)).ravel(),
+                rest.ravel(),
+                bound=0.9 * tolerance * size,
+                max_iterations=max_iterations,
+                restart=restart,
+                watch=watch,
+            ).reshape(6, -1)
+        eigenstrain = fixed + self._spread(found)
+        stress = given + self._apply(eigenstrain)
+        left = float(np.linalg.norm(self._residual(found, stress.reshape(6, -1)[:, self._cells])))
+        report.residual = left / size if size > 0.0 else 0.0
+        report.seconds = perf_counter() - began
+        if not report.holds:
+            raise NotConverged(
+                f"equivalent inclusions: residual {report.residual:.1e} after {report.iterations} iterations "
+                f"(tolerance {tolerance:.1e}); allow more iterations or a larger tolerance",
+                report,
+            )
+        return EquivalentInclusions(eigenstrain, stress, report)
+
+    def _row(self, x: FloatArray) -> FloatArray:
+        return -self._residual(x, self._caused(x))
+
+    def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
+        """What is missing in each cell's condition, as the eigenstrain it would add by itself."""
+        out = np.empty_like(x)
+        for cells, of_stress, of_strain in self._parts:
+            out[:, cells] = -(of_stress @ stress[:, cells]) - of_strain @ x[:, cells]
+        return out
+
+    def _caused(self, x: FloatArray) -> FloatArray:
+        return self._apply(self._spread(x)).reshape(6, -1)[:, self._cells]
+
+    def _spread(self, x: FloatArray) -> FloatArray:
+        out = np.zeros((6, int(np.prod(self.shape))))
+        out[:, self._cells] = x
+        return out.reshape(6, *self.shape)
+
+    def _apply(self, eigenstrain: FloatArray) -> FloatArray:
+        if not eigenstrain.any():
+            return np.zeros_like(eigenstrain)
+        began = perf_counter()
+        out = np.asarray(self.operator.apply(eigenstrain), dtype=float)
+        self._report.applications += 1
+        self._report.operator_seconds += perf_counter() - began
+        return out
+
+
+def solve_equivalent_inclusions(
+    operator: StressOperator,
+    matrix: Material,
+    stiffness_of_material: Sequence[ArrayLike],
+    material_index: ArrayLike,
+    applied_stress: ArrayLike,
+    prestrain: ArrayLike | None = None,
+    *,
+    tolerance: float = 1e-6,
+    max_iterations: int = 500,
+    progress: Progress | None = None,
+) -> EquivalentInclusions:
+    """Equivalent eigenstrain and total stress for one load; see `InhomogeneousCells` for what is given."""
+    cells = InhomogeneousCells(operator, matrix, stiffness_of_material, material_index)
+    return cells.solve(applied_stress, prestrain, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
+
+
+def compliance(material: Material) -> FloatArray:
+    """Mandel compliance ``(6, 6)`` [1/Pa]; finite for ν = 0.5 too."""
+    nu = material.poisson_ratio
+    out = (1.0 + nu) * np.eye(6)
+    out[:3, :3] -= nu
+    return out / material.young_modulus
+
+
+def scaled_condition(stiffness: ArrayLike, matrix: Material, number: int) -> tuple[FloatArray, FloatArray]:
+    """Factors P [1/Pa] and Q [-] of ``P σ + Q (ε* - ε_p) = 0`` in a cell; both bounded for any stiffness."""
+    given = np.asarray(stiffness, dtype=float)
+    where = f"stiffness of material {number}"
+    require(given.shape == (6, 6) and np.isfinite(given).all(), "inclusions", where, given, "6 x 6 and finite [Pa]")
+    size = float(np.abs(given).max())
+    require(np.abs(given - given.T).max() <= 1e-9 * size, "inclusions", where, given.tolist(), "symmetric [Pa]")
+    values, axes = np.linalg.eigh(0.5 * (given + given.T))
+    require(values[0] >= -1e-9 * size, "inclusions", where, given.tolist(), "without negative eigenvalues [Pa]")
+    values, modulus = np.maximum(values, 0.0), 2.0 * matrix.shear_modulus
+    soft = (axes / (values + modulus)) @ axes.T
+    stiff = (axes * (values / (values + modulus))) @ axes.T
+    return stiff @ compliance(matrix) - soft, stiff
+
+
+def _check(operator: StressOperator, matrix: Material, materials: int, index: NDArray[np.int_]) -> None:
+    where = "inclusions"
+    require(operator.quantity == "stress", where, "operator", operator.quantity, "one that gives stress")
+    require(operator.source == operator.target, where, "operator", operator.target, "one from cells to the same cells")
+    constants = (operator.poisson_ratio, operator.shear_modulus)
+    same = np.allclose(constants, (matrix.poisson_ratio, matrix.shear_modulus), rtol=1e-9, atol=0.0)
+    require(same, where, "matrix", matrix, f"of the operator's constants (ν, G) = {constants}")
+    shape = operator.source.shape
+    require(index.dtype.kind in "iu", where, "material_index", index.dtype, "of integers")
+    require(index.shape == shape, where, "material_index", index.shape, f"of shape {shape}")
+    rule = f"from 0 (the matrix) to {materials}, the number of materials given"
+    require(index.min() >= 0 and index.max() <= materials, where, "material_index", int(index.max()), rule)
+
+
+def _field(name: str, values: ArrayLike, shape: tuple[int, int, int]) -> FloatArray:
+    out = np.asarray(values, dtype=float)
+    require(out.shape == (6, *shape), "inclusions", name, out.shape, f"of shape {(6, *shape)}")
+    require(np.isfinite(out).all(), "inclusions", name, "NaN or infinity", "finite")
+    return out

@@ -1,0 +1,113 @@
+"""Generalised minimal residuals: the linear solver for operators that cost far more than vectors.
+
+Written here because the stop is absolute, the count of applications is part of the answer, and the orthogonalisation
+is two products with a block of vectors in place of a loop over them.
+
+References
+----------
+Y. Saad and M. H. Schultz 1986, SIAM J. Sci. Stat. Comput. 7, 856.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["gmres"]
+
+FloatArray = NDArray[np.float64]
+
+
+def gmres(
+    operator: Callable[[FloatArray], FloatArray],
+    residual: FloatArray,
+    *,
+    bound: float,
+    max_iterations: int,
+    restart: int = 50,
+    watch: Callable[[float], None] | None = None,
+) -> FloatArray:
+    """Correction that brings the norm of the residual below a bound, from a start of zero.
+
+    Parameters
+    ----------
+    operator : callable
+        ``(n,)`` to ``(n,)``, linear.
+    residual : (n,)
+        What the operator applied to the answer should give.
+    bound : float
+        Absolute, in the Euclidean norm.
+    max_iterations : int
+        Applications of the operator in cycles; every restart costs one more, for the true residual.
+    restart : int
+        Vectors kept; memory is ``8 n (restart + 1)`` bytes at most.
+    watch : callable, optional
+        Called after each iteration with the norm of the residual.
+
+    Returns
+    -------
+    (n,) array
+        The best found. Whether it meets the bound is for the caller to check: rounding may have stopped it short.
+    """
+    total = np.zeros_like(residual)
+    left, rest = max_iterations, residual
+    while left > 0 and float(np.linalg.norm(rest)) > bound:
+        size = min(restart, left)
+        step, used = _cycle(operator, rest, bound, size, watch)
+        total += step
+        left -= used
+        if left > 0:
+            before, rest = rest, residual - operator(total)
+            if not np.linalg.norm(rest) < 0.999 * np.linalg.norm(before):
+                break  # stagnant: at the limit of rounding, or a load that no eigenstrain answers
+    return total
+
+
+def _cycle(
+    operator: Callable[[FloatArray], FloatArray],
+    residual: FloatArray,
+    bound: float,
+    size: int,
+    watch: Callable[[float], None] | None,
+) -> tuple[FloatArray, int]:
+    """One cycle without restart: correction and iterations."""
+    norm = float(np.linalg.norm(residual))
+    block = np.empty((min(8, size + 1), residual.size))
+    block[0] = residual / norm
+    upper, turns, right = np.zeros((size, size)), np.zeros((size, 2)), np.zeros(size + 1)
+    right[0] = norm
+    count = 0
+    while count < size:
+        vector = operator(block[count])
+        first = float(np.linalg.norm(vector))
+        known = block[: count + 1]
+        column = np.zeros(count + 2)
+        for _ in range(2):  # twice is enough
+            part = known @ vector
+            vector = vector - part @ known
+            column[:-1] += part
+        column[-1] = height = float(np.linalg.norm(vector))
+        for k, (cosine, sine) in enumerate(turns[:count]):
+            column[k], column[k + 1] = (
+                cosine * column[k] + sine * column[k + 1],
+                cosine * column[k + 1] - sine * column[k],
+            )
+        length = float(np.hypot(column[-2], column[-1]))
+        if length == 0.0:
+            break
+        cosine, sine = column[-2] / length, column[-1] / length
+        turns[count] = cosine, sine
+        upper[:count, count], upper[count, count] = column[:count], length
+        right[count], right[count + 1] = cosine * right[count], -sine * right[count]
+        count += 1
+        if watch is not None:
+            watch(abs(float(right[count])))
+        if abs(right[count]) <= bound or height <= 1e-14 * first or count == size:
+            break
+        if count == len(block):
+            block = np.concatenate([block, np.empty((min(len(block), size + 1 - count), residual.size))])
+        block[count] = vector / height
+    weights = np.zeros(0) if count == 0 else np.linalg.solve(upper[:count, :count], right[:count])
+    return weights @ block[:count] if count else np.zeros_like(residual), max(count, 1)
