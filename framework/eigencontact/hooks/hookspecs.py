@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING
 import pluggy
 
 if TYPE_CHECKING:
-    from eigencontact.plugin import EigenstrainField, FrictionLaw, Geometry, InclusionShape, Observer, SurfaceInfluence
+    from eigencontact.plugin import (
+        EigenstrainField,
+        FrictionLaw,
+        Geometry,
+        InclusionShape,
+        LayeredMedium,
+        Observer,
+        SurfaceInfluence,
+    )
 
 __all__ = ["NAMESPACE", "REGISTER_HOOKS", "hookimpl"]
 
@@ -29,6 +37,7 @@ REGISTER_HOOKS = {
     "inclusion-shape": "eigencontact_register_inclusion_shapes",
     "eigenstrain-field": "eigencontact_register_eigenstrain_fields",
     "friction-law": "eigencontact_register_friction_laws",
+    "layered-medium": "eigencontact_register_layered_media",
 }
 
 
@@ -60,3 +69,8 @@ def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField
 @hookspec
 def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:  # type: ignore[empty-body]
     """Return the classes of friction law (largest shear traction of each point in contact) of this package."""
+
+
+@hookspec
+def eigencontact_register_layered_media() -> Iterable[type[LayeredMedium]]:  # type: ignore[empty-body]
+    """Return the classes of layered medium (constants depend on depth; response to tractions) of this package."""

@@ -27,6 +27,7 @@ from eigencontact.plugin.component import Component
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
+from eigencontact.plugin.layered import LayeredMedium
 from eigencontact.plugin.observer import Observer, StepView
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
 
@@ -52,6 +53,7 @@ __all__ = [
     "HasWavenumberResponse",
     "InclusionShape",
     "Jet",
+    "LayeredMedium",
     "Length",
     "Material",
     "Moment",
@@ -80,4 +82,5 @@ KINDS: dict[str, type] = {
     InclusionShape.kind: InclusionShape,
     EigenstrainField.kind: EigenstrainField,
     FrictionLaw.kind: FrictionLaw,
+    LayeredMedium.kind: LayeredMedium,
 }

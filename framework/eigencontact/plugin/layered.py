@@ -1,0 +1,76 @@
+"""The kind *layered medium*: the field of a half-space whose constants depend on depth, under traction waves."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.plugin.component import Component
+
+__all__ = ["LayeredMedium"]
+
+FloatArray = NDArray[np.float64]
+
+
+class LayeredMedium(Component, ABC):
+    """Half-space z >= 0 whose elastic constants depend on z alone, homogeneous and isotropic from some depth on.
+
+    The author writes its answer to tractions that vary as ``exp(i (kx x + ky y))`` on z = 0. Signs are those of
+    `SurfaceInfluence`: ``"p"`` pushes along +z, ``"q_x"`` and ``"q_y"`` act on the body along +x and +y. Stress is
+    positive in tension, in the order and the Mandel scaling of `COMPONENTS`.
+    """
+
+    kind: ClassVar[str] = "layered-medium"
+
+    @property
+    @abstractmethod
+    def surface_material(self) -> Material:
+        """Material at z = 0: as k grows, the surface displacement tends to that of a half-space made of it."""
+
+    @property
+    @abstractmethod
+    def deep_material(self) -> Material:
+        """Material of the substrate: as k goes to 0, the surface displacement tends to that of a half-space of it."""
+
+    @property
+    def interfaces(self) -> tuple[float, ...]:
+        """Depths [m], ascending, where the constants jump; there the in-plane stresses ``xx, yy, xy`` jump too."""
+        return ()
+
+    @abstractmethod
+    def response(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        traction: str,
+        kx: FloatArray,
+        ky: FloatArray,
+        z: float,
+        *,
+        side: Literal["above", "below"] = "below",
+    ) -> NDArray[np.complex128]:
+        """Amplitudes of the field at depth z for a unit traction wave, ``(len(components), ...)`` [m/Pa] or [-].
+
+        Parameters
+        ----------
+        quantity : "displacement" or "stress"
+        components : sequence of str
+            Of ``"x", "y", "z"`` or of `COMPONENTS`.
+        traction : "p", "q_x" or "q_y"
+        kx, ky : float64
+            Wavenumbers [rad/m]; they broadcast against each other.
+        z : float
+            Depth [m], zero or positive.
+        side : "above" or "below"
+            The material that counts where z is the depth of an interface: the one nearer to the surface, or the deeper.
+
+        Notes
+        -----
+        At kx = ky = 0 the displacement is 0 and the stress is that of a uniform traction: the component that balances
+        it, and 0 in the others (see `HasWavenumberResponse`).
+        """

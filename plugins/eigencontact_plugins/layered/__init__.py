@@ -1,0 +1,1 @@
+"""Layered media: one file each."""
