@@ -1,10 +1,15 @@
 """Bonded layers under traction waves: against the half-space, two other solutions, limits and conservation laws."""
 
+from itertools import pairwise
+
 import mpmath
 import numpy as np
 import pytest
 
-from eigencontact.plugin import COMPONENTS, Material
+from eigencontact.errors import SceneError
+from eigencontact.hooks.manager import load_plugins
+from eigencontact.plugin import COMPONENTS, KINDS, Material
+from eigencontact_plugins.layered import stack
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
 from eigencontact_verification.oracles.layered_dense import traction_wave
@@ -155,5 +160,174 @@ def test_extreme_layers_agree_with_many_digits(name):
         r = body.response("displacement", AXES, "q_y", kx, 0 * kx, 0.0)[:, 0]
         found = np.array([[p[2].real, (1j * q[2]).real], [p[0].imag, q[0].real]])
         diagonal = np.sqrt(np.diag(C)[:2])
-        assert np.all(np.abs(found - C[:2, :2]) <= 1e-10 * np.outer(diagonal, diagonal))
-        assert abs(r[1] - C[2, 2]) <= 1e-12 * C[2, 2]
+        assert np.all(np.abs(found - C[:2, :2]) <= 1e-13 * np.outer(diagonal, diagonal))
+        assert abs(r[1] - C[2, 2]) <= 1e-14 * C[2, 2]
+
+
+# --- what must hold for any layers --------------------------------------------------------------------------------
+
+COATED = ([(0.2, 8.0, 0.2), (0.05, 0.02, 0.5), (1.5, 300.0, 0.35)], (1.0, 0.3))
+
+
+@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+def test_displacement_and_traction_are_continuous_and_in_plane_stress_jumps(traction):
+    body = medium(*COATED)
+    kx, ky = waves(np.random.default_rng(3), 40)
+    surface = np.abs(field(body, traction, kx, ky, 0.0))
+    for depth in body.interfaces:
+        # Extrapolated to the interface from points inside either layer, where that layer is cut; then asked for there.
+        points = [depth * (1 + step * 1e-9) for step in (-2, -1, 1, 2)]
+        inside = [field(body, traction, kx, ky, z) for z in points]
+        over, under = 2 * inside[1] - inside[0], 2 * inside[2] - inside[3]
+        sizes = [np.maximum(np.abs(over[part]), surface[part]).max(axis=0) for part in (slice(3), slice(3, 9))]
+        scale = np.array([sizes[0]] * 3 + [sizes[1]] * 6)
+        steady = [0, 1, 2, 5, 6, 7]
+        assert np.all(np.abs(over - under)[steady] <= 1e-12 * scale[steady])
+        for side, expected in (("above", over), ("below", under)):
+            assert np.all(np.abs(field(body, traction, kx, ky, depth, side) - expected) <= 1e-12 * scale)
+        shown = np.exp(-np.hypot(kx, ky) * depth) > 0.1
+        assert np.all(np.abs(over - under)[[3, 4, 8]].max(axis=0)[shown] > 1e-3 * np.abs(over[3:]).max(axis=0)[shown])
+
+
+@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+def test_the_stress_on_the_surface_is_the_load(traction):
+    kx, ky = waves(np.random.default_rng(4), 40, -6, 4)
+    stress = field(medium(*COATED), traction, kx, ky, 0.0)[3:]
+    p, q_x, q_y = UNIT[traction]
+    for row, expected in ((2, -p), (3, -q_y), (4, -q_x)):
+        assert np.all(np.abs(stress[row] - expected) <= 1e-15)
+
+
+@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+def test_long_waves_feel_the_substrate_and_short_ones_the_top_layer(traction):
+    body = medium(*COATED)
+    angle = np.linspace(0.1, 6.0, 9)
+    errors = []
+    for material, numbers in ((body.deep_material, (1e-5, 1e-6, 1e-7)), (body.surface_material, (60.0, 90.0, 200.0))):
+        half_space = LOADS[traction].wavenumber_response
+        for k in numbers:
+            wave = (k * np.cos(angle), k * np.sin(angle))
+            expected = half_space("displacement", AXES, *wave, 0.0, material)
+            found = body.response("displacement", AXES, traction, *wave, 0.0)
+            errors.append(np.abs(found - expected).max() / np.abs(expected).max())
+    long, short = errors[:3], errors[3:]
+    assert all(0.09 < after / before < 0.11 for before, after in pairwise(long))  # first order in k h
+    assert long[-1] < 2e-4
+    # (k h)² exp(-2 k h) with k h = 12, 18, 40
+    assert short[0] < 1e-7
+    assert short[1] < 1e-12
+    assert short[2] < 1e-14
+
+
+def test_a_layer_cut_in_two_changes_nothing():
+    layers, substrate = COATED
+    whole = medium(layers, substrate)
+    h, G, nu = layers[0]
+    cut = medium(
+        [(1e-5 * h, G, nu), (0.4 * h, G, nu), ((0.6 - 1e-5) * h, G, nu), *layers[1:], (0.7, *substrate)], substrate
+    )
+    kx, ky = waves(np.random.default_rng(5), 60, -6, 2)
+    k = np.hypot(kx, ky)
+    for traction in UNIT:
+        for z in (0.0, 0.1 * h, 0.7 * h, 0.22, 1.0, 1.9, 4.0):
+            a, b = field(whole, traction, kx, ky, z), field(cut, traction, kx, ky, z)
+            for part in (slice(0, 3), slice(3, 9)):
+                scale = np.abs(a[part]).max(axis=0) * (1 + 0.1 * k * z)
+                assert np.all(np.abs(a - b)[part] <= 1e-12 * scale)
+
+
+def test_the_surface_compliance_is_hermitian_and_positive():
+    rng = np.random.default_rng(6)
+    for count in (1, 4, 30):
+        layers, substrate = random_stack(rng, count, decades=3.0)
+        body = medium(layers, substrate)
+        kx, ky = waves(rng, 50, -5, 4)
+        loads = [body.response("displacement", AXES, traction, kx, ky, 0.0) for traction in ("q_x", "q_y", "p")]
+        C = np.moveaxis(np.array(loads), (0, 1, 2), (2, 1, 0))
+        size = np.abs(C).max(axis=(1, 2))
+        assert np.all(np.abs(C - np.conj(np.swapaxes(C, 1, 2))).max(axis=(1, 2)) <= 1e-14 * size)
+        assert np.all(np.linalg.eigvalsh(C) > 0)
+
+
+def test_incompressible_layers_are_the_limit():
+    kx, ky = waves(np.random.default_rng(7), 30, -3, 1.5)
+
+    def fields(nu):
+        body = medium([(0.3, 0.1, nu), (0.2, 3.0, nu)], (1.0, nu))
+        return np.array([field(body, traction, kx, ky, z) for traction in UNIT for z in (0.0, 0.2, 0.3, 0.45, 1.0)])
+
+    limit = fields(0.5)
+    assert np.all(np.isfinite(limit))
+    steps = [np.abs(fields(0.5 - gap) - limit).max(axis=(0, 1)) for gap in (1e-6, 1e-8)]
+    assert np.all(steps[0] <= 1e-3 * np.abs(limit).max(axis=(0, 1)))
+    assert np.all(np.abs(steps[1] / steps[0] - 0.01) < 1e-3)  # first order in the distance from 1/2
+
+
+@pytest.mark.parametrize("h", [1e-4, 1e4])
+def test_thicknesses_from_1e_4_to_1e4_give_finite_answers(h):
+    body = medium([(h, 5.0, 0.3), (h, 0.2, 0.5)], (1.0, 0.3))
+    kx, ky = np.meshgrid(np.linspace(0, 300, 9), np.linspace(-300, 300, 9))
+    for z in (0.0, 1e-4, 1.0, 2e4):
+        values = field(body, "p", kx, ky, z)
+        assert values.shape == (9, 9, 9)
+        assert np.all(np.isfinite(values))
+
+
+def test_the_zero_wave_carries_the_load_and_nothing_else():
+    zero = np.zeros(1)
+    for row, traction in ((4, "q_x"), (3, "q_y"), (2, "p")):
+        expected = np.zeros((9, 1))
+        expected[3 + row] = -1.0
+        for z in (0.0, 0.1, 5.0):
+            assert np.all(field(medium(*COATED), traction, zero, zero, z) == pytest.approx(expected, abs=1e-15))
+
+
+# --- table and messages -------------------------------------------------------------------------------------------
+
+STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
+
+
+def test_bonded_layers_are_registered():
+    registry = load_plugins(KINDS, discovered=(), extra=[stack])
+    assert not registry.broken
+    assert [entry.key for entry in registry.of_kind("layered-medium")] == ["bonded-layers"]
+    body = medium(*COATED)
+    assert body.interfaces == pytest.approx((0.2, 0.25, 1.75))
+    assert (body.surface_material.poisson_ratio, body.deep_material.poisson_ratio) == (0.2, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("layer", "message"),
+    [
+        (
+            {**STEEL, "thickness": 0.0},
+            r"bonded-layers.layers.0.thickness must be positive and finite \[m\] \(got 0.0\)",
+        ),
+        ({**STEEL, "thickness": np.inf}, "thickness must be positive and finite"),
+        ({"thickness": 1.0, "young_modulus": -1.0, "poisson_ratio": 0.3}, "young_modulus must be positive and finite"),
+        ({"thickness": 1.0, "young_modulus": 1.0, "poisson_ratio": 0.6}, r"poisson_ratio must be in \(-1, 0.5\]"),
+    ],
+)
+def test_impossible_layers_are_refused(layer, message):
+    with pytest.raises(SceneError, match=message):
+        BondedLayers(layers=(Layer(**layer),), substrate=Substrate(**STEEL))
+
+
+def test_a_stack_without_layers_is_refused():
+    with pytest.raises(SceneError, match=r"bonded-layers.layers must hold at least one layer \(got none\)"):
+        BondedLayers(layers=(), substrate=Substrate(**STEEL))
+
+
+@pytest.mark.parametrize(
+    ("request_", "message"),
+    [
+        (("strain", ("x",), "p", 0.0), "quantity must be 'displacement' or 'stress'"),
+        (("stress", ("x",), "p", 0.0), "components must be of xx, yy, zz, yz, xz, xy"),
+        (("stress", ("xx",), "q", 0.0), "traction must be 'p', 'q_x' or 'q_y'"),
+        (("stress", ("xx",), "p", -1.0), "z must be zero or positive"),
+    ],
+)
+def test_impossible_requests_are_refused(request_, message):
+    quantity, components, traction, z = request_
+    with pytest.raises(SceneError, match=message):
+        medium(*COATED).response(quantity, components, traction, np.ones(1), np.ones(1), z)

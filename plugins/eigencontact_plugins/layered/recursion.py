@@ -102,35 +102,42 @@ def state_at_depth(
     load : three (...) float64
         Traction on the surface along z, along the wavevector, across it.
     """
-    shape = k.shape
-    number = k.ravel()
-    G = substrate.shear_modulus
-    pair = np.broadcast_to(_half_space(substrate) / G, (number.size, 2, 2))
-    across = np.full(number.size, 2.0 / G)
-    for slab in reversed(below):
-        pair, _ = _pass_pair(number * slab.thickness, slab.material, pair)
-        across, _ = _pass_across(number * slab.thickness, slab.material, across)
-    here, here_across = pair, across
-    down, down_across = [], []
+    # The recursion knows k alone: on the lattice of an FFT most wavevectors share theirs with seven others.
+    distinct, place = np.unique(k, return_inverse=True)
+    place = place.reshape(k.shape)
+    pair, across = _compliance(distinct, below, substrate)
+    pair_over, across_over = pair, across
+    step, step_across = np.broadcast_to(np.eye(2), pair.shape), np.ones_like(across)
     for slab in reversed(above):
-        pair, step = _pass_pair(number * slab.thickness, slab.material, pair)
-        across, step_across = _pass_across(number * slab.thickness, slab.material, across)
-        down.append(step)
-        down_across.append(step_across)
+        d = distinct * slab.thickness
+        pair_over, through = _pass_pair(d, slab.material, pair_over)
+        across_over, through_across = _pass_across(d, slab.material, across_over)
+        step, step_across = step @ through, step_across * through_across
+    onto = pair @ step
     # A traction t_s along the wavevector is i q, see the module.
-    traction = np.stack([load[0].ravel() + 0j, -1j * load[1].ravel()], axis=-1)[..., None]
-    traction_across = load[2].ravel()
-    for step, step_across in zip(reversed(down), reversed(down_across), strict=True):
-        traction = step @ traction
-        traction_across = step_across * traction_across
-    displacement: ComplexArray = (here @ traction).astype(complex)
+    surface = (load[0], -1j * load[1])
+
+    def applied(matrix: FloatArray) -> ComplexArray:
+        return np.array([matrix[place, row, 0] * surface[0] + matrix[place, row, 1] * surface[1] for row in range(2)])
+
     return State(
         k=k,
-        pair=np.moveaxis(displacement[..., 0], -1, 0).reshape(2, *shape),
-        pair_traction=np.moveaxis(traction[..., 0], -1, 0).reshape(2, *shape),
-        across=(here_across * traction_across).reshape(shape),
-        across_traction=traction_across.reshape(shape),
+        pair=applied(onto),
+        pair_traction=applied(step),
+        across=(across * step_across)[place] * load[2],
+        across_traction=step_across[place] * load[2],
     )
+
+
+def _compliance(k: FloatArray, slabs: Sequence[Slab], substrate: Material) -> tuple[FloatArray, FloatArray]:
+    """Compliances C ``(n, 2, 2)`` and c ``(n,)`` [1/Pa] of slabs on the substrate at wavenumbers ``(n,)``."""
+    G = substrate.shear_modulus
+    pair = np.broadcast_to(_half_space(substrate) / G, (k.size, 2, 2))
+    across = np.full(k.size, 2.0 / G)
+    for slab in reversed(slabs):
+        pair, _ = _pass_pair(k * slab.thickness, slab.material, pair)
+        across, _ = _pass_across(k * slab.thickness, slab.material, across)
+    return pair, across
 
 
 def _half_space(material: Material) -> FloatArray:
