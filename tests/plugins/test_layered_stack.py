@@ -9,6 +9,7 @@ import pytest
 from eigencontact.errors import SceneError
 from eigencontact.hooks.manager import load_plugins
 from eigencontact.plugin import COMPONENTS, KINDS, Material
+from eigencontact.scene.components import build_component
 from eigencontact_plugins.layered import stack
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
@@ -93,7 +94,7 @@ def test_random_layers_agree_with_one_dense_solution(traction, count):
             surface = np.abs(field(body, traction, kx, ky, 0.0))
             for part in (slice(0, 3), slice(3, 9)):
                 scale = np.maximum(np.abs(expected[part]).max(axis=0), 1e-3 * surface[part].max(axis=0))
-                assert np.all(np.abs(found[part] - expected[part]) <= 1e-10 * scale)
+                assert np.all(np.abs(found[part] - expected[part]) <= 1e-12 * scale)
 
 
 def propagated(layers, substrate, k, digits):
@@ -152,7 +153,8 @@ EXTREMES = {
 def test_extreme_layers_agree_with_many_digits(name):
     layers, substrate = EXTREMES[name]
     body = medium(layers, substrate)
-    for k in (1e-4, 1e-2, 0.5, 1.01 / layers[0][0] if layers[0][0] > 0.01 else 3.0, 7.0):
+    h = max(layers[0][0], 0.2)
+    for k in (1e-4, 0.5, 0.99 / h, 1.01 / h):  # both sides of k h = 1, where the formula changes
         C = propagated(layers, substrate, k, 60 + int(2 * k * body.interfaces[-1]))
         kx = np.array([k])
         p = body.response("displacement", AXES, "p", kx, 0 * kx, 0.0)[:, 0]
@@ -294,6 +296,32 @@ def test_bonded_layers_are_registered():
     body = medium(*COATED)
     assert body.interfaces == pytest.approx((0.2, 0.25, 1.75))
     assert (body.surface_material.poisson_ratio, body.deep_material.poisson_ratio) == (0.2, 0.3)
+
+
+def build(table):
+    registry = load_plugins(KINDS, discovered=(), extra=[stack])
+    return build_component(registry, "layered-medium", {"type": "bonded-layers", **table}, "body")
+
+
+def test_the_table_of_a_scene_takes_units():
+    coating = {"thickness": "2 um", "young_modulus": "420 GPa", "poisson_ratio": 0.25}
+    body = build({"layers": [coating, {**STEEL, "thickness": 1e-5}], "substrate": STEEL})
+    assert body.interfaces == pytest.approx((2e-6, 12e-6))
+    assert body.surface_material == Material(young_modulus=420e9, poisson_ratio=0.25)
+    assert body.deep_material == Material(**STEEL)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"layers": [{**STEEL, "thickness": "2 GPa"}], "substrate": STEEL}, "thickness"),
+        ({"layers": [{**STEEL, "thicknes": 1.0}], "substrate": STEEL}, "thickness"),
+        ({"layers": [{**STEEL, "thickness": 1.0}]}, "substrate"),
+    ],
+)
+def test_a_wrong_table_is_refused_by_name(table, message):
+    with pytest.raises(SceneError, match=message):
+        build(table)
 
 
 @pytest.mark.parametrize(
