@@ -12,7 +12,9 @@ L. M. Keer and Q. Wang 2012, Int. J. Plasticity 35, 135 (half-space by convoluti
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +24,7 @@ from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
 from eigencontact.convolution.weighted_sums import WeightedSums
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
-from eigencontact.halfspace.forms import INSIDE
+from eigencontact.halfspace.forms import INSIDE, Kernel
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.cells import Cells, offset_in_cells, snapped
@@ -115,13 +117,23 @@ class VolumeField:
         far = far_apart(self.source, self.target.first, [float(self.target.centres(axis)[-1]) for axis in range(3)])
         for group in kernel_groups(kernels, 8 * x.size * y.size * max(real.size, image.size)):
             nodes = x, y, (image if group[0][0] == "image" else real)
-            tables = sample_tables(cell, group, nodes, threads=self._threads, extended=far)
+            tables = self._tables(cell, group, nodes, far=far)
             tasks = [
                 partial(store.fill, numbers[kernel], table, self._scale)
                 for kernel, table in zip(group, tables, strict=True)
             ]
             in_parallel(self._threads, tasks)
         return store
+
+    def _tables(
+        self,
+        cell: HasCornerPotentials,
+        group: Sequence[Kernel],
+        nodes: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
+        *,
+        far: bool,
+    ) -> FloatArray:
+        return sample_tables(cell, group, nodes, threads=self._threads, extended=far)
 
     def _sums(self, forms: Forms) -> WeightedSums:
         numbers = {kernel: number for number, kernel in enumerate(cell_kernels(forms))}

@@ -47,7 +47,7 @@ FloatArray = NDArray[np.float64]
 
 
 class StressOperator(Protocol):
-    """What is asked of the operator: stress in the cells that carry the eigenstrain (``VolumeField``)."""
+    """What is asked of the operator: stress in the cells that carry the eigenstrain (``MeanVolumeField``)."""
 
     source: Cells
     target: Cells
@@ -122,7 +122,9 @@ class InhomogeneousCells:
     Parameters
     ----------
     operator : StressOperator
-        Stress by eigenstrain in the same cells, for the matrix's constants.
+        Stress by eigenstrain in the same cells, for the matrix's constants. Take the means over the cells
+        (`eigencontact.solvers.mean_stress.MeanVolumeField`); with values in the centres cells of less than a fifth of
+        the matrix's stiffness may need a thousand iterations, and voids have no answer.
     matrix : Material
         The material around; ν up to 0.5.
     stiffness_of_material : sequence of (6, 6)
@@ -132,7 +134,9 @@ class InhomogeneousCells:
 
     Notes
     -----
-    The answer of a cell alone is found once, by six applications of the operator to the middle cell.
+    The answer of a cell alone is found once, by six applications of the operator to the middle cell. Where cells are
+    more than about a hundred times stiffer than the matrix, their mean stress is found as well as elsewhere, but not
+    how it is distributed among them: it barely strains them, and the steps of a boundary made of cells spoil it.
     """
 
     def __init__(
