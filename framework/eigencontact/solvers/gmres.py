@@ -74,7 +74,7 @@ def _cycle(
 ) -> tuple[FloatArray, int]:
     """One cycle without restart: correction and iterations."""
     norm = float(np.linalg.norm(residual))
-    block = np.empty((min(8, size + 1), residual.size))
+    block = np.empty((size + 1, residual.size))  # rows not reached are never touched, and cost no memory
     block[0] = residual / norm
     upper, turns, right = np.zeros((size, size)), np.zeros((size, 2)), np.zeros(size + 1)
     right[0] = norm
@@ -84,11 +84,15 @@ def _cycle(
         first = float(np.linalg.norm(vector))
         known = block[: count + 1]
         column = np.zeros(count + 2)
-        for _ in range(2):  # twice is enough
-            part = known @ vector
+        height = first
+        for _ in range(2):
+            before, part = height, known @ vector
             vector = vector - part @ known
             column[:-1] += part
-        column[-1] = height = float(np.linalg.norm(vector))
+            height = float(np.linalg.norm(vector))
+            if height > 0.5 * before:
+                break  # little was taken away: once more only where rounding may have left some of it
+        column[-1] = height
         for k, (cosine, sine) in enumerate(turns[:count]):
             column[k], column[k + 1] = (
                 cosine * column[k] + sine * column[k + 1],
@@ -106,8 +110,6 @@ def _cycle(
             watch(abs(float(right[count])))
         if abs(right[count]) <= bound or height <= 1e-14 * first or count == size:
             break
-        if count == len(block):
-            block = np.concatenate([block, np.empty((min(len(block), size + 1 - count), residual.size))])
-        block[count] = vector / height
+        np.divide(vector, height, out=block[count])
     weights = np.zeros(0) if count == 0 else np.linalg.solve(upper[:count, :count], right[:count])
     return weights @ block[:count] if count else np.zeros_like(residual), max(count, 1)
