@@ -1,5 +1,6 @@
 """`eigencontact verify`, and how commands of other packages are found."""
 
+import base64
 import json
 import subprocess
 import sys
@@ -114,6 +115,28 @@ def test_pictures_that_fail_are_said(tmp_path, monkeypatch):
     monkeypatch.setattr(analytic_cases.Analytic, "pictures", broken)
     report, _ = campaign([case], (), tmp_path, executor=here, pictures=True)
     assert report.notes == ("analytic/plain: no pictures, OSError: no display",)
+
+
+def test_pictures_stand_in_the_report(tmp_path, monkeypatch):
+    """Whatever PNG a case wrote, beside its profiles; in the page itself, and by name in the Markdown."""
+
+    def here(tasks):
+        yield from ((task, perform(task)) for task in tasks)
+
+    def drawn(self, folder):
+        folder.mkdir(parents=True)
+        (folder / "mesh.png").write_bytes(b"PNG of a mesh")
+        return (folder / "mesh.png",)
+
+    monkeypatch.setattr(analytic_cases.Analytic, "pictures", drawn)
+    case = analytic_cases.analytic("plain")
+    report, files = campaign([case], (), tmp_path, executor=here, pictures=True)
+    assert report.notes == ("analytic/plain: mesh and field in fields/analytic-plain: mesh.png",)
+    assert base64.b64encode(b"PNG of a mesh").decode() in files["html"].read_text(encoding="utf-8")
+    assert "(fields/analytic-plain/mesh.png)" in files["markdown"].read_text(encoding="utf-8")
+    again, files = campaign([case], (), tmp_path, executor=here)
+    assert again.pictures == {}
+    assert "mesh.png" not in files["markdown"].read_text(encoding="utf-8")
 
 
 # --- commands of other packages ---------------------------------------------------------------------------------------

@@ -273,7 +273,13 @@ def campaign(
     judged = tuple(judge(one, limit=limit) for one in solved)
     notes = tuple(_pictures(judged, folder / "fields")) if pictures else ()
     report = Report(
-        cases=judged, gaps=tuple(gaps), limit=limit, quick=quick, seconds=time.perf_counter() - start, notes=notes
+        cases=judged,
+        gaps=tuple(gaps),
+        limit=limit,
+        quick=quick,
+        seconds=time.perf_counter() - start,
+        notes=notes,
+        pictures=_drawn(judged, folder / "fields") if pictures else {},
     )
     return report, write_report(report, folder)
 
@@ -286,12 +292,23 @@ def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
             continue
         seen.add(case.kernel)
         try:
-            files = case.pictures(folder / case.key.replace("/", "-"))
+            files = case.pictures(_folder(case, folder))
         except Exception as problem:  # noqa: BLE001 - a picture that fails must not cost the report
             yield f"{case.key}: no pictures, {type(problem).__name__}: {' '.join(str(problem).split())}"
             continue
         if files:
-            yield f"{case.key}: mesh and field in {', '.join(file.name for file in files)}"
+            names = ", ".join(file.name for file in files)
+            yield f"{case.key}: mesh and field in {folder.name}/{_folder(case, folder).name}: {names}"
+
+
+def _folder(case: Case, folder: Path) -> Path:
+    return folder / case.key.replace("/", "-")
+
+
+def _drawn(judged: Sequence[JudgedCase], folder: Path) -> dict[str, tuple[Path, ...]]:
+    """Pictures that are there, by key of the case; one that failed has not taken the others with it."""
+    files = {one.case.key: tuple(sorted(_folder(one.case, folder).glob("*.png"))) for one in judged}
+    return {key: found for key, found in files.items() if found}
 
 
 class _Bar:

@@ -6,7 +6,7 @@ import base64
 import html
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,8 @@ class Report:
         Wall time of the campaign.
     notes : tuple of str
         Anything else that a reader has to know: pictures that could not be made.
+    pictures : dict of str to tuple of Path
+        Mesh and field of some cases, by key; in the folder of the report.
     """
 
     cases: tuple[JudgedCase, ...]
@@ -54,6 +56,7 @@ class Report:
     quick: bool = False
     seconds: float = 0.0
     notes: tuple[str, ...] = ()
+    pictures: dict[str, tuple[Path, ...]] = field(default_factory=dict)
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -224,7 +227,7 @@ def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[
     return [line(head), "|" + "---|" * len(head), *(line(row) for row in rows), ""]
 
 
-def _markdown(report: Report, pictures: dict[str, str]) -> str:
+def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
     lines = ["# Finite-element cross-check", "", totals(report), "", _METHOD.format(limit=_percent(report.limit)), ""]
     lines += ["## Coverage", "", *_markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows)))]
@@ -237,6 +240,8 @@ def _markdown(report: Report, pictures: dict[str, str]) -> str:
         lines += [f"### {found.case.key}: {found.word}", ""]
         if found.case.key in pictures:
             lines += [f"![{found.case.key}]({pictures[found.case.key]})", ""]
+        for file in report.pictures.get(found.case.key, ()):
+            lines += [f"![{found.case.key}, {file.stem}]({file.relative_to(folder).as_posix()})", ""]
         lines += _markdown_table(_ROW_HEAD, map(_row_cells, found.rows))
         lines += _markdown_table(_TASK_HEAD, _task_cells(found))
     return "\n".join(lines)
@@ -263,6 +268,11 @@ def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return f"<table><thead><tr>{top}</tr></thead><tbody>\n{body}</tbody></table>\n"
 
 
+def _html_picture(file: Path, text: str) -> str:
+    data = base64.b64encode(file.read_bytes()).decode("ascii")
+    return f"<img loading='lazy' alt='{html.escape(text)}' src='data:image/png;base64,{data}'>"
+
+
 def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
     parts = [
@@ -283,9 +293,9 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
         title = f"{html.escape(found.case.key)}: <span class='{found.word}'>{MARKS[found.word]} {found.word}</span>"
         parts.append(f"<details{opened}><summary>{title}</summary>")
         if found.case.key in pictures:
-            data = base64.b64encode((folder / pictures[found.case.key]).read_bytes()).decode("ascii")
-            text = f"profiles of {html.escape(found.case.key)}"
-            parts.append(f"<img loading='lazy' alt='{text}' src='data:image/png;base64,{data}'>")
+            parts.append(_html_picture(folder / pictures[found.case.key], f"profiles of {found.case.key}"))
+        drawn = report.pictures.get(found.case.key, ())
+        parts += [_html_picture(file, f"{file.stem} of {found.case.key}") for file in drawn]
         parts.append(_html_table(_ROW_HEAD, map(_row_cells, found.rows)))
         parts.append(_html_table(_TASK_HEAD, _task_cells(found)))
         parts.append("</details>\n")
@@ -317,6 +327,6 @@ def write_report(report: Report, folder: Path) -> dict[str, Path]:
         (figures / f"{name}.json").write_text(json.dumps(_curves(found)), encoding="utf-8")
     files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
     files["json"].write_text(json.dumps(report.to_dict(), indent=2) + "\n", encoding="utf-8")
-    files["markdown"].write_text(_markdown(report, pictures), encoding="utf-8")
+    files["markdown"].write_text(_markdown(report, folder, pictures), encoding="utf-8")
     files["html"].write_text(_html(report, folder, pictures), encoding="utf-8")
     return {**files, "figures": figures}
