@@ -97,7 +97,7 @@ def test_make_gives_the_component_of_the_scene():
 @pytest.mark.parametrize(
     ("key", "parameters", "words"),
     [
-        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: bonded-layers, coulomb, coulomb-map, cuboid, cylinder, "),
+        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: bonded-layers, coulomb, coulomb-map, "),
         ("shpere", {"radius": 1.0}, "did you mean 'sphere'?"),
         ("sphere", {"radius": 1.0, "kind": "observer"}, "unknown observer 'sphere'; installed: 'dissipated-energy', "),
         ("sphere", {"radius": 1.0, "kind": "shape"}, "make.kind must be one of surface-influence, geometry, observer"),
