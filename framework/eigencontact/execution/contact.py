@@ -10,6 +10,7 @@ from eigencontact.planning.blocks import Block
 from eigencontact.planning.kernels import PairCoefficients
 from eigencontact.planning.plan import Plan
 from eigencontact.plugin import HasReferencePressure
+from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.contact_area import contact_area
 from eigencontact.solvers.normal import NormalSolver
@@ -64,14 +65,20 @@ def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> d
 
 
 class Separation:
-    """The initial gap."""
+    """The initial gap; where the geometry rolls, at the place that it has reached, which is stored."""
 
-    def __init__(self, plan: Plan, _block: Block) -> None:
-        self._field = plan.separation()
+    def __init__(self, plan: Plan, block: Block) -> None:
+        self._plan, self._rolls = plan, bool(block.settings.get("rolls", False))
+        self._at: tuple[float, float] | None = None
+        self._field = np.empty(0)
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
+        if state.travel != self._at:
+            self._field, self._at = self._plan.separation(state.travel), state.travel
         state.fields["separation"] = self._field
+        if self._rolls:
+            state.scalars |= dict(zip(TRAVEL, state.travel, strict=True))
 
 
 class NormalContact:
@@ -143,5 +150,6 @@ class ReferencePressure:
         if state.scalars["normal_load"] <= 0 or state.scalars["tilt_x"] or state.scalars["tilt_y"]:
             return
         y, x = self._grid.axes()
+        x, y = x - state.travel[0], y - state.travel[1]
         field_ = self._geometry.reference_pressure(x, y, state.scalars["normal_load"], self._modulus)
         state.fields["reference_pressure"] = np.broadcast_to(field_, self._grid.shape)

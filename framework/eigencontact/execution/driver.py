@@ -12,6 +12,7 @@ from eigencontact.execution.history import (
     ramps,
     start_of_ramp,
     tangential_control_at,
+    travel_at,
 )
 from eigencontact.execution.runners import Runner, State, build_runner
 from eigencontact.planning.plan import Plan
@@ -80,6 +81,7 @@ def drive(
             time=point.time,
             control=control_at(step, point.fraction, ramp_start) if plan.geometries else None,
             tangential=tangential_control_at(step, point.fraction, ramp_start) if friction else None,
+            travel=travel_at(steps, point),
             previous=last,
             progress=None if watcher is None else watcher.iterated,
         )

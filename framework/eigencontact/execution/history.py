@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from eigencontact.scene.holding import held_steps
+from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import Scene, Step
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
 from eigencontact.solvers.tangential.control import TangentialControl
 
-__all__ = ["LoadPoint", "control_at", "load_points", "ramps", "start_of_ramp", "tangential_control_at"]
+__all__ = ["LoadPoint", "control_at", "load_points", "ramps", "start_of_ramp", "tangential_control_at", "travel_at"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,15 @@ def control_at(step: Step, fraction: float, before: Mapping[str, float]) -> Cont
 def tangential_control_at(step: Step, fraction: float, before: Mapping[str, float]) -> TangentialControl:
     """Control along the surface part-way along a ramp; see `control_at`. What is not given stays at a motion of 0."""
     return TangentialControl(**_values(step, TANGENTIAL_MODES, fraction, before))
+
+
+def travel_at(steps: Sequence[Step], point: LoadPoint) -> tuple[float, float]:
+    """Place (x, y) of the geometry [m] part-way along a ramp, which starts where the last one ended."""
+    ends = [(0.0, 0.0), *held_travel(steps[: point.ramp + 1])][-2:]
+    if point.fraction == 1.0:
+        return ends[1]
+    (x0, y0), (x1, y1) = ends
+    return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
 
 
 def _values(

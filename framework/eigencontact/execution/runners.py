@@ -36,6 +36,8 @@ class State:
         What is prescribed of the contact; None without one.
     tangential : TangentialControl or None
         What is prescribed along the surface; None without friction.
+    travel : (float, float)
+        Place (x, y) of the geometry [m].
     previous : StepRecord or None
         The last accepted step; None in the first.
     fields, scalars, regions, observed
@@ -50,6 +52,7 @@ class State:
     time: float
     control: Control | None
     tangential: TangentialControl | None = None
+    travel: tuple[float, float] = (0.0, 0.0)
     previous: StepRecord | None = None
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)

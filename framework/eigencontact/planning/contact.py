@@ -18,7 +18,7 @@ from eigencontact.planning.kernels import PairCoefficients, installed_influence
 from eigencontact.planning.plan import sum_separations
 from eigencontact.planning.window import ContactEstimate, automatic_grid, estimate_contact
 from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
-from eigencontact.scene.holding import held_steps
+from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import Scene, Step
 from eigencontact.solvers.control import Control
 
@@ -88,9 +88,10 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
         raise SceneError(
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
         )
-    controls = [control for control in _controls(scene) if control.normal_load != 0.0]
+    pairs = zip(_controls(scene), held_travel(scene.steps), strict=True)
+    controls = [(control, travel) for control, travel in pairs if control.normal_load != 0.0]
     separation = partial(sum_separations, geometries)
-    start = max((_first_window(separation, normal, control) for control in controls), default=1.0)
+    start = max((_first_window(separation, normal, control) for control, _ in controls), default=1.0)
     grid = automatic_grid(spec, separation, normal, controls, start)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 
@@ -126,10 +127,13 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
 def _largest_contact(
     scene: Scene, grid: Grid, geometries: tuple[Geometry, ...], normal: PairCoefficients
 ) -> ContactEstimate | None:
-    separation = partial(sum_separations, geometries)
     periodic = scene.numerics.boundary == "periodic"
     found: ContactEstimate | None = None
-    for control in _controls(scene):
+    for control, (x0, y0) in zip(_controls(scene), held_travel(scene.steps), strict=True):
+
+        def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
+            return sum_separations(geometries, x - x0, y - y0)
+
         estimate = estimate_contact(grid, separation, normal, control, periodic=periodic)
         if estimate is not None:
             found = estimate if found is None else found.join(estimate)

@@ -20,6 +20,7 @@ from eigencontact.planning.coupling import Coupling
 from eigencontact.planning.kernels import KernelUse
 from eigencontact.planning.regions import RegionLattice, region_lattice
 from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
+from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Scene, StressRequest
 
 __all__ = ["CONTACT", "ContactDeclaration", "friction_fields", "observer_block", "region_block"]
@@ -97,11 +98,15 @@ class ContactDeclaration:
         return self.scene.numerics.boundary == "periodic"
 
     def _separation(self) -> Block:
+        rolls = any(getattr(step, name) is not None for step in self.scene.steps for name in TRAVEL)
         return Block(
             name="separation",
             runner="separation",
             provides=frozenset({"separation"}),
-            why="the initial gap of the geometry " + " + ".join(geometry.key for geometry in self.geometries),
+            why="the initial gap of the geometry "
+            + " + ".join(geometry.key for geometry in self.geometries)
+            + (", which rolls along the surface" if rolls else ""),
+            settings={"rolls": rolls},
         )
 
     def _normal(self) -> Block:

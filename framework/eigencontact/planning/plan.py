@@ -112,10 +112,10 @@ class Plan:
         """Predicted wall time of all steps [s]."""
         return self.cost.seconds_once + self.steps * self.cost.seconds_per_step
 
-    def separation(self) -> FloatArray:
-        """Sum of the geometries on the grid, ``(ny, nx)`` [m]."""
+    def separation(self, travel: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
+        """Sum of the geometries on the grid, moved to a place (x, y) [m], ``(ny, nx)`` [m]."""
         y, x = self.grid.axes()
-        return sum_separations(self.geometries, x, y)
+        return sum_separations(self.geometries, x - travel[0], y - travel[1])
 
     def explain(self) -> str:
         """Return the plan in words."""

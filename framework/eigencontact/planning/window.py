@@ -38,6 +38,10 @@ class ContactEstimate:
         """Widths along x and y [m]."""
         return self.x1 - self.x0, self.y1 - self.y0
 
+    def moved(self, by: tuple[float, float]) -> ContactEstimate:
+        """Estimate moved along x and y [m]."""
+        return ContactEstimate(self.x0 + by[0], self.x1 + by[0], self.y0 + by[1], self.y1 + by[1])
+
     def join(self, other: ContactEstimate) -> ContactEstimate:
         """Smallest estimate that holds both."""
         return ContactEstimate(
@@ -75,12 +79,18 @@ def estimate_contact(
 
 
 def automatic_grid(
-    spec: GridSpec, separation: Separation, coefficients: Coefficients, controls: Sequence[Control], start: float
+    spec: GridSpec,
+    separation: Separation,
+    coefficients: Coefficients,
+    controls: Sequence[tuple[Control, tuple[float, float]]],
+    start: float,
 ) -> Grid:
     """Grid that resolves the largest contact of the load history with the cells per contact radius asked for.
 
     Parameters
     ----------
+    controls : sequence of (Control, (float, float))
+        End of each step, and the place (x, y) [m] to which the geometry has rolled by then.
     start : float
         A first guess of the window's side [m]; windows are enlarged or cut until the contact fills about half.
 
@@ -90,17 +100,21 @@ def automatic_grid(
         Where no window holds the contact (no load, a geometry without rise).
     """
     found: ContactEstimate | None = None
-    for control in controls:
+    across = 0.0
+    for control, travel in controls:
         estimate = _settle(spec, separation, coefficients, control, start)
         if estimate is not None:
+            across = max(across, min(estimate.extent))
+            estimate = estimate.moved(travel)
             found = estimate if found is None else found.join(estimate)
+    rolls = any(travel != (0.0, 0.0) for _, travel in controls)
     if found is None:
         raise PlanError(
             "grid must be given for this scene (got automatic); no step makes a contact from which cells could be "
             "chosen: give grid.cells and grid.size, or a load"
         )
     wide, high = found.extent
-    edge = 0.5 * min(wide, high) / spec.cells_per_contact_radius
+    edge = 0.5 * (across if rolls else min(wide, high)) / spec.cells_per_contact_radius
     center = (0.5 * (found.x0 + found.x1), 0.5 * (found.y0 + found.y1))
     # An even number of cells, symmetric about the contact.
     nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) for extent in (wide, high))

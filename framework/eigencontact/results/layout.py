@@ -39,6 +39,8 @@ SCALARS: dict[str, Quantity] = {
     "tilt_y": Quantity("rad", "tilt about the y axis"),
     "moment_x": Quantity("N m", "moment about the x axis"),
     "moment_y": Quantity("N m", "moment about the y axis"),
+    "travel_x": Quantity("m", "place of the geometry along x"),
+    "travel_y": Quantity("m", "place of the geometry along y"),
     "contact_area": Quantity("m2", "contact area, corrected for cells cut by the edge of the contact"),
     "contact_area_counted": Quantity("m2", "area of the loaded cells"),
     "contact_radius": Quantity("m", "radius of the circle of equal contact area"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eigencontact.scene.holding import TANGENTIAL_PAIRS
+from eigencontact.scene.holding import TANGENTIAL_PAIRS, TRAVEL
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene, StressRequest
@@ -52,12 +52,27 @@ def _check_steps(scene: Scene) -> None:
                 f"!{where} must not prescribe {step.prescribed[0]} without a geometry (got no contact to load); "
                 "add [geometry], or leave it out"
             )
+        if any(getattr(step, name) is not None for name in TRAVEL):
+            _check_travel(scene, where)
         along = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL]
         if along and scene.friction is None:
             raise ValueError(
                 f"!{where} must not prescribe {along[0]} without friction (got a frictionless contact, which carries "
                 'no shear); add [friction] with type = "coulomb" and a coefficient, or leave it out'
             )
+
+
+def _check_travel(scene: Scene, where: str) -> None:
+    if scene.friction is not None:
+        raise ValueError(
+            f"!{where} must not move the geometry (travel-x, travel-y) in a contact with friction (got both); leave "
+            "out [friction] for rolling without it, or slide by shift-x and shift-y"
+        )
+    if scene.numerics.boundary == "periodic":
+        raise ValueError(
+            f"!{where} must not move the geometry (travel-x, travel-y) in a periodic scene (got numerics.boundary = "
+            "'periodic'): it would leave the window; leave out one of them"
+        )
 
 
 def _check_eigenstrain(scene: Scene) -> None:

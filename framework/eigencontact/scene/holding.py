@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Step
 
-__all__ = ["NORMAL_PAIRS", "TANGENTIAL_PAIRS", "held_steps"]
+__all__ = ["NORMAL_PAIRS", "TANGENTIAL_PAIRS", "TRAVEL", "held_steps", "held_travel"]
 
 #: (force, displacement) of the rigid modes; a step gives one of each pair or none.
 NORMAL_PAIRS = (("normal_load", "approach"), ("moment_x", "tilt_x"), ("moment_y", "tilt_y"))
@@ -17,6 +17,8 @@ TANGENTIAL_PAIRS = (
     ("tangential_load_y", "shift_y"),
     ("torsion_moment", "twist"),
 )
+#: Place of the geometry along x and y.
+TRAVEL = ("travel_x", "travel_y")
 
 
 def held_steps(steps: Sequence[Step]) -> list[Step]:
@@ -41,3 +43,20 @@ def held_steps(steps: Sequence[Step]) -> list[Step]:
                 kept |= values
         out.append(step.model_copy(update=kept))
     return out
+
+
+def held_travel(steps: Sequence[Step]) -> list[tuple[float, float]]:
+    """Place (x, y) of the geometry [m] at the end of each step; where a step does not mention it, it stays.
+
+    Examples
+    --------
+    >>> from eigencontact.scene.schema import Step
+    >>> held_travel([Step(normal_load=1.0), Step(normal_load=1.0, travel_x=2e-6), Step(normal_load=0.5)])
+    [(0.0, 0.0), (2e-06, 0.0), (2e-06, 0.0)]
+    """
+    places = [(0.0, 0.0)]
+    for step in steps:
+        given = (step.travel_x, step.travel_y)
+        x, y = (old if new is None else new for old, new in zip(places[-1], given, strict=True))
+        places.append((x, y))
+    return places[1:]

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from eigencontact.core.quantities import Angle, Force, Moment, Stress
 from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many, positive
 from eigencontact.scene.contents import check_contents
-from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS
+from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS, TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table, Tables
 
@@ -78,7 +78,8 @@ class Step(Table):
 
     A contact is controlled by normal-load or approach. With friction, loads and motions along the surface are given
     beside them, those of body 2 against body 1, and what a step does not mention stays as an earlier step left it (see
-    `eigencontact.scene.holding`). A scene without geometry has steps of `increments` alone, which are the times at
+    `eigencontact.scene.holding`). Without friction the geometry may roll along the surface: at the end of the step it
+    has moved to (travel-x, travel-y). A scene without geometry has steps of `increments` alone, which are the times at
     which eigenstrain that changes with time is evaluated.
     """
 
@@ -94,6 +95,8 @@ class Step(Table):
     shift_y: FiniteLength | None = None
     torsion_moment: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
     twist: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
+    travel_x: FiniteLength | None = None
+    travel_y: FiniteLength | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
 
     @model_validator(mode="after")
@@ -106,7 +109,7 @@ class Step(Table):
     @property
     def prescribed(self) -> list[str]:
         """Names of the loads and motions given, as written in a scene."""
-        names = [name for pair in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS) for name in pair]
+        names = [*(name for pair in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS) for name in pair), *TRAVEL]
         return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
 
 

@@ -9,6 +9,7 @@ from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import load_history
 from eigencontact.viz.residual import displacement_profiles, uplift_map
+from eigencontact.viz.rolling import passing_history, rolls
 from eigencontact.viz.section import drawable, stress_profile, stress_section
 from eigencontact.viz.style import save
 from eigencontact.viz.surface import pressure_map, pressure_profiles
@@ -84,8 +85,11 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
             sentence = f"Stresses along the line {region!r}."
             wanted.append((f"{region}.png", sentence, lambda region=region: stress_profile(dataset, region, step)))  # type: ignore[misc]
     wanted += _friction(dataset, step)
+    if rolls(dataset):
+        sentence = "Largest pressure, and stress at points, against the place of the geometry."
+        wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
     several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
-    if several and not ("contact_zone" in dataset and _constant(dataset, "normal_load")):
+    if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
         sentence = "Normal load against approach, and contact area against normal load."
         wanted.append(("history.png", sentence, lambda: load_history(dataset)))
     described = {}
