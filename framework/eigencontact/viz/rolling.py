@@ -19,6 +19,8 @@ __all__ = ["passing_history", "rolls"]
 
 #: Points whose stress is drawn.
 MOST = 6
+#: Pressures that differ by less are the same.
+ROUND_OFF = 1e-3
 
 
 def rolls(dataset: xr.Dataset) -> bool:
@@ -66,6 +68,8 @@ def passing_history(dataset: xr.Dataset) -> Figure:
 def _curve(axes: Axes, length: Scale, place: NDArray[np.float64], values: NDArray[np.float64], label: str) -> None:
     scale = scale_for(values, "Pa")
     axes.plot(length(place), scale(values), "o-", color=COLOURS[0], markersize=3)
+    if np.ptp(values) < ROUND_OFF * values.max():  # a body that is the same everywhere: no zoom into round-off
+        axes.set_ylim(0.0, 1.1 * float(scale(values.max())))
     axes.set_ylabel(f"{label} [{scale.unit}]")
 
 
