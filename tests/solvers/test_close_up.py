@@ -71,5 +71,5 @@ def test_no_eigenstrain_no_field():
 
 def test_pitch_must_divide_the_cells():
     target = cells((2.0, 1.2, 0.45), (0.3, 0.4, 0.3), (2, 2, 2))
-    with pytest.raises(SceneError, match="pitch of points must be .* divided by whole numbers"):
+    with pytest.raises(SceneError, match=r"pitch of points must be .* divided by whole numbers"):
         close_up(CELL, SOURCE, np.zeros((6, *SOURCE.shape)), target, poisson_ratio=0.3)

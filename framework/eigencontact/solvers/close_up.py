@@ -83,9 +83,9 @@ def close_up(
     if near is None:
         return out
     part = Cells(
-        first=tuple(source.first[a] + near[2 - a].start * source.pitch[a] for a in range(3)),  # type: ignore[arg-type]
+        first=tuple(source.first[a] + near[2 - a].start * source.pitch[a] for a in range(3)),
         pitch=source.pitch,
-        shape=tuple(where.stop - where.start for where in near),  # type: ignore[arg-type]
+        shape=tuple(where.stop - where.start for where in near),
     )
     inner = strain[(slice(None), *near)]
     for shift in product(*(range(min(n, count)) for n, count in zip(finer, target.shape, strict=True))):
