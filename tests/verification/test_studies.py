@@ -1,0 +1,39 @@
+"""Studies: listed, run coarsely, resumed, drawn; refused by name."""
+
+import json
+
+import pytest
+
+from eigencontact.errors import SceneError
+from eigencontact_verification.studies.catalogue import find, names, studies
+from eigencontact_verification.studies.study import run_study, write_study
+
+
+def test_names_are_unique_and_variants_are_scenes():
+    assert len(set(names())) == len(names())
+    for study in studies():
+        coarse, fine = study.variants(coarse=True), study.variants(coarse=False)
+        assert 1 < len(coarse) <= len(fine)
+        assert len({variant.label for variant in fine}) == len(fine)
+
+
+def test_unknown_name_gets_the_nearest():
+    with pytest.raises(SceneError, match=r"rolling-homogen.*did you mean 'rolling-homogeneous'"):
+        find("rolling-homogenous")
+
+
+def test_finished_variants_are_read_again(tmp_path):
+    study = find("rolling-homogeneous")
+    found = list(run_study(study, tmp_path, coarse=True))
+    picture, numbers = write_study(study, found, tmp_path)
+    for item in found:
+        item.dataset.close()
+    assert picture.stat().st_size > 10_000
+    rows = json.loads(numbers.read_text(encoding="utf-8"))["variants"]
+    assert rows[1]["largest von Mises / p0"] == pytest.approx(0.620, rel=0.02)
+    stamps = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
+    again = list(run_study(study, tmp_path, coarse=True))
+    assert [item.row for item in again] == [item.row for item in found]
+    for item in again:
+        item.dataset.close()
+    assert stamps == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
