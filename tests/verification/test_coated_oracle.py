@@ -58,7 +58,7 @@ def test_catalogue_of_soft_coatings_by_thickness(size, pressure, area):
     assert [found.max_pressure / P0, found.radius**2] == pytest.approx([pressure, area], abs=5.1e-4)
 
 
-@pytest.mark.parametrize("ratio", [0.5, 2.0])
+@pytest.mark.parametrize("ratio", [pytest.param(0.5, marks=pytest.mark.slow), 2.0])
 def test_thick_coating_tends_to_hertz_of_the_coating(ratio):
     """What is left falls with the cube of h: the curvature that the substrate adds under the contact."""
     thick = np.array([8.0, 16.0, 32.0])
@@ -68,7 +68,7 @@ def test_thick_coating_tends_to_hertz_of_the_coating(ratio):
     assert errors[-1] < 1e-5
 
 
-@pytest.mark.parametrize("ratio", [0.2, 5.0])
+@pytest.mark.parametrize("ratio", [0.2, pytest.param(5.0, marks=pytest.mark.slow)])
 def test_displacement_under_the_sphere_is_the_sphere(ratio):
     """The pressure, put through the Green's function of the top layer and L(k), gives back δ - r²/2R."""
     found = coated(ratio)
@@ -101,12 +101,14 @@ def test_sliding_stress_without_contrast(z):
     assert found[:, 0] == pytest.approx(sliding_stress.axis(z, 0.3, NU), abs=1e-10)
 
 
-@pytest.mark.parametrize(("ratio", "above", "below"), [(0.5, -0.132, -0.069), (2.0, 0.229, 0.008)])
-def test_catalogue_of_the_interface(ratio, above, below):
+@pytest.mark.parametrize(
+    ("ratio", "friction", "above", "below"), [(0.5, 0.0, -0.132, -0.069), (2.0, 0.25, 0.229, 0.008)]
+)
+def test_catalogue_of_the_interface(ratio, friction, above, below):
     """σ_xx jumps on the axis, and the tractions do not."""
     contact = coated(ratio)
     upper, lower = (
-        coated_sliding(contact, [0.0, 0.4], [0.0, 0.3], 1.0, friction=0.25, side=side) / P0
+        coated_sliding(contact, [0.0, 0.4], [0.0, 0.3], 1.0, friction=friction, side=side) / P0
         for side in ("above", "below")
     )
     assert [upper[0, 0], lower[0, 0]] == pytest.approx([above, below], abs=5.1e-4)
@@ -116,10 +118,10 @@ def test_catalogue_of_the_interface(ratio, above, below):
 @pytest.mark.parametrize(
     ("ratio", "friction", "x", "z", "value"),
     [
-        (0.5, 0.0, 0.0, 0.5, 0.458),
+        pytest.param(0.5, 0.0, 0.0, 0.5, 0.458, marks=pytest.mark.slow),
         (2.0, 0.0, 0.0, 0.425, 0.854),
         (2.0, 0.25, 0.4, 0.375, 0.916),
-        (2.0, 0.5, 0.25, 1.0, 0.526),
+        pytest.param(2.0, 0.5, 0.25, 1.0, 0.526, marks=pytest.mark.slow),
     ],
 )
 def test_catalogue_of_largest_von_mises(ratio, friction, x, z, value):

@@ -34,16 +34,16 @@ def tradeoff(command, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("scene", "keys"),
+    ("scene", "changes", "keys"),
     [
-        ("hertz", ("grid", "precision", "tolerance")),
-        ("gross-slip", ("grid", "precision", "tolerance", "coupling")),
-        ("buried-cuboid", ("grid", "half-space")),
-        ("peened-layer", ("grid", "precision", "half-space")),
+        ("hertz", SMALL, ("grid", "precision", "tolerance")),
+        ("gross-slip", SMALL, ("grid", "precision", "tolerance", "coupling")),
+        ("buried-cuboid", [], ("grid", "half-space")),
+        ("peened-layer", [], ("grid", "precision", "half-space")),
     ],
 )
-def test_what_is_varied_follows_from_the_scene(scene, keys):
-    plan = app.plan(scene)
+def test_what_is_varied_follows_from_the_scene(scene, changes, keys):
+    plan = app.plan(app.load_scene(scene, changes))
     assert keys_of(plan) == keys
     found = variants(plan, Fidelities())
     assert [found[0].key, found[1].key] == ["reference", "scene"]
@@ -98,6 +98,8 @@ def test_field_error_is_that_of_the_difference():
 def test_a_component_that_is_left_out_counts_as_zero():
     wanted = {**plane(4), "shear_x": 3.0 * np.ones((1, 4, 4)), "shear_y": 4.0 * np.ones((1, 4, 4))}
     found = {**plane(4), "shear_x": wanted["shear_x"]}
+    named = errors({"history": []}, found, {"history": []}, wanted)
+    assert named["shear field"] > named["traction field"] > named["pressure field"] == 0.0
     assert field_error(found, wanted, ["shear_x", "shear_y"]) == pytest.approx(0.8)
     assert field_error(found, plane(4), ["shear_x"]) is None
 
@@ -117,6 +119,9 @@ def row(error, seconds, memory):
 def test_fronts():
     rows = [row(0.1, 1.0, 5.0), row(0.01, 2.0, 5.0), row(0.02, 3.0, 1.0), row(0.1, 1.0, 9.0), row(None, 0.1, 0.1)]
     assert fronts(rows) == [("time",), ("time", "memory"), ("memory",), ("time",), ()]
+    # what is as accurate within 2 % is beaten by what is cheaper; of the same price, by what is more accurate
+    rows = [row(0.1, 2.0, 5.0), row(0.101, 1.0, 6.0), row(0.2, 1.0, 9.0)]
+    assert fronts(rows) == [("memory",), ("time",), ()]
 
 
 # --- a study ----------------------------------------------------------------------------------------------------------
@@ -174,6 +179,7 @@ def test_what_is_refused_is_not_started(more, words):
     assert [found.rows[1].status, found.rows[1].reason] == ["refused", words]
 
 
+@pytest.mark.slow
 def test_what_the_child_measures():
     found = solve_fresh(app.load_scene("hertz", SMALL).resolved(), 60.0)
     assert found.status == "ok", found.reason

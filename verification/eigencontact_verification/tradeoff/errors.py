@@ -25,10 +25,11 @@ _SCALARS: dict[str, tuple[str, ...]] = {
 _FIELDS: dict[str, tuple[str, ...]] = {
     "pressure field": ("pressure",),
     "shear field": ("shear_x", "shear_y"),
+    "traction field": ("pressure", "shear_x", "shear_y"),
     "displacement field": ("residual_displacement_x", "residual_displacement_y", "residual_displacement_z"),
 }
 #: The error that stands for all, in the table and in the picture: the first of these that a scene has.
-HEADLINES = ("pressure field", "displacement field", "max von Mises")
+HEADLINES = ("traction field", "pressure field", "displacement field", "max von Mises")
 
 
 def errors(
@@ -58,6 +59,8 @@ def errors(
         value = field_error(fields, wanted, components)
         if value is not None:
             out[name] = value
+    if "shear field" not in out:  # pressure is then all the traction there is
+        out.pop("traction field", None)
     return out
 
 

@@ -13,6 +13,8 @@ from eigencontact_verification.tradeoff.variant import Variant, tables_of
 
 __all__ = ["Prediction", "Row", "Study", "fronts", "predict", "study"]
 
+_SAME = 1.02
+
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
@@ -158,7 +160,10 @@ def study(
 
 
 def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
-    """For each row, in which of time and memory no other is as good in both error and it, and better in one."""
+    """For each row, in which of time and memory no other row beats it: a lower price at an error as small.
+
+    Errors within `_SAME` of each other count as the same, so that rounding puts nothing on the front.
+    """
     found: dict[str, list[bool]] = {}
     for word, name in (("time", "seconds"), ("memory", "memory")):
         points = [(row.error, getattr(row, name)) for row in rows]
@@ -168,7 +173,9 @@ def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
 
 
 def _beats(other: tuple[float, float], point: tuple[Any, Any]) -> bool:
-    return other != point and other[0] <= point[0] and other[1] <= point[1]
+    if other[1] == point[1]:
+        return bool(other[0] < point[0])
+    return bool(other[1] < point[1] and other[0] <= _SAME * point[0])
 
 
 def _refused(prediction: Prediction, limit: float, memory: float) -> str:
