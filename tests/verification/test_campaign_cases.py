@@ -14,7 +14,10 @@ from eigencontact_verification.campaign.tractions import TRACTIONS
 
 MATERIAL = {"young_modulus": 1.0, "poisson_ratio": 0.3}
 CUBE = {"key": "cuboid", "center": (0.0, 0.0, 1.5), "edges": (1.0, 1.4, 0.8)}
-OWN = ("pressure", "shear-x", "shear-y", "cuboid", "sphere", "ellipsoid", "cylinder", "layer", "polyhedron")
+OWN = (
+    "pressure", "shear-x", "shear-y", "cuboid", "sphere", "ellipsoid", "cylinder", "layer", "polyhedron",
+    "inhomogeneity", "bonded-layers",
+)  # fmt: skip
 
 LENS = """
 from dataclasses import dataclass
@@ -142,7 +145,7 @@ def test_size_of_solid_models(kernel):
     for case in cases.cases_of(kernel):
         if kernel in TRACTIONS:
             model = case.model(2, reach=case.parameters["reach"])
-        elif case.parameters["elements"] == "solid":
+        elif case.parameters.get("elements") == "solid":
             model = case.solid_model(2, "fixed")
         else:
             continue

@@ -1,7 +1,8 @@
 """The list of cases: every kernel with what it is compared for, installed shapes of strangers included.
 
 Lengths are in units of an edge or a diameter, which is 1; Young's modulus and the eigenstrain or traction are 1 too.
-Depths are those of the centre. Kernels are the keys of inclusion shapes and of surface influences.
+Depths are those of the centre. Kernels are the keys of inclusion shapes, of surface influences and of layered media,
+and ``"inhomogeneity"``, the solver of equivalent inclusions; the radius of a circle under pressure is 1.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from eigencontact.library import installed_plugins
+from eigencontact_verification.campaign import inhomogeneities, layers
 from eigencontact_verification.campaign.case import Case, Gap
 from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusion_case, shape_of
 from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
@@ -135,15 +137,28 @@ _OWN: dict[str, Callable[[], tuple[Case, ...]]] = {
 }
 
 
+#: What is neither a traction nor a shape.
+_OTHERS: dict[str, Callable[[], tuple[Case, ...]]] = {
+    inhomogeneities.KEY: inhomogeneities.inhomogeneity_cases,
+    layers.KEY: layers.layered_cases,
+}
+
+
+def _others() -> list[str]:
+    """Keys of `_OTHERS`, without layered media that are not installed."""
+    media = [entry.key for entry in installed_plugins().of_kind("layered-medium")]
+    return [key for key in _OTHERS if key == inhomogeneities.KEY or key in media]
+
+
 def _shapes() -> list[str]:
     return [entry.key for entry in installed_plugins().of_kind("inclusion-shape")]
 
 
 def kernels() -> tuple[str, ...]:
-    """Keys that can be verified: surface influences first, then inclusion shapes, installed ones of strangers last."""
+    """Keys that can be verified: tractions, shapes, bodies that are not homogeneous; strangers' shapes last."""
     shapes = _shapes()
     strangers = [key for key in shapes if key not in _OWN and not _refusal(key)]
-    return (*TRACTIONS, *(key for key in _OWN if key in shapes), *strangers)
+    return (*TRACTIONS, *(key for key in _OWN if key in shapes), *_others(), *strangers)
 
 
 def cases_of(kernel: str) -> tuple[Case, ...]:
@@ -156,6 +171,8 @@ def cases_of(kernel: str) -> tuple[Case, ...]:
     """
     if kernel in TRACTIONS:
         return _tractions(kernel)
+    if kernel in _others():
+        return _OTHERS[kernel]()
     if kernel not in _shapes():
         raise ValueError(f"kernel must be one of {', '.join(kernels())} (got {kernel!r}); install its plugin")
     return _OWN[kernel]() if kernel in _OWN else _stranger(kernel)
@@ -172,10 +189,13 @@ def gaps() -> tuple[Gap, ...]:
             for key in ("sphere", "ellipsoid", "cylinder", "polyhedron")
         ),
         Gap(
-            kernel="inhomogeneity",
-            what="void, softer, stiffer, rigid",
-            reason="the solver does not exist yet",
+            kernel=inhomogeneities.KEY,
+            what="shapes other than spheres, anisotropy, shear on the surface",
+            reason="only elements of revolution follow the boundary and know the stress beside it",
         ),
+        Gap(kernel=inhomogeneities.KEY, what="stress in voids and rigid spheres", reason="cells find its mean only"),
+        Gap(kernel=layers.KEY, what="shear on the surface", reason="elements of revolution bear pressure only"),
+        Gap(kernel=layers.KEY, what="Poisson's ratio 0.5", reason=unsaid),
         Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
         *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
     )

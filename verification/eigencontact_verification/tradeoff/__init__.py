@@ -1,0 +1,1 @@
+"""Trade-off: one scene at several fidelities, their errors, times and memory."""

@@ -1,0 +1,115 @@
+"""Errors of one solution against the reference; all relative [-], over every load step that both have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["HEADLINES", "errors", "field_error"]
+
+FloatArray = NDArray[np.float64]
+
+#: Scalars of a step by the error they enter; a group is measured by its largest value of the reference.
+_SCALARS: dict[str, tuple[str, ...]] = {
+    "max pressure": ("max_pressure",),
+    "contact radius": ("contact_radius",),
+    "contact area": ("contact_area",),
+    "approach": ("approach",),
+    "loads": ("normal_load", "tangential_load_x", "tangential_load_y"),
+    "motions": ("shift_x", "shift_y"),
+    "max von Mises": ("max_von_mises",),
+}
+_FIELDS: dict[str, tuple[str, ...]] = {
+    "pressure field": ("pressure",),
+    "shear field": ("shear_x", "shear_y"),
+    "traction field": ("pressure", "shear_x", "shear_y"),
+    "displacement field": ("residual_displacement_x", "residual_displacement_y", "residual_displacement_z"),
+}
+#: The error that stands for all, in the table and in the picture: the first of these that a scene has.
+HEADLINES = ("traction field", "pressure field", "displacement field", "max von Mises")
+
+
+def errors(
+    found: Mapping[str, Any], fields: Mapping[str, FloatArray], reference: Mapping[str, Any],
+    wanted: Mapping[str, FloatArray],
+) -> dict[str, float]:  # fmt: skip
+    """Errors by name.
+
+    Parameters
+    ----------
+    found, reference : mapping
+        Numbers of the two solutions; ``history`` holds the scalars of each step.
+    fields, wanted : mapping
+        Their fields, ``(step, y, x)``, with ``x`` and ``y``.
+
+    Notes
+    -----
+    A scalar: the largest deviation over the steps, by the largest magnitude in the reference. A field: see
+    `field_error`. What the reference does not have, or has as zero throughout, has no error.
+    """
+    out = {}
+    for name, scalars in _SCALARS.items():
+        value = _scalar_error(found["history"], reference["history"], scalars)
+        if value is not None:
+            out[name] = value
+    for name, components in _FIELDS.items():
+        value = field_error(fields, wanted, components)
+        if value is not None:
+            out[name] = value
+    if "shear field" not in out:  # pressure is then all the traction there is
+        out.pop("traction field", None)
+    return out
+
+
+def field_error(
+    fields: Mapping[str, FloatArray], wanted: Mapping[str, FloatArray], components: Sequence[str]
+) -> float | None:
+    """L2 norm of the difference over that of the reference, on the cells of the reference and over all steps.
+
+    The coarser field is interpolated linearly between the middles of its cells; cells of the reference outside its
+    window do not count. None where the reference has no such field or it is zero.
+    """
+    from scipy.interpolate import RegularGridInterpolator
+
+    x, y = fields["x"], fields["y"]
+    edge = [0.5 * (axis[1] - axis[0]) if axis.size > 1 else np.inf for axis in (y, x)]
+    rows, columns = (
+        (axis > have[0] - half) & (axis < have[-1] + half)
+        for axis, have, half in ((wanted["y"], y, edge[0]), (wanted["x"], x, edge[1]))
+    )
+    at_y, at_x = np.meshgrid(
+        np.clip(wanted["y"][rows], y[0], y[-1]), np.clip(wanted["x"][columns], x[0], x[-1]), indexing="ij"
+    )
+    difference = size = 0.0
+    for name in components:
+        if name not in wanted:
+            continue
+        steps = min(len(wanted[name]), len(fields.get(name, wanted[name])))
+        for step in range(1, steps + 1):
+            target = wanted[name][-step][np.ix_(rows, columns)]
+            # a displacement or shear that a fidelity leaves out is zero
+            value: FloatArray = np.zeros_like(target)
+            if name in fields:
+                value = RegularGridInterpolator((y, x), fields[name][-step])((at_y, at_x))
+            difference += float(((value - target) ** 2).sum())
+            size += float((target**2).sum())
+    return float(np.sqrt(difference / size)) if size > 0.0 else None
+
+
+def _scalar_error(
+    found: Sequence[Mapping[str, Any]], reference: Sequence[Mapping[str, Any]], names: Sequence[str]
+) -> float | None:
+    scale = deviation = 0.0
+    common = False
+    for name in names:
+        # from the end, which both have reached
+        for mine, theirs in zip(reversed(found), reversed(reference), strict=False):
+            if theirs.get(name) is None or mine.get(name) is None:
+                continue
+            common = True
+            scale = max(scale, abs(theirs[name]))
+            deviation = max(deviation, abs(mine[name] - theirs[name]))
+    return deviation / scale if common and scale > 0.0 else None

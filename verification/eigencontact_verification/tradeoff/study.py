@@ -1,0 +1,217 @@
+"""A study: plan every variant, solve one after the other, judge each by the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from statistics import median
+from typing import Any
+
+from eigencontact_verification.tradeoff.errors import HEADLINES, errors
+from eigencontact_verification.tradeoff.process import Solved, solve_fresh
+from eigencontact_verification.tradeoff.variant import Variant, tables_of
+
+__all__ = ["Prediction", "Row", "Study", "fronts", "predict", "study"]
+
+_SAME = 1.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """What the planner says of a variant; ``reason`` is why it refuses it."""
+
+    variant: Variant
+    cells: tuple[int, int] | None = None
+    seconds: float | None = None
+    memory: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One variant: predicted, measured, judged. Times in s, memory in bytes, errors relative.
+
+    ``error`` is the first of ``errors`` that `HEADLINES` names; ``fronts`` names what it is not beaten in: "time",
+    "memory".
+    """
+
+    prediction: Prediction
+    status: str
+    reason: str = ""
+    seconds: float | None = None
+    memory: float | None = None
+    cells: tuple[int, int] | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
+    error: float | None = None
+    fronts: tuple[str, ...] = ()
+
+    @property
+    def variant(self) -> Variant:
+        """What was solved."""
+        return self.prediction.variant
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Rows of a study; the first one is the reference.
+
+    Attributes
+    ----------
+    name : str
+        Of the scene.
+    headline : str
+        Which error the rows are compared by.
+    note : str
+        What a reader must know: the reference could not be solved and another stands in for it.
+    """
+
+    name: str
+    headline: str
+    rows: tuple[Row, ...]
+    note: str = ""
+
+
+def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Prediction]:
+    """Plan each variant without solving."""
+    from eigencontact import app
+    from eigencontact.errors import EigencontactError
+    from eigencontact.planning.cost import resident_bytes
+
+    found = []
+    for variant in variants:
+        try:
+            plan = app.plan(tables_of(resolved, variant))
+        except EigencontactError as problem:
+            found.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
+            continue
+        memory = resident_bytes() + plan.cost.peak
+        cells = (plan.grid.nx, plan.grid.ny)
+        found.append(Prediction(variant=variant, cells=cells, seconds=plan.seconds, memory=memory))
+    return found
+
+
+def study(
+    name: str,
+    resolved: Mapping[str, Any],
+    predictions: Sequence[Prediction],
+    *,
+    limit: float,
+    memory: float,
+    repeat: int = 1,
+    solve: Callable[[Mapping[str, Any], float], Solved] | None = None,
+    told: Callable[[str], None] = lambda _: None,
+) -> Study:
+    """Solve and judge; a variant that is refused, fails or takes too long is a row with its reason.
+
+    Parameters
+    ----------
+    name : str
+        Of the scene.
+    resolved : mapping
+        Its tables.
+    predictions : sequence of Prediction
+        The first is the reference.
+    limit : float
+        Time of one variant [s]; one that the planner predicts above it is not started.
+    memory : float
+        Memory of one variant [bytes]; one that the planner predicts above it is not started.
+    repeat : int
+        Processes for each variant: the median of their times, the largest of their peaks.
+    solve : callable
+        Tables and limit to `Solved`; by default in a fresh process.
+    told : callable
+        Told what is solved next.
+
+    Raises
+    ------
+    ValueError
+        Nothing could be solved.
+    """
+    solve = solve or solve_fresh
+    solved: list[Solved] = []
+    rows: list[Row] = []
+    for prediction in predictions:
+        if reason := _refused(prediction, limit, memory):
+            solved.append(Solved(status="refused", reason=reason))
+            rows.append(Row(prediction=prediction, status="refused", reason=reason))
+            continue
+        told(f"{prediction.variant.key}: {prediction.variant.words}")
+        tables = tables_of(resolved, prediction.variant)
+        laps = [solve(tables, limit) for _ in range(repeat)]
+        bad = next((lap for lap in laps if lap.status != "ok"), None)
+        solved.append(bad or laps[0])
+        rows.append(_row(prediction, bad, laps))
+    best, note = _reference(rows)
+    reference = solved[best]
+    judged = []
+    for k, (row, one) in enumerate(zip(rows, solved, strict=True)):
+        if one.status != "ok" or k == best:
+            judged.append(row)
+            continue
+        found = errors(one.numbers, one.fields, reference.numbers, reference.fields)
+        judged.append(replace(row, errors=found))
+    common = [row.errors for row in judged if row.errors]
+    headline = next((word for word in HEADLINES if any(word in found for found in common)), HEADLINES[0])
+    judged = [replace(row, error=row.errors.get(headline)) for row in judged]
+    marks = fronts(judged)
+    judged = [replace(row, fronts=mark) for row, mark in zip(judged, marks, strict=True)]
+    judged.insert(0, judged.pop(best))
+    return Study(name=name, headline=headline, rows=tuple(judged), note=note)
+
+
+def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
+    """For each row, in which of time and memory no other row beats it: a lower price at an error as small.
+
+    Errors within `_SAME` of each other count as the same, so that rounding puts nothing on the front.
+    """
+    found: dict[str, list[bool]] = {}
+    for word, name in (("time", "seconds"), ("memory", "memory")):
+        points = [(row.error, getattr(row, name)) for row in rows]
+        whole = [(error, price) for error, price in points if error is not None and price is not None]
+        found[word] = [point in whole and not any(_beats(other, point) for other in whole) for point in points]
+    return [tuple(word for word in found if found[word][k]) for k in range(len(rows))]
+
+
+def _beats(other: tuple[float, float], point: tuple[Any, Any]) -> bool:
+    if other[1] == point[1]:
+        return bool(other[0] < point[0])
+    return bool(other[1] < point[1] and other[0] <= _SAME * point[0])
+
+
+def _refused(prediction: Prediction, limit: float, memory: float) -> str:
+    if prediction.reason:
+        return prediction.reason
+    if prediction.seconds is not None and prediction.seconds > limit:
+        return f"predicted time {prediction.seconds:.0f} s is above --time {limit:.0f}"
+    if prediction.memory is not None and prediction.memory > memory:
+        return f"predicted memory {1e-9 * prediction.memory:.1f} GB is above --memory {1e-9 * memory:.1f}"
+    return ""
+
+
+def _row(prediction: Prediction, bad: Solved | None, laps: Sequence[Solved]) -> Row:
+    if bad is not None:
+        return Row(prediction=prediction, status=bad.status, reason=bad.reason)
+    nx, ny = laps[0].numbers["cells"]
+    return Row(
+        prediction=prediction,
+        status="ok",
+        seconds=median(lap.numbers["seconds"] for lap in laps),
+        memory=max(lap.numbers["peak_bytes"] for lap in laps),
+        cells=(nx, ny),
+    )
+
+
+def _reference(rows: Sequence[Row]) -> tuple[int, str]:
+    """Number of the reference: the one planned, or else the scene as it stands, or the finest that was solved."""
+    if rows[0].status == "ok":
+        return 0, ""
+    left = [k for k, row in enumerate(rows) if row.status == "ok"]
+    if not left:
+        raise ValueError(f"no variant could be solved (reference: {rows[0].reason}); see --plan")
+    # the scene as it stands comes first where two have as many cells
+    best = max(left, key=lambda k: (_cells(rows[k]), -k))
+    return best, f"the reference was not solved ({rows[0].reason}); {rows[best].variant.words!r} stands in for it"
+
+
+def _cells(row: Row) -> int:
+    return row.cells[0] * row.cells[1] if row.cells else 0
