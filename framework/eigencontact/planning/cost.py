@@ -10,13 +10,13 @@ from functools import cache
 from math import log2
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 from eigencontact.convolution import Layout
 from eigencontact.convolution.backends import available_threads
 from eigencontact.convolution.layout import fast_even
-from eigencontact.core.material import Material
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.planning.blocks import Cost
 from eigencontact.plugin import SurfaceInfluence
@@ -144,8 +144,8 @@ def timed(call: Callable[[], object], laps: int = 3) -> float:
 
 
 @cache
-def sampling_seconds(influence: SurfaceInfluence, body: Material) -> float:
-    """Measured time of six stress coefficients at one lattice point [s]."""
+def sampling_seconds(influence: SurfaceInfluence, body: Any) -> float:
+    """Measured time of six stress coefficients of a body (see `Solid`) at one lattice point [s]."""
     x = np.arange(96.0)
     return timed(lambda: influence.sample("stress", COMPONENTS, x, x, 1.0, (0.5, 0.5), body)) / x.size**2
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
-from eigencontact.core.material import Material
 from eigencontact.planning.blocks import Block
+from eigencontact.planning.bodies import kernel_key, layered_bodies
 from eigencontact.planning.cost import (
     friction_cost,
     normal_cost,
@@ -17,7 +17,7 @@ from eigencontact.planning.cost import (
     superposition_cost,
 )
 from eigencontact.planning.coupling import Coupling
-from eigencontact.planning.kernels import KernelUse
+from eigencontact.planning.kernels import Bodies, KernelUse, Solid
 from eigencontact.planning.regions import RegionLattice, region_lattice
 from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.schema import Scene, StressRequest
@@ -50,8 +50,8 @@ class ContactDeclaration:
         Cells along (y, x) that the contact will occupy, by estimate.
     influences : mapping of str to SurfaceInfluence
         By traction: of the pressure, with friction of the shear too.
-    material : Material
-        An elastic body, for timing the coefficients.
+    bodies : two of Material, LayeredMedium or None
+        What the bodies are made of.
     strained : tuple of int
         Bodies (1, 2) that have eigenstrain.
     coupling : Coupling or None
@@ -63,7 +63,7 @@ class ContactDeclaration:
     box: tuple[int, int]
     geometries: Sequence[Geometry]
     influences: Mapping[str, SurfaceInfluence]
-    material: Material
+    bodies: Bodies
     strained: tuple[int, ...] = ()
     coupling: Coupling | None = None
 
@@ -79,8 +79,9 @@ class ContactDeclaration:
             outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
         alone = len(self.geometries) == 1 and not self._periodic and not self.strained
         if alone and isinstance(self.geometries[0], HasReferencePressure):
-            blocks.append(self._reference())
-            outputs["reference_pressure"] = "pictures"
+            block = self._substrate() if layered_bodies(self.bodies) else self._reference()
+            blocks.append(block)
+            outputs |= dict.fromkeys(block.provides, "pictures")
         if self.coupling is not None:
             blocks.append(self._shear_bound())
             outputs["shear_bound"] = "pictures"
@@ -95,6 +96,13 @@ class ContactDeclaration:
     @property
     def _periodic(self) -> bool:
         return self.scene.numerics.boundary == "periodic"
+
+    def _key(self, traction: str) -> str:
+        return kernel_key(self.influences[traction], self.bodies)
+
+    def _sampling(self, *bodies: Solid | None) -> float:
+        """Time of six stress coefficients at one point [s]; the dearest of these bodies counts."""
+        return max(sampling_seconds(self.influences["p"], body) for body in bodies if body is not None)
 
     def _separation(self) -> Block:
         return Block(
@@ -113,7 +121,7 @@ class ContactDeclaration:
             requires=frozenset({"separation"} | ({"residual_displacement_z"} if self.strained else set())),
             provides=CONTACT,
             why="pressure, contact area, approach",
-            kernels=(KernelUse("displacement z", "pressure p", self.influences["p"].key, text),),
+            kernels=(KernelUse("displacement z", "pressure p", self._key("p"), text),),
             cost=normal_cost(
                 grid.shape, box, periodic=self._periodic, precision=numerics.precision, threads=numerics.threads
             ),
@@ -134,7 +142,7 @@ class ContactDeclaration:
             provides=CONTACT | friction_fields(coupling),
             why="pressure and shear with friction, stick and slip",
             kernels=tuple(
-                KernelUse(f"displacement {i}", _WORDS[name], self.influences[name].key, text) for i, name in uses
+                KernelUse(f"displacement {i}", _WORDS[name], self._key(name), text) for i, name in uses
             ),
             cost=friction_cost(
                 grid.shape, box, coupling.pairs, periodic=self._periodic, precision=numerics.precision,
@@ -144,9 +152,9 @@ class ContactDeclaration:
         )  # fmt: skip
 
     def _tangential(self) -> Block:
-        numerics, key = self.scene.numerics, self.influences["p"].key
+        numerics, key = self.scene.numerics, self._key("p")
         layout = Layout(self.grid.shape, self.grid.shape, periodic=self._periodic)
-        sampling = sampling_seconds(self.influences["p"], self.material)
+        sampling = self._sampling(*self.bodies)
         return Block(
             name="tangential-displacement",
             runner="tangential-displacement",
@@ -164,6 +172,15 @@ class ContactDeclaration:
             requires=frozenset({"pressure"}),
             provides=frozenset({"reference_pressure"}),
             why=f"geometry {self.geometries[0].key!r} has a closed form, drawn beside the result",
+        )
+
+    def _substrate(self) -> Block:
+        return Block(
+            name="substrate-pressure",
+            runner="reference-pressure",
+            requires=frozenset({"pressure"}),
+            provides=frozenset({"substrate_pressure"}),
+            why=f"geometry {self.geometries[0].key!r} has a closed form on the bare substrate, drawn beside the result",
         )
 
     def _shear_bound(self) -> Block:
@@ -187,7 +204,8 @@ class ContactDeclaration:
     def _stress(self, request: StressRequest) -> Block:
         lattice = region_lattice(request, self.grid)
         tractions = ("p",) if self.coupling is None else self.coupling.tractions
-        sampling = sampling_seconds(self.influences["p"], self.material)
+        body = self.bodies[request.body - 1]
+        sampling = self._sampling(body)
         numerics = self.scene.numerics
         if lattice.points is not None:
             sampling *= len(tractions)
@@ -209,7 +227,7 @@ class ContactDeclaration:
             provides=frozenset({f"stress:{request.label}"}),
             why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
             kernels=tuple(
-                KernelUse("stress (6 components)", _WORDS[name], self.influences[name].key, text, count)
+                KernelUse("stress (6 components)", _WORDS[name], kernel_key(self.influences[name], [body]), text, count)
                 for name in tractions
             ),
             cost=cost,

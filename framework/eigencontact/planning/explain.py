@@ -159,10 +159,9 @@ def _inclusions(plan: Plan) -> list[str]:
 
 
 def _body(plan: Plan, index: int) -> str:
-    body = plan.bodies[index]
-    if body is None:
-        return f"body {index + 1} rigid"
-    return f"body {index + 1} elastic, E = {readable(body.young_modulus, 'Pa')}, ν = {body.poisson_ratio:g}"
+    from eigencontact.planning.bodies import body_in_words
+
+    return f"body {index + 1} {body_in_words(plan.bodies[index])}"
 
 
 def _bytes(value: float) -> str:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eigencontact.core.material import Material
 from eigencontact.planning.coupling import Coupling
+from eigencontact.planning.kernels import Bodies
 from eigencontact.planning.lower_fidelities import PRICE
 from eigencontact.planning.plan import LeftOut
 from eigencontact.planning.sources import Source
 from eigencontact.scene.schema import Scene
 
 __all__ = ["left_out"]
-
-Bodies = tuple[Material | None, Material | None]
 
 
 def left_out(
