@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from eigencontact.core.material import Material
 from eigencontact.core.units import readable
 from eigencontact.errors import EigencontactError, PluginError, SceneError
@@ -17,7 +19,15 @@ from eigencontact.scene.components import build_component
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Body, Scene
 
-__all__ = ["bodies_of", "body_in_words", "influence_for", "kernel_key", "layered_bodies", "without_layers"]
+__all__ = [
+    "bodies_of",
+    "body_in_words",
+    "influence_for",
+    "kernel_key",
+    "layered_bodies",
+    "layers_in_words",
+    "without_layers",
+]
 
 
 def bodies_of(scene: Scene, registry: Registry) -> Bodies:
@@ -52,12 +62,14 @@ def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMed
     try:
         ends, depths = (medium.surface_material, medium.deep_material), tuple(medium.interfaces)
         inside = [medium.material_at(depth) for depth in (0.0, *depths)]
+        k = np.array([[0.0, 1.0, 2.0]]) / (depths[0] if depths else 1.0)
+        answer = np.asarray(medium.response("displacement", ["z"], "p", k, k.T, 0.0))
     except EigencontactError:
         raise
     except Exception as problem:
         raise PluginError(
-            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} must tell its materials and interfaces "
-            f"(got {type(problem).__name__}: {problem})"
+            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} must tell its materials, interfaces and "
+            f"response (got {type(problem).__name__}: {problem})"
         ) from problem
     for item in (*ends, *inside):
         if not isinstance(item, Material):
@@ -68,6 +80,11 @@ def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMed
         raise PluginError(
             f"{where}: interfaces of {entry.kind} {entry.key!r} of {entry.origin} must be positive and ascend "
             f"(got {depths})"
+        )
+    if answer.shape != (1, 3, 3) or not np.isfinite(answer).all():
+        raise PluginError(
+            f"{where}: response of {entry.kind} {entry.key!r} of {entry.origin} must be finite, of shape (1, 3, 3) for "
+            f"one component at 3 x 3 waves (got shape {answer.shape})"
         )
     return medium
 
@@ -94,7 +111,7 @@ def influence_for(registry: Registry, traction: str, bodies: Bodies) -> SurfaceI
     installed = installed_influence(registry, traction)
     if not layered_bodies(bodies):
         return installed
-    from eigencontact.halfspace.layered_influence import LayeredInfluence
+    from eigencontact.planning.layered_influence import LayeredInfluence
 
     return LayeredInfluence(installed)
 
@@ -116,7 +133,17 @@ def body_in_words(body: Solid | None) -> str:
     parts = [f"{readable(bottom - top, 'm')} of {_constants(body.material_at(top))}" for top, bottom in pairwise(tops)]
     if len(parts) > 4:
         parts = [parts[0], f"{len(parts) - 2} more layers", parts[-1]]
-    return f"layered (plugin {body.key!r}): {', '.join([*parts, _constants(body.deep_material)])} below"
+    return f"layered (plugin {body.key!r}): {'; '.join([*parts, _constants(body.deep_material)])} below"
+
+
+def layers_in_words(bodies: Sequence[Solid | None], *, periodic: bool) -> str:
+    """Which kernels a layered body replaces, and by what; empty for homogeneous bodies."""
+    media = {number: body for number, body in enumerate(bodies, 1) if isinstance(body, LayeredMedium)}
+    if not media:
+        return ""
+    who = " and ".join(f"body {number} ({medium.key!r})" for number, medium in media.items())
+    how = "wave by wave" if periodic else "turned into coefficients of cells, once"
+    return f"kernels of the half-space replaced by the answer of {who} to traction waves, {how}"
 
 
 def _constants(material: Material) -> str:

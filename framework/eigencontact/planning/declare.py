@@ -11,6 +11,7 @@ from eigencontact.planning.blocks import Block
 from eigencontact.planning.bodies import kernel_key, layered_bodies
 from eigencontact.planning.cost import (
     friction_cost,
+    layered_cost,
     normal_cost,
     sampling_seconds,
     stress_cost,
@@ -124,7 +125,8 @@ class ContactDeclaration:
             kernels=(KernelUse("displacement z", "pressure p", self._key("p"), text),),
             cost=normal_cost(
                 grid.shape, box, periodic=self._periodic, precision=numerics.precision, threads=numerics.threads
-            ),
+            )
+            + layered_cost([self.influences["p"]], self.bodies, grid.shape, box),
         )
 
     def _frictional(self, coupling: Coupling) -> Block:
@@ -147,7 +149,8 @@ class ContactDeclaration:
             cost=friction_cost(
                 grid.shape, box, coupling.pairs, periodic=self._periodic, precision=numerics.precision,
                 threads=numerics.threads,
-            ),
+            )
+            + layered_cost([self.influences[name] for _, name in uses], self.bodies, grid.shape, box),
             settings={"coupling": coupling},
         )  # fmt: skip
 
