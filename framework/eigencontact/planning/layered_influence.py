@@ -6,19 +6,46 @@ It is a `SurfaceInfluence`, hence stands above the plugin interface; its numeric
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
-from eigencontact.errors import PlanError
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.errors import NotConverged, PlanError
+from eigencontact.halfspace.layered_remainder import SmoothField
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
 __all__ = ["LayeredInfluence"]
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 HalfWidths = tuple[float, float]
+
+NAMES = {"displacement": ("x", "y", "z"), "stress": COMPONENTS}
+# Resolutions of the smooth part are raised by this factor until two agree to TARGET, in parts of the largest value.
+RESOLUTIONS = (1.0, 1.4, 2.0, 2.8, 4.0)
+TARGET = 1e-9
+ACCEPTED = 1e-5
+# The component that a traction moves most, or that balances it: it measures all others.
+OWN = {
+    "p": {"displacement": "z", "stress": "zz"},
+    "q_x": {"displacement": "x", "stress": "xz"},
+    "q_y": {"displacement": "y", "stress": "yz"},
+}
+# Offsets in each direction where two resolutions are compared.
+PROBES = 10
+
+
+@dataclass(frozen=True)
+class _Split:
+    """Closed half-space kernels (weight, material, depth) taken out of a response, and the lengths of what is left."""
+
+    kernels: tuple[tuple[float, Material, float], ...]
+    scale: float
+    slowest: float
 
 
 class LayeredInfluence(SurfaceInfluence):
@@ -60,10 +87,10 @@ class LayeredInfluence(SurfaceInfluence):
         half_widths: HalfWidths,
         material: Material | LayeredMedium,
     ) -> FloatArray:
-        """Displacement at points; see `SurfaceInfluence.displacement`."""
+        """Displacement at points; see `SurfaceInfluence.displacement`. Each depth costs about as much as a `sample`."""
         if isinstance(material, Material):
             return self.base.displacement(components, x, y, z, half_widths, material)
-        raise NotImplementedError
+        return self._at_points("displacement", components, (x, y, z), half_widths, material)
 
     def stress(
         self,
@@ -74,10 +101,10 @@ class LayeredInfluence(SurfaceInfluence):
         half_widths: HalfWidths,
         material: Material | LayeredMedium,
     ) -> FloatArray:
-        """Mandel stress at points; see `SurfaceInfluence.stress`."""
+        """Mandel stress at points; see `SurfaceInfluence.stress` and `displacement`."""
         if isinstance(material, Material):
             return self.base.stress(components, x, y, z, half_widths, material)
-        raise NotImplementedError
+        return self._at_points("stress", components, (x, y, z), half_widths, material)
 
     def sample(
         self,
@@ -92,7 +119,119 @@ class LayeredInfluence(SurfaceInfluence):
         """Influence coefficients on a lattice; see `SurfaceInfluence.sample`."""
         if isinstance(material, Material):
             return self.base.sample(quantity, components, x, y, z, half_widths, material)
-        raise NotImplementedError
+        split = self._split(quantity, float(z), material)
+        smooth = self._smooth(quantity, components, (x, y, float(z)), half_widths, material, split)
+        total = smooth.on_lattice(x, y, half_widths)[: len(components)]
+        for weight, solid, depth in split.kernels:
+            total += weight * self.base.sample(quantity, components, x, y, depth, half_widths, solid)
+        return total
+
+    def _at_points(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        points: tuple[FloatArray, FloatArray, FloatArray | float],
+        half_widths: HalfWidths,
+        medium: LayeredMedium,
+    ) -> FloatArray:
+        """Field at scattered points, one depth after the other."""
+        x, y, z = np.broadcast_arrays(*(np.asarray(coordinate, dtype=float) for coordinate in points))
+        total = np.empty((len(components), *x.shape))
+        for depth in np.unique(z):
+            chosen = z == depth
+            px, py = x[chosen], y[chosen]
+            split = self._split(quantity, float(depth), medium)
+            smooth = self._smooth(quantity, components, (px, py, float(depth)), half_widths, medium, split)
+            values = smooth.at_points(px, py, half_widths)[: len(components)]
+            evaluate = self.base.displacement if quantity == "displacement" else self.base.stress
+            for weight, solid, at in split.kernels:
+                values += weight * evaluate(components, px, py, at, half_widths, solid)
+            total[:, chosen] = values
+        return total
+
+    def _split(self, quantity: str, z: float, medium: LayeredMedium) -> _Split:
+        """Choose the closed kernels to take out at depth z.
+
+        In the top layer, of thickness h, the rest is what the first interface sends back: it decays with k (2h - z).
+        For displacements the kernels of top layer and substrate at the depth of that image give it the right limit at
+        k = 0 too, and cancel the long reach of the top layer's kernel. Deeper down the field itself decays with k z.
+        Under stiff layers the substrate is felt only by long waves: its kernel is taken at their depth, or it would
+        have to be cancelled again.
+        """
+        top, deep = medium.surface_material, medium.deep_material
+        thickness = medium.interfaces[0] if medium.interfaces else np.inf
+        if not np.isfinite(thickness):
+            raise PlanError(
+                f"medium {medium.key!r} must have an interface for contact that is not periodic (got none); give its "
+                "top a first layer of constant moduli, or set numerics.boundary = 'periodic'"
+            )
+        image = z if z >= thickness else 2 * thickness - z
+        slowest = self._depth_of_substrate(quantity, z, image, medium)
+        far = (1.0, deep, slowest)
+        if z >= thickness:
+            return _Split((far,), image, slowest)
+        if quantity == "displacement":
+            return _Split(((1.0, top, z), (-1.0, top, image), far), image, slowest)
+        return _Split(((1.0, top, z),), image, slowest)
+
+    def _depth_of_substrate(self, quantity: str, z: float, least: float, medium: LayeredMedium) -> float:
+        """Depth [m], at least `least`, at which the kernel of the substrate nowhere exceeds twice the response."""
+        k = np.geomspace(1e-12, 1.0, 97) / least
+        nil = np.zeros_like(k)
+        own = [OWN[self.traction][quantity]]
+        depth = least
+        for kx, ky in ((k, nil), (nil, k)):
+            field = self.wavenumber_response(quantity, own, kx, ky, z, medium)
+            alone = self.wavenumber_response(quantity, own, kx, ky, least, medium.deep_material)
+            small = np.flatnonzero(np.abs(field[0]) < 0.5 * np.abs(alone[0]))
+            if small.size:
+                depth = max(depth, 1.0 / float(k[small[0]]))
+        return depth
+
+    def _smooth(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        points: tuple[FloatArray, FloatArray, float],
+        half_widths: HalfWidths,
+        medium: LayeredMedium,
+        split: _Split,
+    ) -> SmoothField:
+        """Return the rest of the field, resolved until two resolutions agree."""
+        names = NAMES[quantity]
+        x, y, z = points
+        reach = max(float(np.abs(x).max()) + half_widths[0], float(np.abs(y).max()) + half_widths[1])
+
+        def response(kx: FloatArray, ky: FloatArray) -> ComplexArray:
+            values = self.wavenumber_response(quantity, names, kx, ky, z, medium)
+            for weight, solid, depth in split.kernels:
+                values -= weight * self.wavenumber_response(quantity, names, kx, ky, depth, solid)
+            return values
+
+        own = OWN[self.traction][quantity]
+        watched = [*components, *(() if own in components else (own,))]
+        probe_x, probe_y = _probes(x), _probes(y)
+        evaluate = self.base.displacement if quantity == "displacement" else self.base.stress
+        closed = np.zeros((len(watched), probe_y.size, probe_x.size))
+        for weight, solid, depth in split.kernels:
+            closed += weight * evaluate(watched, probe_x[None, :], probe_y[:, None], depth, half_widths, solid)
+        coarse: FloatArray | None = None
+        bound = np.inf
+        for resolution in RESOLUTIONS:
+            smooth = SmoothField(response, self.traction, names, watched, split.scale, split.slowest, reach, resolution)
+            fine = smooth.on_lattice(probe_x, probe_y, half_widths)
+            if coarse is not None:
+                bound = float(np.abs(fine - coarse).max() / np.abs(fine + closed).max())
+                if bound < TARGET:
+                    break
+            coarse = fine
+        if not bound < ACCEPTED:
+            raise NotConverged(
+                f"influence coefficients of medium {medium.key!r} ({quantity} at z = {z:.3g} m) must agree to "
+                f"{ACCEPTED:.0e} between two resolutions (got {bound:.1e}); join layers that are much thinner than the "
+                "others, or bring the moduli nearer together"
+            )
+        return smooth
 
     def wavenumber_response(
         self,
@@ -108,3 +247,10 @@ class LayeredInfluence(SurfaceInfluence):
             assert isinstance(self.base, HasWavenumberResponse)
             return self.base.wavenumber_response(quantity, components, kx, ky, z, material)
         return material.response(quantity, components, self.traction, kx, ky, z, side=self.side)
+
+
+def _probes(coordinate: FloatArray) -> FloatArray:
+    """Offsets at which two resolutions are compared: 0 and some of those asked for, near and far."""
+    known = np.unique(np.abs(coordinate))
+    ranks = np.unique(np.geomspace(1, known.size, PROBES).astype(int)) - 1
+    return np.unique(np.append(known[ranks], 0.0))
