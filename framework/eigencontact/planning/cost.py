@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import resource
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import log2
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
 from eigencontact.convolution import Layout
 from eigencontact.convolution.backends import available_threads
 from eigencontact.convolution.layout import fast_even
+from eigencontact.core.material import Material
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.planning.blocks import Cost
-from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
+from eigencontact.plugin import SurfaceInfluence
 
 __all__ = [
     "Speed",
     "friction_cost",
-    "layered_cost",
     "normal_cost",
     "peak_bytes",
     "resident_bytes",
@@ -38,8 +37,6 @@ __all__ = [
 
 #: Applications of the tangential kernels that one solve takes, and rounds of normal and tangential solves, typically.
 _APPLICATIONS, _ROUNDS = 40, 6
-#: Memory that a layered medium's answer to one wave takes while it is found [bytes].
-_WAVE_BYTES = 600.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,38 +144,10 @@ def timed(call: Callable[[], object], laps: int = 3) -> float:
 
 
 @cache
-def sampling_seconds(influence: SurfaceInfluence, body: Any) -> float:
-    """Measured time of six stress coefficients of a body (see `Solid`) at one lattice point [s]."""
-    if isinstance(body, LayeredMedium):
-        return _response_seconds(influence, body, "stress", COMPONENTS)
+def sampling_seconds(influence: SurfaceInfluence, body: Material) -> float:
+    """Measured time of six stress coefficients at one lattice point [s]."""
     x = np.arange(96.0)
     return timed(lambda: influence.sample("stress", COMPONENTS, x, x, 1.0, (0.5, 0.5), body)) / x.size**2
-
-
-def layered_cost(
-    influences: Iterable[SurfaceInfluence], bodies: Iterable[Any], shape: tuple[int, int], box: tuple[int, int]
-) -> Cost:
-    """Surface coefficients of layered bodies, on top of what those of homogeneous ones cost; one of each influence."""
-    lattice = (shape[0] + box[0]) * (shape[1] + box[1]) / 4
-    seconds = sum(
-        _response_seconds(influence, body, "displacement", ("z",)) * lattice
-        for influence in influences
-        for body in set(bodies)
-        if isinstance(body, LayeredMedium)
-    )
-    return Cost(seconds_once=seconds, transient=_WAVE_BYTES * lattice if seconds else 0.0)
-
-
-@cache
-def _response_seconds(
-    influence: SurfaceInfluence, medium: LayeredMedium, quantity: str, components: tuple[str, ...]
-) -> float:
-    """Measured time of these components of a layered medium's answer to one wave [s]."""
-    assert isinstance(influence, HasWavenumberResponse)
-    answer: Any = influence.wavenumber_response
-    depth = medium.interfaces[0] if medium.interfaces else 1.0
-    k = np.linspace(0.0, 8.0 / depth, 48)
-    return timed(lambda: answer(quantity, components, k[None, :], k[:, None], 0.5 * depth, medium)) / k.size**2
 
 
 def stress_cost(

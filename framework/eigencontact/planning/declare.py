@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
-from eigencontact.planning.blocks import Block
+from eigencontact.core.material import Material
+from eigencontact.planning.blocks import Block, Cost
 from eigencontact.planning.bodies import kernel_key, layered_bodies
 from eigencontact.planning.cost import (
     friction_cost,
-    layered_cost,
     normal_cost,
     sampling_seconds,
     stress_cost,
@@ -19,6 +19,7 @@ from eigencontact.planning.cost import (
 )
 from eigencontact.planning.coupling import Coupling
 from eigencontact.planning.kernels import Bodies, KernelUse, Solid
+from eigencontact.planning.layered_cost import layered_sampling_seconds, layered_stress_cost, layered_surface_cost
 from eigencontact.planning.regions import RegionLattice, region_lattice
 from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.schema import Scene, StressRequest
@@ -103,7 +104,17 @@ class ContactDeclaration:
 
     def _sampling(self, *bodies: Solid | None) -> float:
         """Time of six stress coefficients at one point [s]; the dearest of these bodies counts."""
-        return max(sampling_seconds(self.influences["p"], body) for body in bodies if body is not None)
+        homogeneous = [sampling_seconds(self.influences["p"], body) for body in bodies if isinstance(body, Material)]
+        layered = [
+            layered_sampling_seconds(self.influences["p"], body, periodic=self._periodic)
+            for body in layered_bodies(bodies)
+        ]
+        return max(homogeneous + layered)
+
+    def _layered(self, tractions: Sequence[str]) -> Cost:
+        """Surface coefficients of layered bodies, beyond those of homogeneous ones."""
+        influences = [self.influences[name] for name in tractions]
+        return layered_surface_cost(influences, self.bodies, self.grid.shape, self.box, periodic=self._periodic)
 
     def _separation(self) -> Block:
         return Block(
@@ -126,7 +137,7 @@ class ContactDeclaration:
             cost=normal_cost(
                 grid.shape, box, periodic=self._periodic, precision=numerics.precision, threads=numerics.threads
             )
-            + layered_cost([self.influences["p"]], self.bodies, grid.shape, box),
+            + self._layered(["p"]),
         )
 
     def _frictional(self, coupling: Coupling) -> Block:
@@ -150,7 +161,7 @@ class ContactDeclaration:
                 grid.shape, box, coupling.pairs, periodic=self._periodic, precision=numerics.precision,
                 threads=numerics.threads,
             )
-            + layered_cost([self.influences[name] for _, name in uses], self.bodies, grid.shape, box),
+            + self._layered([name for _, name in uses]),
             settings={"coupling": coupling},
         )  # fmt: skip
 
@@ -213,7 +224,7 @@ class ContactDeclaration:
         if lattice.points is not None:
             sampling *= len(tractions)
             cost = superposition_cost(len(lattice.points), self.box, sampling, threads=numerics.threads)
-            text, count = f"{len(lattice.points)} points, superposed directly", 1
+            text, count, tables = f"{len(lattice.points)} points, superposed directly", 1, len(lattice.points)
         else:
             layout = self._layout(lattice)
             depths = lattice.depths.size
@@ -222,6 +233,11 @@ class ContactDeclaration:
                 tractions=len(tractions),
             )  # fmt: skip
             text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
+            tables = depths
+        cost += layered_stress_cost(
+            self.influences["p"], body, tables=tables * len(tractions), periodic=self._periodic,
+            threads=numerics.threads, anew=lattice.points is not None,
+        )  # fmt: skip
         inner = {f"eigenstrain:{request.label}"} if request.body in self.strained else set()
         return Block(
             name=f"stress-{request.label}",
