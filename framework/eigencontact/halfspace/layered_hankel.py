@@ -30,8 +30,6 @@ FloatArray = NDArray[np.float64]
 # Points of the local polynomial interpolation on uniform grids; even, so that a point lies in the middle interval.
 STENCIL = 12
 SCALES = [1.0 / prod(j - i for i in range(STENCIL) if i != j) for j in range(STENCIL)]
-# Wavenumbers reach down to this over the largest distance: what is left out is as small, as h(k) goes to 0 like k.
-LOWEST = 1e-13
 
 
 def interpolation_weights(t: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
@@ -63,19 +61,21 @@ class LogGrid:
         Largest distance that will be asked for [m].
     step : float
         Spacing of ln k [-].
-    highest : float
-        Largest k s [-]: R is taken as 0 above.
+    lowest, highest : float
+        Smallest k times `distance` and largest k s [-]: h(k), which goes to 0 like k and then with exp(-ks), is taken
+        as 0 outside.
     """
 
     scale: float
     distance: float
     step: float
+    lowest: float = 1e-13
     highest: float = 60.0
 
     @property
     def wavenumbers(self) -> FloatArray:
         """k, ascending ``(n,)`` [rad/m]."""
-        span = np.log(self.highest * max(self.distance / self.scale, 1.0) / LOWEST)
+        span = np.log(self.highest * max(self.distance / self.scale, 1.0) / self.lowest)
         count = int(np.ceil(span / self.step / 32)) * 32
         k: FloatArray = self.highest / self.scale * np.exp(-self.step * np.arange(count)[::-1])
         return k

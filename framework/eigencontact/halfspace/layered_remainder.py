@@ -21,9 +21,11 @@ __all__ = ["SmoothField"]
 
 FloatArray = NDArray[np.float64]
 
-# Spacing of ln k, and of the stretched coordinate of the nodes, for a resolution of 1.
+# For a resolution of 1: spacing of ln k and of the stretched coordinate of the nodes, and the range of k.
 LOG_STEP = 0.07
 NODE_STEP = 0.12
+LOWEST = 1e-12
+HIGHEST = 50.0
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,8 @@ class SmoothField:
     reach : float
         Largest coordinate of a rectangle's edge [m].
     resolution : float
-        Factor on the density of all grids.
+        Factor on the density of all grids; the range of wavenumbers widens with it, so that two resolutions that agree
+        vouch for the range too.
     """
 
     response: AxisResponse
@@ -63,7 +66,13 @@ class SmoothField:
 
     def __post_init__(self) -> None:
         nodes = StretchedNodes(self.scale, self.reach, NODE_STEP / self.resolution)
-        grid = LogGrid(self.scale, max(1.5 * float(nodes.x[-1]), self.slowest), LOG_STEP / self.resolution)
+        grid = LogGrid(
+            scale=self.scale,
+            distance=max(1.5 * float(nodes.x[-1]), self.slowest),
+            step=LOG_STEP / self.resolution,
+            lowest=LOWEST / self.resolution**4,
+            highest=HIGHEST * self.resolution,
+        )
         k = grid.wavenumbers
         # The nodes are the same in x and y: half of the distances are enough.
         row, column = np.triu_indices(nodes.x.size)
