@@ -271,6 +271,7 @@ def _run_info(planned: Plan) -> RunInfo:
 
     from eigencontact import __version__
     from eigencontact.core.material import contact_modulus
+    from eigencontact.planning.bodies import layered_bodies, without_layers
     from eigencontact.planning.explain import references
     from eigencontact.results.records import RunInfo
 
@@ -280,7 +281,7 @@ def _run_info(planned: Plan) -> RunInfo:
         digest.update(planned.separation().tobytes())  # a changed topography file is a changed scene
     # and so is a changed mesh, a changed table of eigenstrain, a changed map of friction
     parts = [part for source in planned.sources for part in (source.shape, source.field)]
-    for part in [*parts, planned.friction]:
+    for part in [*parts, planned.friction, *planned.bodies]:
         file = Path(str(getattr(part, "file", "")))
         digest.update(file.read_bytes() if file.is_file() else b"")
     versions = {
@@ -299,6 +300,7 @@ def _run_info(planned: Plan) -> RunInfo:
         from eigencontact.planning.outlines import outlines as outlines_of
 
         outlines = outlines_of(planned)
+    homogeneous = bool(planned.geometries) and not layered_bodies(planned.bodies)
     return RunInfo(
         title=planned.scene.title,
         name=planned.name,
@@ -307,7 +309,7 @@ def _run_info(planned: Plan) -> RunInfo:
         scene_hash=digest.hexdigest(),
         versions=versions,
         references=references(planned),
-        contact_modulus=contact_modulus(*planned.bodies) if planned.geometries else None,
+        contact_modulus=contact_modulus(*without_layers(planned.bodies)) if homogeneous else None,
         steps=planned.steps,
         outlines=outlines,
     )

@@ -265,7 +265,11 @@ def new_plugin(
     *,
     kind: Annotated[
         str,
-        typer.Option("--kind", metavar="KIND", help="inclusion-shape, eigenstrain-field, geometry or friction-law."),
+        typer.Option(
+            "--kind",
+            metavar="KIND",
+            help="One of inclusion-shape, eigenstrain-field, geometry, friction-law, layered-medium.",
+        ),
     ] = "inclusion-shape",
     output: Annotated[
         Path | None,

@@ -1,4 +1,4 @@
-"""Bundled shapes, eigenstrain fields, geometries and friction laws pass the kit that a stranger's must pass."""
+"""Bundled shapes, fields, geometries, friction laws and layered media pass the kit that a stranger's must pass."""
 
 from pathlib import Path
 
@@ -85,4 +85,23 @@ LAWS = [
 
 @parametrize_with_checks(LAWS)
 def test_friction_laws_conform(component, check):
+    check(component)
+
+
+def stack(*layers, substrate=(210e9, 0.3)):
+    """Bonded layers of (thickness, E, nu) on a substrate of (E, nu)."""
+    tables = [{"thickness": h, "young_modulus": E, "poisson_ratio": nu} for h, E, nu in layers]
+    foundation = {"young_modulus": substrate[0], "poisson_ratio": substrate[1]}
+    return ec.make("bonded-layers", kind="layered-medium", layers=tables, substrate=foundation)
+
+
+MEDIA = [
+    stack((1e-6, 420e9, 0.3)),
+    stack((1e-6, 1e9, 0.5), (1e-3, 4e11, -0.5), (2e-9, 2e12, 0.0), substrate=(2e11, 0.5)),
+    stack((1.0, 1e12, 0.3), substrate=(1e6, 0.3)),
+]
+
+
+@parametrize_with_checks(MEDIA)
+def test_layered_media_conform(component, check):
     check(component)

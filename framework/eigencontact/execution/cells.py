@@ -27,8 +27,7 @@ class CellFields:
     """Field of a group of cells at the points of a region, by the way that the plan chose; built when first asked."""
 
     def __init__(self, plan: Plan, part: FieldPart) -> None:
-        body = plan.bodies[part.body - 1]
-        assert body is not None
+        body = plan.half_space(part.body)
         assert part.group is not None
         self._plan, self._part, self._group = plan, part, part.group
         cell = installed_cell(plan.registry)

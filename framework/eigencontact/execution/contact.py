@@ -134,13 +134,18 @@ class TangentialDisplacement:
 
 
 class ReferencePressure:
-    """Closed form of the pressure, where the geometry has one that holds for this step."""
+    """Closed form of the pressure, where the geometry has one that holds for this step.
 
-    def __init__(self, plan: Plan, _block: Block) -> None:
+    For a layered body it is that of the bare substrate, and stored under another name.
+    """
+
+    def __init__(self, plan: Plan, block: Block) -> None:
         from eigencontact.core.material import contact_modulus
+        from eigencontact.planning.bodies import without_layers
 
         self._grid = plan.grid
-        self._modulus = contact_modulus(*plan.bodies)
+        self._modulus = contact_modulus(*without_layers(plan.bodies))
+        (self._name,) = block.provides
         geometry = plan.geometries[0]
         assert isinstance(geometry, HasReferencePressure)
         self._geometry = geometry
@@ -152,4 +157,4 @@ class ReferencePressure:
         y, x = self._grid.axes()
         x, y = x - state.travel[0], y - state.travel[1]
         field_ = self._geometry.reference_pressure(x, y, state.scalars["normal_load"], self._modulus)
-        state.fields["reference_pressure"] = np.broadcast_to(field_, self._grid.shape)
+        state.fields[self._name] = np.broadcast_to(field_, self._grid.shape)

@@ -121,8 +121,7 @@ class ClosedForms:
     """
 
     def __init__(self, plan: Plan, part: FieldPart) -> None:
-        body = plan.bodies[part.body - 1]
-        assert body is not None
+        body = plan.half_space(part.body)
         self._numerics, self._sources, self._quantity = plan.scene.numerics, part.sources, part.quantity
         self._lattice, self._body = part.lattice, body
         self._end = np.array([source.uniform_eigenstrain(1.0) for source in part.sources])

@@ -61,9 +61,10 @@ class ReferenceShear:
 
     def __init__(self, plan: Plan, _block: Block) -> None:
         from eigencontact.core.material import contact_modulus
+        from eigencontact.planning.bodies import without_layers
 
         self._grid = plan.grid
-        self._modulus = contact_modulus(*plan.bodies)
+        self._modulus = contact_modulus(*without_layers(plan.bodies))
         geometry = plan.geometries[0]
         assert isinstance(geometry, HasReferencePressure)
         self._geometry = geometry

@@ -24,8 +24,7 @@ class ImagePressureFields:
 
     def __init__(self, plan: Plan, part: FieldPart) -> None:
         assert isinstance(part, ImagePressurePart)
-        body = plan.bodies[part.body - 1]
-        assert body is not None
+        body = plan.half_space(part.body)
         self._part = part
         self._here, self._image, self._surface = (Sum(plan, parts) for parts in (part.here, part.image, part.surface))
         kernel = installed_influence(plan.registry, "p")
@@ -51,8 +50,7 @@ class PeriodicFields:
     """Fourier series over the window, for one box of cells."""
 
     def __init__(self, plan: Plan, part: FieldPart) -> None:
-        body = plan.bodies[part.body - 1]
-        assert body is not None
+        body = plan.half_space(part.body)
         assert part.group is not None
         self._part, self._grid, self._body = part, plan.grid, body
         self._strain = CellStrain(part.group, plan.grid)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box
+from eigencontact.core.material import Material
 from eigencontact.execution.regions import store_region, strain_from_stress
 from eigencontact.execution.runners import State
 from eigencontact.planning.blocks import Block
@@ -50,10 +51,17 @@ class Stress:
         stress = self._at_points(tractions) if lattice.points is not None else self._on_lattice(tractions)
         fields = {"stress": stress}
         if "strain" in request.fields:
-            fields["strain"] = strain_from_stress(stress, self._body)
+            fields["strain"] = self._strain(stress)
         for name, values in state.inner.get(request.label, {}).items():
             fields[name] = fields[name] + values
         store_region(state, request, lattice, fields)
+
+    def _strain(self, stress: FloatArray) -> FloatArray:
+        if isinstance(self._body, Material):
+            return strain_from_stress(stress, self._body)
+        from eigencontact.execution.layered import strain_in_layers
+
+        return strain_in_layers(stress, self._body, self._lattice)
 
     def _at_points(self, tractions: list[FloatArray]) -> FloatArray:
         from eigencontact.solvers.subsurface import stress_at_points

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
 from eigencontact.hooks.registry import Registry
+from eigencontact.planning.bodies import influence_for, without_layers
 from eigencontact.planning.grids import given_grid
-from eigencontact.planning.kernels import PairCoefficients, installed_influence
+from eigencontact.planning.kernels import Bodies, PairCoefficients
 from eigencontact.planning.plan import sum_separations
 from eigencontact.planning.window import ContactEstimate, automatic_grid, estimate_contact
 from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
@@ -49,11 +49,9 @@ class ContactPart:
     influence: SurfaceInfluence
 
 
-def plan_contact(
-    scene: Scene, registry: Registry, bodies: tuple[Material | None, Material | None], geometries: tuple[Geometry, ...]
-) -> ContactPart:
+def plan_contact(scene: Scene, registry: Registry, bodies: Bodies, geometries: tuple[Geometry, ...]) -> ContactPart:
     """Choose window and box of the contact of a scene by coarse solves; eigenstrain is not looked at here."""
-    pressure = installed_influence(registry, "p")
+    pressure = influence_for(registry, "p", bodies)
     normal = PairCoefficients(pressure, bodies, "z")
     grid, reason = _grid(scene, geometries, normal)
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
@@ -91,7 +89,9 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
     pairs = zip(_controls(scene), held_travel(scene.steps), strict=True)
     controls = [(control, travel) for control, travel in pairs if control.normal_load != 0.0]
     separation = partial(sum_separations, geometries)
-    start = max((_first_window(separation, normal, control) for control, _ in controls), default=1.0)
+    # A first guess needs no layers, and asks for cells of a hundred sizes.
+    bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
+    start = max((_first_window(separation, bare, control) for control, _ in controls), default=1.0)
     grid = automatic_grid(spec, separation, normal, controls, start)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eigencontact.core.material import Material, dundurs_constant
+from eigencontact.planning.kernels import Bodies
 from eigencontact.planning.plan import LeftOut
 from eigencontact.scene.schema import Scene
 
 __all__ = ["Coupling", "coupling_of"]
 
 Pair = tuple[str, str]
-Bodies = tuple[Material | None, Material | None]
 
 #: Dundurs constants below this are zero: constants given with round-off.
 _ROUND_OFF = 1e-12
@@ -76,7 +76,7 @@ class Coupling:
 def coupling_of(scene: Scene, bodies: Bodies) -> Coupling:
     """Coupling of a scene with friction."""
     level = scene.numerics.coupling
-    alike = abs(dundurs_constant(*bodies)) < _ROUND_OFF
+    alike = _alike(bodies)
     components = _components(scene) if level == "none" else "xy"
     pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
     if level != "none":
@@ -86,6 +86,14 @@ def coupling_of(scene: Scene, bodies: Bodies) -> Coupling:
     if level == "full" and not alike:
         pairs += [("z", c) for c in components]
     return Coupling(level=level, components=components, pairs=tuple(pairs), alike=alike)
+
+
+def _alike(bodies: Bodies) -> bool:
+    """Whether both bodies move alike; a layered one moves, from wave to wave, like no other than itself."""
+    first, second = bodies
+    if isinstance(first, Material | None) and isinstance(second, Material | None):
+        return abs(dundurs_constant(first, second)) < _ROUND_OFF
+    return first == second
 
 
 def _components(scene: Scene) -> str:

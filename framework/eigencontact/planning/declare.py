@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
-from eigencontact.planning.blocks import Block
+from eigencontact.planning.blocks import Block, Cost
+from eigencontact.planning.bodies import kernel_key, layered_bodies
 from eigencontact.planning.cost import (
     friction_cost,
     normal_cost,
@@ -17,7 +18,8 @@ from eigencontact.planning.cost import (
     superposition_cost,
 )
 from eigencontact.planning.coupling import Coupling
-from eigencontact.planning.kernels import KernelUse
+from eigencontact.planning.kernels import Bodies, KernelUse, Solid
+from eigencontact.planning.layered_cost import layered_sampling_seconds, layered_stress_cost, layered_surface_cost
 from eigencontact.planning.regions import RegionLattice, region_lattice
 from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.holding import TRAVEL
@@ -51,8 +53,8 @@ class ContactDeclaration:
         Cells along (y, x) that the contact will occupy, by estimate.
     influences : mapping of str to SurfaceInfluence
         By traction: of the pressure, with friction of the shear too.
-    material : Material
-        An elastic body, for timing the coefficients.
+    bodies : two of Material, LayeredMedium or None
+        What the bodies are made of.
     strained : tuple of int
         Bodies (1, 2) that have eigenstrain.
     coupling : Coupling or None
@@ -64,7 +66,7 @@ class ContactDeclaration:
     box: tuple[int, int]
     geometries: Sequence[Geometry]
     influences: Mapping[str, SurfaceInfluence]
-    material: Material
+    bodies: Bodies
     strained: tuple[int, ...] = ()
     coupling: Coupling | None = None
 
@@ -80,8 +82,9 @@ class ContactDeclaration:
             outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
         alone = len(self.geometries) == 1 and not self._periodic and not self.strained
         if alone and isinstance(self.geometries[0], HasReferencePressure):
-            blocks.append(self._reference())
-            outputs["reference_pressure"] = "pictures"
+            block = self._substrate() if layered_bodies(self.bodies) else self._reference()
+            blocks.append(block)
+            outputs |= dict.fromkeys(block.provides, "pictures")
         if self.coupling is not None:
             blocks.append(self._shear_bound())
             outputs["shear_bound"] = "pictures"
@@ -96,6 +99,23 @@ class ContactDeclaration:
     @property
     def _periodic(self) -> bool:
         return self.scene.numerics.boundary == "periodic"
+
+    def _key(self, traction: str) -> str:
+        return kernel_key(self.influences[traction], self.bodies)
+
+    def _sampling(self, *bodies: Solid | None) -> float:
+        """Time of six stress coefficients at one point [s]; the dearest of these bodies counts."""
+        homogeneous = [sampling_seconds(self.influences["p"], body) for body in bodies if isinstance(body, Material)]
+        layered = [
+            layered_sampling_seconds(self.influences["p"], body, periodic=self._periodic)
+            for body in layered_bodies(bodies)
+        ]
+        return max(homogeneous + layered)
+
+    def _layered(self, tractions: Sequence[str]) -> Cost:
+        """Surface coefficients of layered bodies, beyond those of homogeneous ones."""
+        influences = [self.influences[name] for name in tractions]
+        return layered_surface_cost(influences, self.bodies, self.grid.shape, self.box, periodic=self._periodic)
 
     def _separation(self) -> Block:
         rolls = any(getattr(step, name) is not None for step in self.scene.steps for name in TRAVEL)
@@ -118,10 +138,11 @@ class ContactDeclaration:
             requires=frozenset({"separation"} | ({"residual_displacement_z"} if self.strained else set())),
             provides=CONTACT,
             why="pressure, contact area, approach",
-            kernels=(KernelUse("displacement z", "pressure p", self.influences["p"].key, text),),
+            kernels=(KernelUse("displacement z", "pressure p", self._key("p"), text),),
             cost=normal_cost(
                 grid.shape, box, periodic=self._periodic, precision=numerics.precision, threads=numerics.threads
-            ),
+            )
+            + self._layered(["p"]),
         )
 
     def _frictional(self, coupling: Coupling) -> Block:
@@ -139,19 +160,20 @@ class ContactDeclaration:
             provides=CONTACT | friction_fields(coupling),
             why="pressure and shear with friction, stick and slip",
             kernels=tuple(
-                KernelUse(f"displacement {i}", _WORDS[name], self.influences[name].key, text) for i, name in uses
+                KernelUse(f"displacement {i}", _WORDS[name], self._key(name), text) for i, name in uses
             ),
             cost=friction_cost(
                 grid.shape, box, coupling.pairs, periodic=self._periodic, precision=numerics.precision,
                 threads=numerics.threads,
-            ),
+            )
+            + self._layered([name for _, name in uses]),
             settings={"coupling": coupling},
         )  # fmt: skip
 
     def _tangential(self) -> Block:
-        numerics, key = self.scene.numerics, self.influences["p"].key
+        numerics, key = self.scene.numerics, self._key("p")
         layout = Layout(self.grid.shape, self.grid.shape, periodic=self._periodic)
-        sampling = sampling_seconds(self.influences["p"], self.material)
+        sampling = self._sampling(*self.bodies)
         return Block(
             name="tangential-displacement",
             runner="tangential-displacement",
@@ -169,6 +191,15 @@ class ContactDeclaration:
             requires=frozenset({"pressure"}),
             provides=frozenset({"reference_pressure"}),
             why=f"geometry {self.geometries[0].key!r} has a closed form, drawn beside the result",
+        )
+
+    def _substrate(self) -> Block:
+        return Block(
+            name="substrate-pressure",
+            runner="reference-pressure",
+            requires=frozenset({"pressure"}),
+            provides=frozenset({"substrate_pressure"}),
+            why=f"geometry {self.geometries[0].key!r} has a closed form on the bare substrate, drawn beside the result",
         )
 
     def _shear_bound(self) -> Block:
@@ -192,12 +223,13 @@ class ContactDeclaration:
     def _stress(self, request: StressRequest) -> Block:
         lattice = region_lattice(request, self.grid)
         tractions = ("p",) if self.coupling is None else self.coupling.tractions
-        sampling = sampling_seconds(self.influences["p"], self.material)
+        body = self.bodies[request.body - 1]
+        sampling = self._sampling(body)
         numerics = self.scene.numerics
         if lattice.points is not None:
             sampling *= len(tractions)
             cost = superposition_cost(len(lattice.points), self.box, sampling, threads=numerics.threads)
-            text, count = f"{len(lattice.points)} points, superposed directly", 1
+            text, count, tables = f"{len(lattice.points)} points, superposed directly", 1, len(lattice.points)
         else:
             layout = self._layout(lattice)
             depths = lattice.depths.size
@@ -206,6 +238,11 @@ class ContactDeclaration:
                 tractions=len(tractions),
             )  # fmt: skip
             text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
+            tables = depths
+        cost += layered_stress_cost(
+            self.influences["p"], body, tables=tables * len(tractions), periodic=self._periodic,
+            threads=numerics.threads, anew=lattice.points is not None,
+        )  # fmt: skip
         inner = {f"eigenstrain:{request.label}"} if request.body in self.strained else set()
         return Block(
             name=f"stress-{request.label}",
@@ -214,7 +251,7 @@ class ContactDeclaration:
             provides=frozenset({f"stress:{request.label}"}),
             why=f"[[stress]] asks for {request.shape} {request.label!r} in body {request.body}",
             kernels=tuple(
-                KernelUse("stress (6 components)", _WORDS[name], self.influences[name].key, text, count)
+                KernelUse("stress (6 components)", _WORDS[name], kernel_key(self.influences[name], [body]), text, count)
                 for name in tractions
             ),
             cost=cost,

@@ -10,7 +10,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.planning.blocks import Block, Cost
 from eigencontact.planning.field_parts import FieldPart, field_parts
-from eigencontact.planning.kernels import KernelUse
+from eigencontact.planning.kernels import Bodies, KernelUse
 from eigencontact.planning.lower_fidelities import image_pressure_parts, periodic_parts
 from eigencontact.planning.regions import RegionLattice, region_lattice, surface_lattice
 from eigencontact.planning.sources import Source
@@ -33,7 +33,7 @@ class EigenstrainDeclaration:
     scene: Scene
     grid: Grid
     sources: Sequence[Source]
-    bodies: tuple[Material | None, Material | None]
+    bodies: Bodies
     cell: HasCornerPotentials | None
 
     def surface(self, components: str) -> Block:
@@ -84,7 +84,7 @@ class EigenstrainDeclaration:
 
     def _parts(self, body: int, quantity: str, lattice: RegionLattice, components: int) -> list[FieldPart]:
         material, numerics = self.bodies[body - 1], self.scene.numerics
-        assert material is not None
+        assert isinstance(material, Material)
         sources = [source for source in self.sources if source.body == body]
         if numerics.half_space == "periodic":
             return periodic_parts(sources, quantity, lattice, grid=self.grid, numerics=numerics)

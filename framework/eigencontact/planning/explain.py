@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eigencontact.core.units import readable
+from eigencontact.planning.bodies import body_in_words, layers_in_words
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
@@ -17,11 +18,13 @@ def explain(plan: Plan) -> str:
     from eigencontact.planning.cost import resident_bytes
 
     scene, grid = plan.scene, plan.grid
+    layers = layers_in_words(plan.bodies, periodic=scene.numerics.boundary == "periodic")
     width, height = grid.size
     pitch = f"{readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"
     lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
     lines += [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
+        *([f"layers      {layers}"] if layers else []),
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {_numerics(plan)}",
@@ -159,10 +162,7 @@ def _inclusions(plan: Plan) -> list[str]:
 
 
 def _body(plan: Plan, index: int) -> str:
-    body = plan.bodies[index]
-    if body is None:
-        return f"body {index + 1} rigid"
-    return f"body {index + 1} elastic, E = {readable(body.young_modulus, 'Pa')}, ν = {body.poisson_ratio:g}"
+    return f"body {index + 1} {body_in_words(plan.bodies[index])}"
 
 
 def _bytes(value: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +12,14 @@ from eigencontact.core.material import Material
 from eigencontact.core.symmetry import parity
 from eigencontact.errors import PlanError
 from eigencontact.hooks.registry import Registry
-from eigencontact.plugin import HasWavenumberResponse, SurfaceInfluence
+from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
-__all__ = ["KernelUse", "PairCoefficients", "StressCoefficients", "installed_influence"]
+__all__ = ["Bodies", "KernelUse", "PairCoefficients", "Solid", "StressCoefficients", "installed_influence"]
+
+#: What a body that is not rigid is made of. A layered one goes with the influence that knows layers
+#: (`eigencontact.planning.bodies.influence_for`), which takes it where others take a Material.
+Solid = Material | LayeredMedium
+Bodies = tuple[Solid | None, Solid | None]
 
 FloatArray = NDArray[np.float64]
 
@@ -63,7 +69,7 @@ class PairCoefficients:
     """
 
     influence: SurfaceInfluence
-    bodies: tuple[Material | None, Material | None]
+    bodies: Bodies
     component: str
 
     @property
@@ -71,9 +77,9 @@ class PairCoefficients:
         """Parity (in y, in x)."""
         return parity(self.component, DIRECTIONS[self.influence.traction])
 
-    def _weights(self) -> dict[Material, float]:
+    def _weights(self) -> dict[Any, float]:
         cross = (self.component == "z") != (self.influence.traction == "p")
-        weights: dict[Material, float] = {}
+        weights: dict[Solid, float] = {}
         for body, weight in zip(self.bodies, (1.0, -1.0 if cross else 1.0), strict=True):
             if body is not None:
                 weights[body] = weights.get(body, 0.0) + weight
@@ -104,7 +110,7 @@ class StressCoefficients:
     """Mandel stress in one body under one traction component."""
 
     influence: SurfaceInfluence
-    body: Material
+    body: Any
 
     def parity(self, component: str) -> tuple[int, int]:
         """Parity (in y, in x) of one stress component."""

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eigencontact.core.material import Material
+from eigencontact.planning.bodies import layered_bodies
 from eigencontact.planning.coupling import Coupling
+from eigencontact.planning.kernels import Bodies
 from eigencontact.planning.lower_fidelities import PRICE
 from eigencontact.planning.plan import LeftOut
 from eigencontact.planning.sources import Source
 from eigencontact.scene.schema import Scene
 
 __all__ = ["left_out"]
-
-Bodies = tuple[Material | None, Material | None]
 
 
 def left_out(
@@ -44,6 +43,8 @@ def _of_the_contact(bodies: Bodies, coupling: Coupling | None) -> list[LeftOut]:
         out.append(
             LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
         )
+    if layered_bodies(bodies):
+        out.append(LeftOut("closed form of the pressure", "a body is layered: none beside that of the bare substrate"))
     if None in bodies:
         number = bodies.index(None) + 1
         out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))

@@ -13,7 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import Block, Cost
-from eigencontact.planning.kernels import KernelUse
+from eigencontact.planning.kernels import Bodies, KernelUse
 from eigencontact.planning.sources import Source
 from eigencontact.plugin import Component, FrictionLaw, Geometry, Observer, SurfaceInfluence
 from eigencontact.scene.schema import Scene
@@ -43,8 +43,8 @@ class Plan:
         Where its components came from.
     grid : Grid
         Cells, given or chosen.
-    bodies : (Material or None, Material or None)
-        Elastic constants; None is rigid.
+    bodies : two of Material, LayeredMedium or None
+        Elastic constants, the same everywhere or layered; None is rigid.
     geometries, observers, influences
         Components; without geometries there is no contact.
     sources : tuple of Source
@@ -63,7 +63,7 @@ class Plan:
     registry: Registry
     grid: Grid
     grid_reason: str
-    bodies: tuple[Material | None, Material | None]
+    bodies: Bodies
     geometries: tuple[Geometry, ...]
     observers: tuple[tuple[str, Observer], ...]
     influences: dict[str, SurfaceInfluence]
@@ -81,11 +81,18 @@ class Plan:
     def components(self) -> list[Component]:
         """Every plugin component that the plan uses."""
         used: list[Component] = [*self.influences.values(), *self.geometries]
+        used += dict.fromkeys(body for body in self.bodies if isinstance(body, Component))
         for source in self.sources:
             used += [source.shape] if isinstance(source.shape, Component) else []
             used.append(source.field)
         used += [] if self.friction is None else [self.friction]
         return used + [observer for _, observer in self.observers]
+
+    def half_space(self, body: int) -> Material:
+        """Constants of a body (1 or 2) that is a homogeneous half-space; eigenstrain lies in no other."""
+        found = self.bodies[body - 1]
+        assert isinstance(found, Material)
+        return found
 
     @property
     def blocks(self) -> list[Block]:

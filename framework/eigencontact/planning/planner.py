@@ -7,26 +7,24 @@ from collections.abc import Sequence
 from typing import Any
 
 from eigencontact.core.grid import Grid
-from eigencontact.core.material import Material
 from eigencontact.errors import PlanError, SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.planning.blocks import Block, resolve
+from eigencontact.planning.bodies import bodies_of, influence_for
 from eigencontact.planning.coupling import Coupling, coupling_of
 from eigencontact.planning.grids import given_grid, grid_around
-from eigencontact.planning.kernels import installed_influence
+from eigencontact.planning.kernels import Bodies
 from eigencontact.planning.left_out import left_out
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.sources import Source, build_sources, with_lattices
 from eigencontact.plugin import FrictionLaw, Geometry, SurfaceInfluence
 from eigencontact.scene.components import build_component
-from eigencontact.scene.schema import Body, Scene
+from eigencontact.scene.schema import Scene
 
 __all__ = ["make_plan"]
 
 #: The largest plan that is accepted, as a share of the machine's memory.
 _MEMORY_SHARE = 0.9
-
-Bodies = tuple[Material | None, Material | None]
 
 
 def make_plan(scene: Scene, registry: Registry) -> Plan:
@@ -38,7 +36,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
-    bodies = (_material(scene.body1), _material(scene.body2))
+    bodies = bodies_of(scene, registry)
     geometries: tuple[Geometry, ...] = tuple(_components(scene.geometry, "geometry", "geometry", registry))
     observed = _components(scene.observers, "observer", "observers", registry)
     observers = tuple((str(table["type"]), item) for table, item in zip(scene.observers, observed, strict=True))
@@ -55,12 +53,11 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         grid, reason, influences = part.grid, part.reason, {"p": part.influence}
         sources = build_sources(scene, registry, grid)
         strained = tuple(sorted({source.body for source in sources}))
-        material = next(body for body in bodies if body is not None)
         if scene.friction is not None:
             friction = build_component(registry, "friction-law", scene.friction, "friction")
             coupling = coupling_of(scene, bodies)
-            influences |= {name: installed_influence(registry, name) for name in coupling.tractions[1:]}
-        declared = ContactDeclaration(scene, grid, part.box, geometries, influences, material, strained, coupling)
+            influences |= {name: influence_for(registry, name, bodies) for name in coupling.tractions[1:]}
+        declared = ContactDeclaration(scene, grid, part.box, geometries, influences, bodies, strained, coupling)
         blocks, outputs = declared.everything()
     else:
         sources = build_sources(scene, registry, given_grid(scene.grid))
@@ -91,14 +88,6 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
 def _components(tables: Sequence[dict[str, object]], kind: str, group: str, registry: Registry) -> list[Any]:
     where = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
     return [build_component(registry, kind, table, place) for table, place in zip(tables, where, strict=True)]
-
-
-def _material(body: Body) -> Material | None:
-    if body.rigid:
-        return None
-    assert body.young_modulus is not None
-    assert body.poisson_ratio is not None
-    return Material(young_modulus=body.young_modulus, poisson_ratio=body.poisson_ratio)
 
 
 def _grid_without_contact(scene: Scene, sources: Sequence[Source]) -> tuple[Grid, str]:

@@ -43,6 +43,10 @@ class LayeredMedium(Component, ABC):
         return ()
 
     @abstractmethod
+    def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
+        """Return the material at depth z [m]; `side` is that of `response`."""
+
+    @abstractmethod
     def response(
         self,
         quantity: str,

@@ -64,7 +64,8 @@ class StepRecord:
         residuals along the surface (`eigencontact.results.layout.SCALARS`).
     fields : mapping of str to (ny, nx) array
         Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
-        ``reference_pressure`` where the geometry has a closed form for this step.
+        ``reference_pressure`` where the geometry has a closed form for this step, ``substrate_pressure`` where it has
+        one on the substrate of a layered body.
     regions : mapping of str to RegionRecord
         Sub-surface fields by region name.
     observed : mapping of str to float
@@ -98,7 +99,7 @@ class RunInfo:
     references : tuple of str
         Sources to cite for what this run used.
     contact_modulus : float or None
-        E* [Pa]; None without a contact.
+        E* [Pa]; None without a contact, and for layered bodies, which have none.
     steps : int
         Number of load steps of the whole history.
     outlines : mapping of str to (n, 2, 2) array

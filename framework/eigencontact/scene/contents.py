@@ -97,6 +97,12 @@ def _check_eigenstrain(scene: Scene) -> None:
                     f"!{group}.{number} must lie in an elastic body (body{item.body} is rigid); set body, or give "
                     f"body{item.body} young-modulus and poisson-ratio"
                 )
+            if (scene.body1, scene.body2)[item.body - 1].medium is not None:
+                raise ValueError(
+                    f"!{group}.{number} must lie in a homogeneous body (body{item.body} is a layered medium, and the "
+                    "kernels of eigenstrain are those of a homogeneous half-space); set body, leave the medium out, or "
+                    "describe the layers as inclusions with a material of their own"
+                )
 
 
 def _check_region(scene: Scene, request: StressRequest) -> None:

@@ -85,6 +85,9 @@ def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
             if isinstance(table, dict):
                 for part in (table, table.get("eigenstrain")):
                     _anchor(part, folder)
+    for body in (data.get("body1"), data.get("body2")):
+        if isinstance(body, dict):
+            _anchor(body.get("medium"), folder)
 
 
 def _anchor(table: Any, folder: Path) -> None:

@@ -19,20 +19,36 @@ from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table,
 __all__ = ["Body", "GridSpec", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
 
+def _medium_table(value: Any) -> Any:
+    """Table of a medium that is given as a component."""
+    return _table(value)
+
+
 class Body(Table):
-    """One half-space: rigid, or elastic with its two constants."""
+    """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
+
+    ``medium`` is the table of a layered medium; its ``type`` names the plugin.
+    """
 
     rigid: bool = False
     young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
     poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
+    medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table)] = None
 
     @model_validator(mode="after")
     def _complete(self) -> Body:
+        if self.medium is not None:
+            others = [
+                name for name in ("rigid", "young_modulus", "poisson_ratio") if getattr(self, name) not in (None, False)
+            ]
+            if others:
+                raise ValueError(f"a medium alone: leave out medium or {', '.join(others)}".replace("_", "-"))
+            return self
         given = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
         if self.rigid and len(given) < 2:
             raise ValueError("rigid without elastic constants, or elastic: leave out rigid or young-modulus")
         if not self.rigid and given:
-            raise ValueError(f"rigid = true, or elastic with {' and '.join(given)} given")
+            raise ValueError(f"rigid = true, or elastic with {' and '.join(given)} given, or layered with medium given")
         return self
 
 

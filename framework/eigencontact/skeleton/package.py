@@ -18,6 +18,7 @@ TEMPLATES = {
     "eigenstrain-field": "swelling that decays with depth",
     "geometry": "a bowl of fourth order",
     "friction-law": "friction that falls as the surfaces run in",
+    "layered-medium": "a graded coating in steps",
 }
 _PREFIX = "eigencontact-"
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")

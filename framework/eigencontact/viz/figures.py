@@ -56,6 +56,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
     wanted: list[Picture] = []
     if "pressure" in dataset:
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
+        beside = " beside the closed form on the bare substrate" if "substrate_pressure" in dataset else beside
         wanted += [
             ("pressure.png", "Contact pressure, cut to the contact.", lambda: pressure_map(dataset, step)),
             (

@@ -50,6 +50,8 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
 def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     """Contact pressure of one step along x and along y, beside the closed form where the run has one.
 
+    Beside a contact with a layered body it is the closed form on the bare substrate.
+
     The lines pass through the cell of largest pressure; through the middle of the window when the pressure is
     symmetric about it. Markers are computed cells.
 
@@ -67,8 +69,9 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     """
     pressure, x, y = _surface(dataset, step)
     reference = None
-    if "reference_pressure" in dataset:
-        reference = np.asarray(dataset["reference_pressure"][step].values)
+    bare = "substrate_pressure" in dataset
+    if bare or "reference_pressure" in dataset:
+        reference = np.asarray(dataset["substrate_pressure" if bare else "reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
     row, column = middle(pressure)
     view = view_of((pressure if reference is None else np.abs(pressure) + np.abs(reference)) != 0)
@@ -110,7 +113,7 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
         handles, labels = panels[0].get_legend_handles_labels()
         words = {
-            "closed form": _difference_words(pressure, reference),
+            "closed form": "closed form on the bare substrate" if bare else _difference_words(pressure, reference),
             "computed": "computed cells (not all marked)" if thinned else "computed cells",
         }
         order = sorted(range(len(labels)), key=lambda n: labels[n] != "computed")

@@ -145,6 +145,10 @@ class BondedLayers(LayeredMedium):
         """Depth of the underside of each layer [m]."""
         return tuple(float(depth) for depth in np.cumsum([layer.thickness for layer in self.layers]))
 
+    def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
+        """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""
+        return self._cut(z, side)[2]
+
     def response(
         self,
         quantity: str,

@@ -17,6 +17,7 @@ from eigencontact_verification.conformance import (
     geometry,
     identities,
     integrals,
+    layered,
     region,
     surface,
 )
@@ -47,6 +48,21 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
     ),
     "geometry": (geometry.check_separation_arrays, geometry.check_separation_pure),
     "friction-law": (friction.check_shear_bound, friction.check_shear_bound_pure),
+    "layered-medium": (
+        layered.check_materials,
+        layered.check_response_arrays,
+        layered.check_response_pure,
+        layered.check_load_on_surface,
+        layered.check_balance_below_the_surface,
+        layered.check_hooke,
+        layered.check_interfaces,
+        layered.check_short_waves,
+        layered.check_long_waves,
+        layered.check_reciprocity,
+        layered.check_directions,
+        layered.check_decay,
+        layered.check_extreme_waves,
+    ),
 }
 _BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
     (

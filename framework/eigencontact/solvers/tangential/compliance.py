@@ -69,6 +69,7 @@ class MatrixOperator:
         self.periodic, self.precision, self.threads = periodic, precision, threads
         self._coefficients = {pair: coefficients[pair] for pair in coefficients if self._wanted(pair)}
         self._tables: dict[Pair, FloatArray] = {}
+        self._unit: float | None = None
         self._operators: dict[tuple[Box, Box], tuple[Convolver, list[list[Spectrum | None]]]] = {}
         self._preconditioners: dict[Box, Any] = {}
         self._diagonal: dict[str, Compliance] = {}
@@ -90,9 +91,11 @@ class MatrixOperator:
 
     def unit(self) -> float:
         """Displacement of one cell under a unit traction along the first direction [m/Pa]."""
-        pair = (self.targets[0], self.sources[0])
-        half = (0.5 * self.grid.dx, 0.5 * self.grid.dy)
-        return float(self._coefficients[pair].table(np.zeros(1), np.zeros(1), half)[0, 0])
+        if self._unit is None:
+            pair = (self.targets[0], self.sources[0])
+            half = (0.5 * self.grid.dx, 0.5 * self.grid.dy)
+            self._unit = float(self._coefficients[pair].table(np.zeros(1), np.zeros(1), half)[0, 0])
+        return self._unit
 
     def _make(self, source: Box, target: Box) -> tuple[Convolver, list[list[Spectrum | None]]]:
         if self.periodic:  # shifts between boxes of one period are rolls; the whole window is as cheap

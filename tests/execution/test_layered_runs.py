@@ -1,0 +1,157 @@
+"""Runs with layered bodies: like layers, either body, every coupling, fields across interfaces, resume."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
+
+#: Thickness of the coating [m]; E [Pa] of the substrate; ball of 10 h that touches the bare substrate in a radius of h.
+H, E, NU = 1e-6, 210e9, 0.3
+RADIUS = 10 * H
+LOAD = 4 / 3 * E / (1 - NU**2) * H**3 / RADIUS
+MU = 0.4
+SECTION = {
+    "name": "section", "shape": "plane", "normal": "y", "fields": ["stress", "strain"],
+    "depths": [0.0, 0.4 * H, H * (1 - 1e-9), H, 1.7 * H],
+}  # fmt: skip
+POINTS = {"name": "points", "shape": "points", "points": [[0.1 * H, 0.0, 0.3 * H], [0.0, 0.5 * H, 1.2 * H]],
+          "fields": ["stress", "strain"]}  # fmt: skip
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+SOLID = {"young-modulus": E, "poisson-ratio": NU}
+SLIDE = [{"normal-load": LOAD}, {"tangential-load-x": 0.3 * MU * LOAD}]
+
+
+def coating(ratio=1.0, nu=NU, *, layers=1, factor=1.0):
+    """Body of H, in so many layers, on a substrate; moduli times a factor."""
+    layer = Layer(thickness=H / layers, young_modulus=ratio * factor * E, poisson_ratio=nu)
+    substrate = Substrate(young_modulus=factor * E, poisson_ratio=NU)
+    return {"medium": BondedLayers(layers=(layer,) * layers, substrate=substrate)}
+
+
+def scene(body1=SOLID, *, body2=None, boundary="periodic", cells=24, width=4 * H, coupling=None, **more):
+    steps = {"normal-load": LOAD} if coupling is None else SLIDE
+    friction = None if coupling is None else {"type": "coulomb", "coefficient": MU}
+    numerics = {"boundary": boundary, "threads": 1, "coupling": coupling or "full", "tolerance": 1e-8}
+    return ec.Scene(
+        **{
+            "body1": body1, "body2": body2 or {"rigid": True}, "geometry": {"type": "sphere", "radius": RADIUS},
+            "grid": {"cells": cells, "size": [width, width]}, "steps": steps, "numerics": numerics,
+            "friction": friction, "output": {"pictures": False}, **more,
+        }
+    )  # fmt: skip
+
+
+def fields_of(made):
+    return ec.run(made).dataset
+
+
+def agree(one, other, *, rtol, names=None):
+    """Stored fields agree relative to the largest value of each kind."""
+    kinds = {"section_stress": 1.0, "section_strain": 1 / E, "pressure": 1.0, "shear_x": 1.0, "displacement_z": H / E}
+    size = float(other.pressure.max())
+    for name in names or kinds:
+        if name in other:
+            scale = size * kinds.get(name, 1.0)
+            np.testing.assert_allclose(one[name], other[name], rtol=0, atol=rtol * scale, err_msg=name)
+
+
+@pytest.mark.parametrize("coupling", [None, "none", "partial", "one-way", "full"])
+def test_like_layers_are_no_layers(coupling):
+    """In a periodic window, by the response to waves: every field, stress and strain under pressure and shear."""
+    layered = fields_of(scene(coating(layers=3), coupling=coupling, stress=SECTION))
+    agree(layered, fields_of(scene(coupling=coupling, stress=SECTION)), rtol=1e-6)
+
+
+@pytest.mark.parametrize("coupling", [None, "full"])
+def test_like_layers_are_no_layers_in_a_half_space_without_end(coupling):
+    """By coefficients of cells; on a lattice and at points between cells."""
+    more = {"boundary": "non-periodic", "cells": 12, "stress": [SECTION, POINTS]}
+    layered = fields_of(scene(coating(layers=2), coupling=coupling, **more))
+    bare = fields_of(scene(coupling=coupling, **more))
+    agree(layered, bare, rtol=1e-6)
+    for name in ("points_stress", "points_strain"):
+        size = float(np.abs(bare[name]).max())
+        np.testing.assert_allclose(layered[name], bare[name], rtol=0, atol=1e-6 * size, err_msg=name)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 4.0])
+def test_across_an_interface(ratio):
+    """Tractions and in-plane strains are continuous; σ_xx jumps by what Hooke's law says."""
+    data = fields_of(scene(coating(ratio), coupling="full", stress=SECTION))
+    stress, strain = (
+        data[f"section_{name}"].isel(step=-1).sel(component=list(COMPONENTS)) for name in ("stress", "strain")
+    )
+    above, below = (stress.isel(section_z=k).values for k in (2, 3))
+    size = np.abs(above).max()
+    rows = {name: k for k, name in enumerate(COMPONENTS)}
+    for name in ("zz", "xz", "yz"):
+        np.testing.assert_allclose(above[rows[name]], below[rows[name]], rtol=0, atol=1e-7 * size)
+    assert np.abs(above[rows["xx"]] - below[rows["xx"]]).max() > 0.1 * size
+    high, low = (strain.isel(section_z=k).values for k in (2, 3))
+    for name in ("xx", "yy", "xy"):  # but for the mean over a period, where each layer is free to spread
+        assert np.ptp(high[rows[name]] - low[rows[name]]) <= 1e-7 * size / E
+    for layer, modulus in ((2, ratio * E), (3, E), (0, ratio * E), (4, E)):
+        s, e = (part.isel(section_z=layer).values for part in (stress, strain))
+        trace = s[rows["xx"]] + s[rows["yy"]] + s[rows["zz"]]
+        np.testing.assert_allclose(
+            e[rows["xx"]], ((1 + NU) * s[rows["xx"]] - NU * trace) / modulus, rtol=1e-9, atol=1e-9 * size / E
+        )
+
+
+def test_either_body_may_be_layered():
+    """Seen from body 2 the load along the surface is the opposite one: the same contact, mirrored in x."""
+    first = fields_of(scene(coating(2.0), coupling="full", stress=SECTION))
+    second = fields_of(scene({"rigid": True}, body2=coating(2.0), coupling="full", stress={**SECTION, "body": 2}))
+    size = float(first.pressure.max())
+    for name in ("pressure", "shear_x", "section_von_mises"):
+        np.testing.assert_allclose(second[name], first[name].values[..., ::-1], rtol=0, atol=1e-6 * size, err_msg=name)
+
+
+def test_two_like_bodies_move_alike():
+    """Normal and tangential contact part, and together they give way like one body of half the stiffness."""
+    both = ec.plan(scene(coating(2.0), body2=coating(2.0), coupling="full"))
+    assert any("both bodies move alike" in item.why for item in both.left_out)
+    assert any("counted twice" in item.why for item in both.left_out)
+    single = scene(coating(2.0, factor=0.5), coupling="partial")
+    agree(ec.run(both).dataset, fields_of(single), rtol=1e-6)
+
+
+def test_a_layered_and_a_homogeneous_body():
+    """Each side brings its own compliance: like layers on one side are the two homogeneous bodies."""
+    soft = {"young-modulus": 0.3 * E, "poisson-ratio": 0.2}
+    layered = fields_of(scene(coating(layers=2), body2=soft, coupling="full"))
+    agree(layered, fields_of(scene(body2=soft, coupling="full")), rtol=1e-6)
+
+
+@pytest.mark.parametrize("nu", [0.5, -0.5])
+def test_extreme_layers(nu):
+    data = fields_of(scene(coating(2.0, nu), coupling="full", stress=SECTION))
+    assert np.isfinite(data.section_stress).all()
+    strain = data.section_strain.isel(step=-1, section_z=[0, 1, 2]).sel(component=["xx", "yy", "zz"]).sum("component")
+    size = float(np.abs(data.section_strain).max())
+    assert (float(np.abs(strain).max()) < 1e-9 * size) == (nu == 0.5)
+
+
+def test_a_resumed_run_is_the_whole_run(tmp_path, monkeypatch):
+    made = scene(coating(2.0), coupling="full", stress=SECTION)
+    whole = fields_of(made)
+
+    from eigencontact.execution.stress import Stress
+
+    original, calls = Stress.__call__, []
+
+    def cut(self, state):
+        calls.append(state.index)
+        if state.index == 2 and len(calls) == 2:
+            raise KeyboardInterrupt
+        original(self, state)
+
+    monkeypatch.setattr(Stress, "__call__", cut)
+    with pytest.raises(KeyboardInterrupt):
+        ec.run(made, tmp_path)
+    resumed = ec.run(made, tmp_path, resume=True).dataset
+    assert calls == [1, 2, 2]
+    for name in ("pressure", "shear_x", "section_stress"):
+        np.testing.assert_array_equal(resumed[name], whole[name])
+    resumed.close()

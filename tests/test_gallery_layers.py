@@ -1,0 +1,100 @@
+"""Bundled scenes with coatings against case CO, a Hankel and Fredholm solution; here on coarser cells."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.scene.loader import bundled_names
+
+#: Thickness of the coating, which is the contact radius on the bare substrate; radius of the ball [m].
+H, RADIUS = 2e-6, 20e-6
+#: Peak pressure [Pa] and approach [m] on the bare substrate (Hertz).
+P0, DELTA0 = 2 * 210e9 / (1 - 0.3**2) * H / (np.pi * RADIUS), H**2 / RADIUS
+COARSER = ["grid.cells-per-contact-radius=20", "grid.margin=1.25", "output.pictures=false", "output.vtk=false"]
+#: Depths of the maxima and some more, over the thickness.
+DEPTHS = (0.01, 0.37, 0.43, 0.5, 0.6, 1.0, 1.03, 1.1, 1.3)
+#: Peak pressure, radius, approach; von Mises stress, its depth over H, and its largest value in the substrate; sigma_xx
+#: at the interface in the coating and in the substrate. All over those of the bare substrate.
+CO = {
+    "coated-sphere": (1.4754, 0.8185, 0.8269, 0.854, 0.43, 0.506, 0.229, 0.008),
+    "soft-coating": (0.7047, 1.2066, 1.2271, 0.458, 0.50, 0.385, -0.132, -0.069),
+}
+#: Friction: largest von Mises stress, place (x, z) over contact radius and thickness; largest in the substrate.
+SLIDING = {0.25: (0.916, 0.48, 0.38, 0.511), 0.5: (1.273, -0.73, 0.01, 0.526)}
+
+
+@pytest.fixture(scope="module")
+def finished():
+    """Run a bundled scene once for all tests of this module, its section at few depths."""
+    known = {}
+
+    def run(name, *changes):
+        if (name, changes) not in known:
+            table = ec.load_scene(name, [*COARSER, *changes]).resolved()
+            section = table["stress"][0]
+            del section["depth-max"]
+            section["depths"] = [share * H for share in DEPTHS]
+            known[name, changes] = ec.run(ec.Scene(**table))
+        return known[name, changes]
+
+    return run
+
+
+def section(result):
+    """Von Mises stress over P0, ``(nz, nx)``; x over the contact radius, z over the thickness."""
+    data = result.dataset
+    x, z = data.section_x.values / result.summary["contact_radius"], data.section_z.values / H
+    return data.section_von_mises.values[-1] / P0, x, z
+
+
+def test_every_bundled_coating_is_tested():
+    layered = [name for name in bundled_names() if ec.load_scene(name).body1.medium is not None]
+    assert layered == sorted([*CO, "coated-sliding"])
+
+
+@pytest.mark.parametrize("name", CO)
+def test_coatings(name, finished):
+    """CO-1 and CO-6."""
+    result = finished(name)
+    peak, radius, approach, mises, depth, below, above_jump, under_jump = CO[name]
+    summary, data = result.summary, result.dataset
+    assert summary["converged"] is True
+    assert summary["max_pressure"] / P0 == pytest.approx(peak, rel=0.005)
+    assert summary["contact_radius"] / H == pytest.approx(radius, rel=0.005)
+    assert summary["approach"] / DELTA0 == pytest.approx(approach, rel=0.002)
+    field, _, z = section(result)
+    assert field.max() == pytest.approx(mises, abs=0.004)
+    assert z[np.unravel_index(field.argmax(), field.shape)[0]] == pytest.approx(depth, abs=0.08)
+    assert field[z >= 1.0].max() == pytest.approx(below, abs=0.004)
+    row, column = (int(np.argmin(np.abs(data[f"interface_{axis}"].values))) for axis in "yx")
+    stress = data.interface_stress[-1, :, :, row, column] / P0
+    assert stress.sel(component="xx").values == pytest.approx([above_jump, under_jump], abs=0.003)
+    zz = stress.sel(component="zz").values
+    assert zz[0] == pytest.approx(zz[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("friction", SLIDING)
+def test_sliding_over_a_coating(friction, finished):
+    """CO-5: with a friction of 0.5 the von Mises stress is largest at the surface, with 0.25 inside the coating."""
+    result = finished("coated-sliding", f"friction.coefficient={friction}", "stress.1.position=0")
+    mises, place, depth, below = SLIDING[friction]
+    summary = result.summary
+    assert summary["slip_fraction"] == 1.0
+    assert summary["tangential_load"] == pytest.approx(friction * summary["normal_load"], rel=1e-6)
+    assert summary["max_pressure"] / P0 == pytest.approx(CO["coated-sphere"][0], rel=0.005)
+    field, x, z = section(result)
+    row, column = np.unravel_index(field.argmax(), field.shape)
+    assert field.max() == pytest.approx(mises, rel=0.01)
+    assert z[row] == pytest.approx(depth, abs=0.03)
+    assert x[column] == pytest.approx(place, abs=0.1)
+    assert field[z >= 1.0].max() == pytest.approx(below, abs=0.004)
+
+
+def test_the_profile_of_the_bare_substrate_stands_beside(finished):
+    """Hertz's pressure on the substrate, under its own name: nobody takes it for a closed form of the coated body."""
+    data = finished("soft-coating").dataset
+    assert "reference_pressure" not in data
+    assert "contact_modulus" not in data.attrs
+    assert float(data.substrate_pressure.max()) == pytest.approx(P0, rel=0.002)
+    total = float(data.substrate_pressure.sum()) * float(np.prod(data.attrs["cell_size"]))
+    assert total == pytest.approx(float(data.normal_load[-1]), rel=0.002)
