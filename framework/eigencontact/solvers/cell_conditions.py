@@ -33,7 +33,16 @@ from eigencontact.core.elasticity import Elasticity, GivenStiffness, Isotropic, 
 from eigencontact.core.material import Material
 from eigencontact.errors import require
 
-__all__ = ["Condition", "Conditions", "Shares", "compliance", "constraint_of_ball", "constraint_of_layer", "mixed"]
+__all__ = [
+    "Condition",
+    "Conditions",
+    "Shares",
+    "compliance",
+    "condition_of",
+    "constraint_of_ball",
+    "constraint_of_layer",
+    "mixed",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
@@ -126,12 +135,10 @@ class Conditions:
     def _whole(self, name: int, cells: NDArray[np.intp]) -> Condition:
         """Of one material; 0 is the matrix, whose P is zero."""
         if name == 0:
-            soft, stiff = _matrix_factors(self.matrix)
+            stiff = _stiff_factor(self.matrix)
             return Condition(np.zeros((6, 6)), stiff, stiff)
         item = self._materials[name - 1]
-        chosen = item.at(cells) if isinstance(item, IsotropicField) else item
-        soft, stiff = chosen.factors(self.matrix.shear_modulus)
-        return Condition(stiff @ compliance(self.matrix) - soft, stiff, stiff)
+        return condition_of(item.at(cells) if isinstance(item, IsotropicField) else item, self.matrix)
 
     def _by_cell(self, names: IntArray, cells: NDArray[np.intp]) -> Condition:
         stress, strain = np.empty((2, cells.size, 6, 6))
@@ -149,6 +156,13 @@ class Conditions:
             constraint = constraint.copy()
             constraint[flat] = constraint_of_layer(self.matrix, normal[flat])
         return mixed(first, second, shares.fraction[cells], constraint)
+
+
+def condition_of(material: Elasticity | ArrayLike, matrix: Material) -> Condition:
+    """Condition of a material, or of a map of materials, in a matrix."""
+    item = material if isinstance(material, Elasticity) else _given(material)
+    soft, stiff = item.factors(matrix.shear_modulus)
+    return Condition(stiff @ compliance(matrix) - soft, stiff, stiff)
 
 
 def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint: FloatArray) -> Condition:
@@ -198,9 +212,9 @@ def compliance(material: Material) -> FloatArray:
     return out / material.young_modulus
 
 
-def _matrix_factors(matrix: Material) -> tuple[FloatArray, FloatArray]:
+def _stiff_factor(matrix: Material) -> FloatArray:
     constants = Isotropic(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
-    return constants.factors(matrix.shear_modulus)
+    return constants.factors(matrix.shear_modulus)[1]
 
 
 def _given(stiffness: ArrayLike) -> GivenStiffness:
