@@ -107,7 +107,8 @@ class RegionMeans:
     ) -> FloatArray:
         x, y, z = (np.ascontiguousarray(values) for values in self.points[:, at])
         sources = _Sources(regions, list(eigenstrains))
-        return _sum_of_sources(sources, (x, y, z), space=space or self._space, quantity="stress", **self._given)
+        given = self._given if len(regions) > 1 else {**self._given, "threads": 1}  # too little to share
+        return _sum_of_sources(sources, (x, y, z), space=space or self._space, quantity="stress", **given)
 
     def _close_pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
         """Target, source and matrix of all that the sum over point sources leaves out or gets wrong."""
@@ -130,8 +131,9 @@ class RegionMeans:
                 continue
             far = self._far[number]
             near = finder.within(far.center, far.distance)
+            # In full space stress does not depend on the size: all balls share one matrix, and so do equal shapes.
             offsets = np.round((self.points[:, near].T - far.center) / (1e-12 * far.distance))
-            key = (_likeness(shape), offsets.tobytes())
+            key = ("ball" if _is_ball(far) else _likeness(shape), offsets.tobytes())
             if key not in known:
                 known[key] = self._fields(shape, far, near, "full")
             add(number, near, known[key])
@@ -146,7 +148,15 @@ class RegionMeans:
         out = np.empty((6, 6, at.size))
         finest = None if far is None else [replace(far, coarser=None)]
         for component, unit in enumerate(np.eye(6)):
-            out[component] = field_at_points(shape, unit, (x, y, z), space=space, quantity="stress", **self._given)
+            out[component] = field_at_points(
+                shape,
+                unit,
+                (x, y, z),
+                space=space,
+                quantity="stress",
+                poisson_ratio=self._given["poisson_ratio"],
+                threads=1,
+            )
             if finest is not None:
                 out[component] -= self._summed(finest, unit[None], at, space)
         return out
@@ -198,3 +208,9 @@ def _lattice(shape: HasPotentials) -> tuple[FloatArray, FloatArray]:
     rule = f"thick enough to hold one of {_LATTICE} x {_LATTICE} x {_LATTICE} points in its bounds"
     require(inside.any(), "regions", "shape", shape, rule)
     return np.column_stack([x, y, z])[inside], np.full(int(inside.sum()), 1.0 / inside.sum())
+
+
+def _is_ball(far: PointSources) -> bool:
+    """One point source, of the spread that belongs to its volume."""
+    radius = float(np.sqrt(5.0 * far.spreads[0]))
+    return far.spreads.size == 1 and abs(far.volumes[0] - 4.0 / 3.0 * np.pi * radius**3) < 1e-9 * far.volumes[0]
