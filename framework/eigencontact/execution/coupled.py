@@ -1,25 +1,29 @@
 """Contact and inhomogeneities solved together: each needs what the other does to the surface, or to the inside.
 
-The unknown is the displacement of the surface by the equivalent eigenstrain. A round takes it, solves the contact, then
-the inhomogeneities under that contact, and returns the displacement that they cause; Anderson's combination of the last
-rounds makes it converge where the plain iteration grows (anything softer than half of the matrix). Tolerances of the
-solves in a round follow the change that the last round made; what is accepted is solved to the tolerance of the scene.
+Let S be the compliance of the bodies without inhomogeneities and R what those add. A round solves the contact on bodies
+of the compliance (1 + θ) S under an offset o of the surface, then the inhomogeneities under its tractions t, and gives
+the offset R t - θ S t that would have been right. The share θ is the middle of the values of R relative to S that
+changes from round to round have shown: errors then shrink by a fixed factor whatever cells are in contact, for stiff
+(-1 < R / S < 0) and for soft inhomogeneities (R / S > 0, up to any size). Between changes of the contact Anderson's
+combination of the last rounds speeds it up. Tolerances of the solves in a round follow the smallest error so far; what
+is accepted is solved to the tolerance of the scene.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged
 from eigencontact.execution.contact import NormalContact
 from eigencontact.execution.friction import FrictionalContactRunner
 from eigencontact.execution.inhomogeneities import Inhomogeneities, SolvedResidualDisplacement
-from eigencontact.execution.runners import Runner, State
+from eigencontact.execution.runners import Runner, State, build_runner
 from eigencontact.planning.blocks import Block
 from eigencontact.planning.plan import Plan
 from eigencontact.results.records import StepRecord
@@ -36,7 +40,10 @@ FloatArray = NDArray[np.float64]
 #: Rounds of one attempt, and times that a load step may be halved.
 _ROUNDS, _HALVINGS = 60, 4
 #: Tolerance of the first round, and of later ones as part of the last change; part of the tolerance in the end.
-_LOOSEST, _SHARE, _INNER = 1e-2, 0.05, 0.3
+_LOOSEST, _SHARE, _INNER = 1e-3, 0.01, 0.3
+#: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
+_DEPTH, _EXTREME = 8, 64.0
+_TRACTIONS = {"x": "shear_x", "y": "shear_y", "z": "pressure"}
 #: Displacements along the surface are measured by their own size, but not by less than this part of the normal one.
 _ALONG = 0.05
 _TIGHTEST = 1e-13
@@ -49,7 +56,8 @@ class CoupledRunner:
     """A contact over inhomogeneities. What a step needs of the last one is taken from its stored record alone."""
 
     def __init__(self, plan: Plan, runners: Sequence[tuple[Block, Runner]]) -> None:
-        self._numerics, self._grid = plan.scene.numerics, plan.grid
+        self._plan, self._numerics, self._grid = plan, plan.scene.numerics, plan.grid
+        self._contacts: dict[float, NormalContact | FrictionalContactRunner]
         for block, runner in runners:
             if isinstance(runner, Inhomogeneities):
                 self._inside = runner
@@ -57,8 +65,12 @@ class CoupledRunner:
                 self._surface = runner
             else:
                 assert isinstance(runner, NormalContact | FrictionalContactRunner)
-                self._contact = runner
+                self._contacts, self._block = {0.0: runner}, block
                 self._names = sorted(name for name in block.requires if name.startswith("residual_displacement"))
+        self._frictional = plan.friction is not None
+        # Bodies can be softened where every displacement that the contact models is offset.
+        elastic = all(body is None or isinstance(body, Material) for body in plan.bodies)
+        self._softens = elastic and (not self._frictional or len(self._names) == 3)
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
@@ -89,7 +101,7 @@ class CoupledRunner:
         half = self._half(state)
         self._advance(half, start, depth + 1)
         found = [half.fields[name] for name in self._names]
-        if isinstance(self._contact, NormalContact):  # the way to a load does not matter: the half is but a start
+        if not self._frictional:  # the way to a load does not matter: the half is but a start
             state.equivalent = half.equivalent
             state.fields["pressure"] = half.fields["pressure"]
             self._advance(state, found, depth + 1)
@@ -116,63 +128,133 @@ class CoupledRunner:
             scalars=dict(state.scalars), equivalent={},
         )  # fmt: skip
 
-    def _iterate(self, state: State, guess: FloatArray) -> None:
+    def _iterate(self, state: State, start: FloatArray) -> None:
         """Rounds until the displacement that goes in comes out."""
-        tolerance, residual = self._numerics.tolerance, np.inf
+        tolerance, best = self._numerics.tolerance, np.inf
         least = max(_INNER * tolerance, _TIGHTEST)
-        mixer, spent = Anderson(), dict.fromkeys(_SPENT, 0.0)
+        mixer, spent, seen = Anderson(_DEPTH), dict.fromkeys(_SPENT, 0.0), _Seen()
+        offset, share, last, loaded = start, 0.0, np.inf, None
         for number in range(1, _ROUNDS + 1):
-            inner = float(np.clip(_SHARE * residual, least, _LOOSEST))
-            image = self._round(state, guess, inner)
+            inner = float(np.clip(_SHARE * best, least, _LOOSEST))
+            answer = self._round(state, offset, share, inner)
             for name in _SPENT:
                 spent[name] += state.scalars.get(name, 0.0)
-            scales = self._scales(state, guess)
-            residual = float(np.max(np.abs(image - guess).max(axis=(1, 2)) / scales))
+            image = answer.residual - share * answer.elastic
+            scales = self._scales(answer)
+            residual = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
+            best = min(best, residual)
             if state.progress is not None:
                 state.progress("contact and inhomogeneities", residual, tolerance)
             if residual <= tolerance and inner <= tolerance:
-                self._accept(state, guess, number, residual, spent)
+                self._accept(state, answer, number, residual, spent)
                 return
             if not np.isfinite(residual):
                 break
-            unit = scales[:, None, None]
-            guess = mixer.next(guess / unit, image / unit) * unit if number > 1 else image
+            now, wanted = state.fields["pressure"] > 0, seen.share(answer) if self._softens else 0.0
+            if wanted != share or residual > last or loaded is None or not np.array_equal(now, loaded):
+                mixer, share = Anderson(_DEPTH), wanted
+                offset = answer.residual - share * answer.elastic
+            else:
+                unit = scales[:, None, None]
+                offset = mixer.next(offset / unit, image / unit) * unit
+            last, loaded = residual, now
         raise NotConverged(
             f"contact and inhomogeneities: residual {residual:.1e} after {number} rounds "
             f"(tolerance {tolerance:.1e}); use smaller load steps or a larger tolerance"
         )
 
-    def _round(self, state: State, guess: FloatArray, inner: float) -> FloatArray:
-        """Displacement of the surface by what it causes."""
-        state.fields |= dict(zip(self._names, guess, strict=True))
-        if isinstance(self._contact, NormalContact):
-            self._contact.attempt(state, inner)
+    def _round(self, state: State, offset: FloatArray, share: float, inner: float) -> _Answer:
+        """Contact on softer bodies with an offset in the gap, and what the inhomogeneities make of it."""
+        trial = self._trial(state, offset, share)
+        contact = self._softened(share)
+        if isinstance(contact, NormalContact):
+            contact.attempt(trial, inner)
         else:
-            self._contact(state)
+            contact(trial)
+        for name, values in trial.fields.items():
+            if name not in self._names:
+                state.fields[name] = values / (1.0 + share) if name.startswith("displacement") else values
+        state.scalars |= trial.scalars
         self._inside.solve(state, inner)
         self._surface(state)
-        return np.stack([state.fields[name] for name in self._names])
+        fields = state.fields
+        return _Answer(
+            traction=np.stack([fields[_TRACTIONS[name[-1]]] for name in self._names]),
+            elastic=np.stack([fields[f"displacement_{name[-1]}"] for name in self._names]),
+            residual=np.stack([fields[name] for name in self._names]),
+        )
 
-    def _scales(self, state: State, guess: FloatArray) -> FloatArray:
+    def _trial(self, state: State, offset: FloatArray, share: float) -> State:
+        """The step as it is for softer bodies: what they displace more was offset before, too."""
+        fields = {**state.fields, **dict(zip(self._names, offset, strict=True))}
+        last = state.previous
+        if share and last is not None:
+            moved = dict(last.fields)
+            for name in self._names:
+                elastic = last.fields[f"displacement_{name[-1]}"]
+                moved[name] = last.fields[name] - share * elastic
+                moved[f"displacement_{name[-1]}"] = (1.0 + share) * elastic
+            last = replace(last, fields=moved)
+        return replace(state, fields=fields, previous=last)
+
+    def _softened(self, share: float) -> NormalContact | FrictionalContactRunner:
+        """Contact of bodies that are softer by a share."""
+        if share not in self._contacts:
+            bodies = tuple(
+                None if body is None else replace(body, young_modulus=body.young_modulus / (1.0 + share))
+                for body in self._plan.bodies
+            )
+            runner = build_runner(replace(self._plan, bodies=(bodies[0], bodies[1])), self._block)
+            assert isinstance(runner, NormalContact | FrictionalContactRunner)
+            self._contacts[share] = runner
+        return self._contacts[share]
+
+    def _scales(self, answer: _Answer) -> FloatArray:
         """Size of the total displacement for each component of the residual one [m]."""
-        sizes = []
-        for name, values in zip(self._names, guess, strict=True):
-            total = state.fields.get(f"displacement_{name[-1]}", 0.0) + values
-            sizes.append(max(float(np.abs(total).max()), float(np.abs(values).max())))
-        normal = sizes[self._names.index("residual_displacement_z")]
-        floor = max(normal, np.finfo(float).tiny)
-        return np.array([max(size, _ALONG * floor) for size in sizes])
+        total = np.abs(answer.elastic + answer.residual).max(axis=(1, 2))
+        sizes = np.maximum(total, np.abs(answer.residual).max(axis=(1, 2)))
+        normal = float(sizes[self._names.index("residual_displacement_z")])
+        return np.asarray(np.maximum(sizes, max(_ALONG * normal, np.finfo(float).tiny)))
 
-    def _accept(
-        self, state: State, guess: FloatArray, rounds: int, residual: float, spent: Mapping[str, float]
-    ) -> None:
-        """Keep the displacement that the contact was solved with: pressure, gap and shear belong to it."""
-        state.fields |= dict(zip(self._names, guess, strict=True))
-        if isinstance(self._contact, NormalContact) and not self._numerics.allow_contact_at_edge:
+    def _accept(self, state: State, answer: _Answer, rounds: int, residual: float, spent: Mapping[str, float]) -> None:
+        """Keep the last round, whose pressure, gap and shear are the contact's under what it causes."""
+        if not self._frictional and not self._numerics.allow_contact_at_edge:
             refuse_edge(state.fields["pressure"], self._grid)
+        state.fields |= dict(zip(self._names, answer.residual, strict=True))
         state.scalars |= {name: value for name, value in spent.items() if name in state.scalars}
         state.scalars["coupling_iterations"] = state.scalars.get("coupling_iterations", 0.0) + rounds
         state.scalars["coupling_residual"] = max(residual, state.scalars.get("coupling_residual", 0.0))
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """Tractions of a round, and the displacement of the surface by them and by the inhomogeneities, ``(k, ny, nx)``."""
+
+    traction: FloatArray
+    elastic: FloatArray
+    residual: FloatArray
+
+
+class _Seen:
+    """Compliance of the inhomogeneities relative to that of the bodies, as changes from round to round show it."""
+
+    def __init__(self) -> None:
+        self._last: _Answer | None = None
+        self._found: list[float] = []
+
+    def share(self, answer: _Answer) -> float:
+        """Part of the bodies' compliance to solve the contact with more: the middle of the range, in few steps."""
+        before, self._last = self._last, answer
+        if before is not None:
+            change = answer.traction - before.traction
+            work = float(np.sum(change * (answer.elastic - before.elastic)))
+            found = float(np.sum(change * (answer.residual - before.residual)))
+            if work > 0.0 and abs(found) < _EXTREME * work:
+                self._found.append(found / work)
+        if not self._found:
+            return 0.0
+        middle = max(1.0 + 0.5 * (min(self._found) + max(self._found)), 1.0 / _EXTREME)
+        return float(2.0 ** (0.5 * round(2.0 * np.log2(middle)))) - 1.0
 
 
 def _middle(
