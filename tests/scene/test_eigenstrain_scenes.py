@@ -122,7 +122,7 @@ REFUSED = {
         {"inclusions": [], "eigenstrain": PATCH | {"body": 2}},
         "eigenstrain.0 must lie in an elastic body (body2 is rigid)",
     ),
-    "no eigenstrain": ({"inclusions": [ball(eigenstrain=None)]}, "inclusions.0.eigenstrain must be given"),
+    "no eigenstrain": ({"inclusions": [ball(eigenstrain=None)]}, "inclusions.0 must be given an eigenstrain"),
     "two numbers": ({"inclusions": [ball(eigenstrain=[1, 2])]}, "eigenstrain must be a number, three, a symmetric 3 x"),
     "text": ({"inclusions": [ball(eigenstrain="big")]}, "eigenstrain must be a number, three, a symmetric 3 x"),
     "a table without type": ({"inclusions": [ball(eigenstrain={"value": 1.0})]}, 'or a table { type = "...", ... }'),

@@ -203,7 +203,7 @@ def test_refusals():
         (STEEL, [stiffness], inside[1:], "of shape"),
         (STEEL, [stiffness], 1.0 * inside, "of integers"),
         (STEEL, [-stiffness], inside, "without negative eigenvalues"),
-        (STEEL, [skew], inside, "stiffness of material 1 must be symmetric"),
+        (STEEL, [skew], inside, "stiffness must be symmetric"),
         (STEEL, [stiffness[:3]], inside, "6 x 6"),
     ):
         with pytest.raises(SceneError, match=message):

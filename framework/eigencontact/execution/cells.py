@@ -18,7 +18,7 @@ from eigencontact.planning.regions import RegionLattice
 from eigencontact.planning.sources import Patch, Source
 from eigencontact.solvers.cells import Cells
 
-__all__ = ["CellFields", "CellStrain"]
+__all__ = ["CellFields", "CellStrain", "values_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -43,7 +43,10 @@ class CellFields:
 
     def __call__(self, time: float) -> FloatArray:
         """Field at one time, ``(3 or 6, *lattice.shape)``."""
-        strain = self._strain(time)
+        return self.of(self._strain(time))
+
+    def of(self, strain: FloatArray) -> FloatArray:
+        """Field of an eigenstrain of the cells ``(6, nz, ny, nx)``, ``(3 or 6, *lattice.shape)``."""
         if not self._operators:
             self._operators = self._build()
         count = 3 if self._part.quantity == "displacement" else 6
@@ -131,13 +134,13 @@ class CellStrain:
         """``(6, nz, ny, nx)`` at one time [-]."""
         total = np.zeros((6, *self._group.lattice.shape))
         z, y, x = self._group.lattice.axes(self._grid)
-        for source, (box, fractions) in zip(self._group.sources, self._fractions, strict=True):
+        for source, (box, fractions) in zip(self._group.sources, self.fractions, strict=True):
             part = total[:, box[0], box[1], box[2]]
-            part += fractions * _values(source, x[box[2]], y[box[1]], z[box[0]], time)
+            part += fractions * values_of(source, x[box[2]], y[box[1]], z[box[0]], time)
         return total
 
     @cached_property
-    def _fractions(self) -> list[tuple[tuple[slice, slice, slice], FloatArray]]:
+    def fractions(self) -> list[tuple[tuple[slice, slice, slice], FloatArray]]:
         """Part of the box that a source takes, and the fraction of each of its cells inside."""
         from eigencontact.halfspace.voxels import Voxels, volume_fractions
 
@@ -160,7 +163,8 @@ class CellStrain:
         return found
 
 
-def _values(source: Source, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:
+def values_of(source: Source, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:
+    """Mandel eigenstrain of a source's field at the points of three axes, ``(6, nz, ny, nx)``."""
     shape = (6, z.size, y.size, x.size)
     try:
         values = source.field.eigenstrain(x[None, None, :], y[None, :, None], z[:, None, None], time)

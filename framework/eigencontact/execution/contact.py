@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.execution.runners import State
@@ -24,6 +27,8 @@ __all__ = [
     "normal_options",
     "normal_scalars",
 ]
+
+FloatArray = NDArray[np.float64]
 
 
 def normal_options(numerics: Numerics) -> NormalOptions:
@@ -90,12 +95,24 @@ class NormalContact:
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
+        self._solve(state, None, None)
+
+    def attempt(self, state: State, tolerance: float) -> None:
+        """Solve to a tolerance, from the pressure that the state may hold; on the way contact may pass the edge."""
+        given = self._solver.options
+        self._solver.options = replace(given, allow_contact_at_edge=True)
+        try:
+            self._solve(state, tolerance, state.fields.get("pressure"))
+        finally:
+            self._solver.options = given
+
+    def _solve(self, state: State, tolerance: float | None, start: FloatArray | None) -> None:
         separation, control = state.fields["separation"], state.control
         assert control is not None
         residual = state.fields.get("residual_displacement_z")
         if residual is not None:
             separation = separation + residual
-        solution = self._solver.solve(separation, control, progress=state.progress)
+        solution = self._solver.solve(separation, control, start=start, tolerance=tolerance, progress=state.progress)
         state.fields["pressure"] = solution.pressure
         state.fields["gap"] = solution.gap
         state.fields["displacement_z"] = solution.displacement

@@ -15,6 +15,7 @@ from eigencontact.execution.history import (
     travel_at,
 )
 from eigencontact.execution.runners import Runner, State, build_runner
+from eigencontact.planning.blocks import Block
 from eigencontact.planning.plan import Plan
 from eigencontact.results.records import StepRecord
 
@@ -72,7 +73,7 @@ def drive(
             last = done[point.index]()
             continue
         if runners is None:
-            runners = [build_runner(plan, block) for block in plan.blocks]
+            runners = [_runner(plan, group) for group in plan.groups]
         if watcher is not None:
             watcher.step_started(point, len(points))
         step = steps[point.ramp]
@@ -98,3 +99,12 @@ def drive(
         yield last
         if watcher is not None:
             watcher.step_finished(last, len(points))
+
+
+def _runner(plan: Plan, group: tuple[Block, ...]) -> Runner:
+    """Runner of one block, or of several that are solved together."""
+    if len(group) == 1:
+        return build_runner(plan, group[0])
+    from eigencontact.execution.coupled import CoupledRunner
+
+    return CoupledRunner(plan, [(block, build_runner(plan, block)) for block in group])

@@ -31,21 +31,31 @@ class ResidualDisplacement:
             number: Sum(plan, [part for part in parts if part.body == number])
             for number in sorted({part.body for part in parts})
         }
-        self._friction = plan.friction is not None
+        self._friction, self._shape = plan.friction is not None, plan.grid.shape
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
-        state.fields |= self._at(state.time)
+        state.fields |= self._relative(self._of_bodies(state))
         if self._friction and state.previous is None:
-            state.initial = self._at(0.0)
+            state.initial = self._before(state)
         if "z" in self._components:
             sunk = state.fields["residual_displacement_z"]
             state.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
             state.scalars["max_sink"] = max(0.0, float(sunk.max()))
 
-    def _at(self, time: float) -> dict[str, FloatArray]:
-        """Surface fields at one time."""
-        by_body = {number: total(time)[:, 0] for number, total in self._bodies.items()}
+    def _of_bodies(self, state: State) -> dict[int, FloatArray]:
+        """Displacement of each body with eigenstrain, ``(3, ny, nx)``."""
+        return self._at(state.time)
+
+    def _before(self, _state: State) -> dict[str, FloatArray]:
+        """Surface fields before the first step."""
+        return self._relative(self._at(0.0))
+
+    def _at(self, time: float) -> dict[int, FloatArray]:
+        return {number: total(time)[:, 0] for number, total in self._bodies.items()}
+
+    def _relative(self, by_body: dict[int, FloatArray]) -> dict[str, FloatArray]:
+        """Surface fields of both bodies together."""
         found = {}
         for row, component in enumerate("xyz"):
             if component not in self._components:

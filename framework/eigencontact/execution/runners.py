@@ -46,6 +46,8 @@ class State:
         Fields of eigenstrain by region and quantity, for the blocks that put a region's results together.
     initial : mapping
         Surface fields of eigenstrain before the first step, in the first step of a contact with friction.
+    equivalent : mapping
+        Equivalent eigenstrain of the cells of inhomogeneities by body, ``(6, nz, ny, nx)``.
     """
 
     index: int
@@ -60,6 +62,7 @@ class State:
     observed: dict[str, float] = field(default_factory=dict)
     inner: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     initial: dict[str, FloatArray] = field(default_factory=dict)
+    equivalent: dict[int, FloatArray] = field(default_factory=dict)
     progress: Progress | None = None
 
 
@@ -118,6 +121,9 @@ _HOMES = {
     "stress": ("stress", "Stress"),
     "residual-displacement": ("eigenstrain", "ResidualDisplacement"),
     "eigenstrain-region": ("eigenstrain", "EigenstrainRegion"),
+    "inhomogeneities": ("inhomogeneities", "Inhomogeneities"),
+    "solved-residual-displacement": ("inhomogeneities", "SolvedResidualDisplacement"),
+    "solved-eigenstrain-region": ("inhomogeneities", "SolvedEigenstrainRegion"),
     "region": ("regions", "Region"),
     "observer": ("runners", "Observe"),
 }

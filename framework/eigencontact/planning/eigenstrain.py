@@ -42,14 +42,14 @@ class EigenstrainDeclaration:
         parts = [
             part
             for body in sorted({source.body for source in self.sources})
-            for part in self._parts(body, "displacement", lattice, len(components))
+            for part in self.parts(body, "displacement", lattice, len(components))
         ]
         words = f"{self.grid.nx} x {self.grid.ny} points of the surface"
         return Block(
             name="residual-displacement",
             runner="residual-displacement",
             provides=frozenset(f"residual_displacement_{c}" for c in components),
-            why="displacement of the surface by " + _names(self.sources),
+            why="displacement of the surface by " + (_names(self.sources) or "the inhomogeneities"),
             kernels=_uses(parts, {"displacement": f"displacement {', '.join(components)}"}, words),
             cost=sum((part.cost for part in parts), Cost()),
             settings={"components": components, "parts": parts},
@@ -70,7 +70,7 @@ class EigenstrainDeclaration:
         parts = [
             part
             for quantity in request.fields
-            for part in self._parts(request.body, quantity, lattice, 3 if quantity == "displacement" else 6)
+            for part in self.parts(request.body, quantity, lattice, 3 if quantity == "displacement" else 6)
         ]
         return Block(
             name=f"eigenstrain-{request.label}",
@@ -82,7 +82,8 @@ class EigenstrainDeclaration:
             settings={"request": request, "parts": parts},
         )
 
-    def _parts(self, body: int, quantity: str, lattice: RegionLattice, components: int) -> list[FieldPart]:
+    def parts(self, body: int, quantity: str, lattice: RegionLattice, components: int) -> list[FieldPart]:
+        """Parts whose sum is the field of the sources of one body at the points of a lattice."""
         material, numerics = self.bodies[body - 1], self.scene.numerics
         assert isinstance(material, Material)
         sources = [source for source in self.sources if source.body == body]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from eigencontact.core.grid import Grid
 from eigencontact.errors import PlanError, SceneError
@@ -20,6 +20,9 @@ from eigencontact.planning.sources import Source, build_sources, with_lattices
 from eigencontact.plugin import FrictionLaw, Geometry, SurfaceInfluence
 from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Scene
+
+if TYPE_CHECKING:
+    from eigencontact.planning.inhomogeneities import InhomogeneityDeclaration
 
 __all__ = ["make_plan"]
 
@@ -64,7 +67,11 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         grid, reason = _grid_without_contact(scene, sources)
     if sources:
         sources = with_lattices(sources, scene, grid)
-        more, wanted = _eigenstrain(scene, registry, grid, sources, bodies, coupling)
+        if any(source.material is not None for source in sources):
+            from eigencontact.planning.inhomogeneities import with_boxes
+
+            sources = with_boxes(sources, scene, grid)
+        more, wanted = _eigenstrain(scene, registry, grid, sources, bodies, coupling, influences)
         blocks, outputs = blocks + more, outputs | wanted
     _observe(scene, blocks, outputs, coupling, contact=bool(geometries))
     plan = Plan(
@@ -105,20 +112,31 @@ def _eigenstrain(
     sources: tuple[Source, ...],
     bodies: Bodies,
     coupling: Coupling | None,
+    influences: Mapping[str, SurfaceInfluence],
 ) -> tuple[list[Block], dict[str, str]]:
     """Blocks of the eigenstrain, and what is wanted of them beside what the contact wants."""
     from eigencontact.planning.declare import region_block
     from eigencontact.planning.eigenstrain import EigenstrainDeclaration
 
     cell = None
-    if not all(source.exact for source in sources):
+    if not all(source.exact and source.material is None for source in sources):
         from eigencontact.planning.cells import installed_cell
 
         cell = installed_cell(registry)((0.0, 0.0, 0.5), (1.0, 1.0, 1.0))
-    declaration = EigenstrainDeclaration(scene, grid, sources, bodies, cell)
+    prescribed = [source for source in sources if source.material is None]
+    declaration: EigenstrainDeclaration | InhomogeneityDeclaration
+    declaration = EigenstrainDeclaration(scene, grid, prescribed, bodies, cell)
+    blocks: list[Block] = []
+    if len(prescribed) < len(sources):
+        from eigencontact.planning.inhomogeneities import InhomogeneityDeclaration, boxes_of
+
+        assert cell is not None
+        boxes = boxes_of(sources)
+        declaration = InhomogeneityDeclaration(scene, grid, boxes, bodies, cell, declaration, influences)
+        blocks.append(declaration.solution())
     dragged = coupling is not None and coupling.level != "none"
     components = "xyz" if not scene.geometry or scene.output.tangential_displacement or dragged else "z"
-    blocks = [declaration.surface(components)]
+    blocks.append(declaration.surface(components))
     outputs = {f"residual_displacement_{c}": "every scene with eigenstrain" for c in components}
     for request in scene.stress:
         block = declaration.region(request)

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
 from eigencontact.plugin import EigenstrainField, InclusionShape
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import EigenstrainPatch, eigenstrain_table
+from eigencontact.scene.materials import InclusionMaterial
 from eigencontact.scene.schema import Scene
 
 __all__ = ["Lattice", "Patch", "Source", "build_sources", "with_lattices"]
@@ -96,6 +98,8 @@ class Source:
         Layers of a patch; None for an inclusion.
     lattice : Lattice or None
         Its cells; None where its field has a closed form.
+    material : InclusionMaterial or None
+        Its elastic constants, where it is an inhomogeneity; `field` is then its prestrain.
     """
 
     name: str
@@ -106,6 +110,7 @@ class Source:
     field: EigenstrainField
     layers: int | None = None
     lattice: Lattice | None = None
+    material: InclusionMaterial | None = None
 
     @property
     def exact(self) -> bool:
@@ -117,6 +122,8 @@ class Source:
         """How its field is found, in words."""
         if self.lattice is not None:
             nz, ny, nx = self.lattice.shape
+            if self.material is not None:
+                return f"{nx} x {ny} x {nz} cells of {_words(self.material)}"
             why = "the eigenstrain is not uniform" if isinstance(self.shape, HasPotentials) else "no potentials"
             if isinstance(self.shape, Patch):
                 why = "a patch of the window"
@@ -157,7 +164,10 @@ def build_sources(scene: Scene, registry: Registry, grid: Grid | None) -> tuple[
             shape = build_component(registry, "inclusion-shape", table, where)
             name = item.name or f"{item.type} {number + 1}"
             name += f", {copy + 1}" if item.centers is not None else ""
-            sources.append(Source(name=name, where=where, key=item.type, body=item.body, shape=shape, field=field))
+            source = Source(
+                name=name, where=where, key=item.type, body=item.body, shape=shape, field=field, material=item.material
+            )
+            sources.append(source)
             if not full:
                 _refuse_above(sources[-1])
     for number, patch in enumerate(scene.eigenstrain):
@@ -174,6 +184,15 @@ def build_sources(scene: Scene, registry: Registry, grid: Grid | None) -> tuple[
             )
         )
     return tuple(sources)
+
+
+def _words(material: InclusionMaterial) -> str:
+    """Material in words."""
+    if material.type == "isotropic":
+        assert material.young_modulus is not None
+        return f"E = {readable(material.young_modulus, 'Pa')}, ν = {material.poisson_ratio:g}"
+    known = {"void": "nothing (a void)", "map": f"the map {material.file}"}
+    return known.get(material.type, f"{material.type} material")
 
 
 def _field(registry: Registry, table: Mapping[str, Any], where: str) -> EigenstrainField:
@@ -215,11 +234,17 @@ def _refuse_above(source: Source) -> None:
 
 
 def with_lattices(sources: tuple[Source, ...], scene: Scene, grid: Grid) -> tuple[Source, ...]:
-    """Sources with the cells of those that have no closed form; patches are rounded to cells."""
+    """Sources with the cells of those that have no closed form; patches are rounded to cells.
+
+    Inhomogeneities get theirs, which they share, from `eigencontact.planning.inhomogeneities`.
+    """
     fitted = []
     for source in sources:
         if isinstance(source.shape, Patch):
             source = replace(source, shape=_whole_cells(source.shape, grid))  # noqa: PLW2901
+        if source.material is not None:
+            fitted.append(source)
+            continue
         whole = source.exact and scene.numerics.half_space != "periodic"
         fitted.append(source if whole else replace(source, lattice=_lattice(source, scene, grid)))
     return tuple(fitted)

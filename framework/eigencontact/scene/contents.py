@@ -23,6 +23,7 @@ def check_contents(scene: Scene) -> None:
         )
     _check_steps(scene)
     _check_eigenstrain(scene)
+    _check_materials(scene)
     labels = [request.label for request in scene.stress]
     for label in labels:
         if labels.count(label) > 1:
@@ -103,6 +104,28 @@ def _check_eigenstrain(scene: Scene) -> None:
                     "kernels of eigenstrain are those of a homogeneous half-space); set body, leave the medium out, or "
                     "describe the layers as inclusions with a material of their own"
                 )
+
+
+def _check_materials(scene: Scene) -> None:
+    """Inhomogeneities need the exact half-space, or a full space, of one material."""
+    for number, item in enumerate(scene.inclusions):
+        if item.material is None:
+            continue
+        where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
+        if scene.numerics.half_space not in ("exact", "full-space"):
+            raise ValueError(
+                f"!numerics.half-space must be 'exact' or 'full-space' with {where}.material "
+                f"(got {scene.numerics.half_space!r}); leave it out"
+            )
+        if scene.numerics.boundary == "periodic":
+            raise ValueError(
+                f"!numerics.boundary must be 'non-periodic' with {where}.material (got 'periodic'); leave it out"
+            )
+        if getattr((scene.body1, scene.body2)[item.body - 1], "medium", None) is not None:
+            raise ValueError(
+                f"!{where}.material must lie in a body of one material (body{item.body} is a layered medium); "
+                "give the layers as inclusions with a material, or leave them out"
+            )
 
 
 def _check_region(scene: Scene, request: StressRequest) -> None:

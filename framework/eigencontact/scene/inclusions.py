@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Field, field_validator, model_validator
 
 from eigencontact.scene.checks import at_least
+from eigencontact.scene.materials import InclusionMaterial
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 
 __all__ = ["EigenstrainPatch", "Inclusion", "eigenstrain_table"]
@@ -31,7 +32,10 @@ class _Component(Table):
 
 
 class Inclusion(_Component):
-    """A region of a body with a prescribed eigenstrain (stress-free strain).
+    """A region of a body with an eigenstrain (stress-free strain), elastic constants of its own, or both.
+
+    With a `material` the region is an inhomogeneity: what it does follows from the stress that acts on it. Where
+    inhomogeneities overlap the later table wins.
 
     ``type`` names the inclusion shape; its fields (center, radius, edges ...) stand beside it. Coordinates are those of
     the scene with z into `body`, the surface at z = 0.
@@ -40,7 +44,9 @@ class Inclusion(_Component):
     ----------
     eigenstrain : number, three numbers, 3 x 3 matrix or table
         Expansion positive, tensor components: one number is isotropic, three are (xx, yy, zz). A table names an
-        eigenstrain field: ``{ type = "thermal", ... }``.
+        eigenstrain field: ``{ type = "thermal", ... }``. Optional, and zero by default, with a material.
+    material : table, optional
+        Elastic constants; see `InclusionMaterial`.
     centers : list of (x, y, z), optional
         For many of a kind: an inclusion at each of these centres [m], in place of ``center``.
     name : str, optional
@@ -49,7 +55,8 @@ class Inclusion(_Component):
         The half-space it lies in.
     """
 
-    eigenstrain: Any
+    eigenstrain: Any = None
+    material: InclusionMaterial | None = None
     centers: Annotated[list[tuple[FiniteLength, FiniteLength, FiniteLength]], Field(min_length=1)] | None = None
 
     @property
@@ -72,6 +79,8 @@ class Inclusion(_Component):
     def _one_place(self) -> Inclusion:
         if self.centers is not None and "center" in self.component:
             raise ValueError("at a center, or at centers: give one of them")
+        if self.eigenstrain is None and self.material is None:
+            raise ValueError("given an eigenstrain, a material, or both")
         return self
 
 
@@ -112,5 +121,7 @@ def _is_strain(value: Any) -> bool:
 
 
 def eigenstrain_table(value: Any) -> dict[str, Any]:
-    """Table of the eigenstrain field that a number, three numbers, a matrix or a table stands for."""
+    """Table of the eigenstrain field that a number, three numbers, a matrix, a table or nothing (zero) stands for."""
+    if value is None:
+        return {"type": "uniform", "value": 0.0}
     return dict(value) if isinstance(value, Mapping) else {"type": "uniform", "value": value}

@@ -137,6 +137,10 @@ class Numerics(Table):
     leaves the surface out. ``inclusion_cells`` is the number of cells along z across a region that has to be cut into
     cells: a shape without potentials, or an eigenstrain that is not uniform.
 
+    ``inclusion_resolution`` says how an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own,
+    or as a ``"whole"`` with one uniform eigenstrain (cheap; shapes with potentials, away from the surface and each
+    other). ``inclusion_pitch`` is the height of those cells [m]; by default it follows the grid and the shapes.
+
     ``coupling`` says which displacements follow from which tractions in a contact with friction: ``"none"``, each along
     its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with
     each other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
@@ -145,6 +149,8 @@ class Numerics(Table):
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
+    inclusion_resolution: Literal["cells", "whole"] = "cells"
+    inclusion_pitch: PositiveLength | None = None
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
     coupling: Literal["none", "partial", "one-way", "full"] = "full"
     precision: Literal["double", "single"] = "double"

@@ -15,11 +15,11 @@ def find_unknown(data: Any, model: type[BaseModel], where: str = "") -> None:
     """Raise `SceneError` for the first unknown key of `data` or of a table in it."""
     if not isinstance(data, dict):
         return
-    if model.model_config.get("extra") == "allow":  # the other keys belong to a plugin, which checks them
-        return
-    refuse_unknown(data, model.model_fields, where)
+    if model.model_config.get("extra") != "allow":  # else other keys belong to a plugin, which checks them
+        refuse_unknown(data, model.model_fields, where)
     for key, value in data.items():
-        inner = _model(model.model_fields[key.replace("-", "_")].annotation)
+        field = model.model_fields.get(key.replace("-", "_"))
+        inner = None if field is None else _model(field.annotation)
         if inner is not None:
             for number, item in enumerate(value if isinstance(value, list) else [value]):
                 place = f"{where}.{key}".strip(".") + (f".{number}" if isinstance(value, list) else "")

@@ -28,8 +28,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.elasticity import Elasticity
 from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged, require
+from eigencontact.solvers.cell_conditions import Conditions, Shares
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.gmres import gmres
 from eigencontact.solvers.report import Progress
@@ -39,7 +41,6 @@ __all__ = [
     "InclusionReport",
     "InhomogeneousCells",
     "StressOperator",
-    "compliance",
     "solve_equivalent_inclusions",
 ]
 
@@ -127,10 +128,17 @@ class InhomogeneousCells:
         the matrix's stiffness may need a thousand iterations, and voids have no answer.
     matrix : Material
         The material around; ν up to 0.5.
-    stiffness_of_material : sequence of (6, 6)
-        Mandel stiffness [Pa] of material 1, 2, ...: symmetric, not negative; zero is a void.
+    materials : sequence of Elasticity or of (6, 6)
+        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`) or a Mandel stiffness [Pa]. An
+        `IsotropicField` of the shape of the box gives every cell its own.
     material_index : (nz, ny, nx) of int
         Material of each cell, 0 is the matrix.
+    fraction : (nz, ny, nx), optional
+        Share of each cell, above 0 and up to 1, that its material fills; not read where the index is 0. By default 1.
+    beside : (nz, ny, nx) of int, optional
+        Material of the rest of cells with a fraction below 1; by default 0, the matrix.
+    normal : (3, nz, ny, nx), optional
+        Normal of the boundary in cells with a fraction below 1, of any length and sign; zero, or left out: unknown.
 
     Notes
     -----
@@ -143,25 +151,34 @@ class InhomogeneousCells:
         self,
         operator: StressOperator,
         matrix: Material,
-        stiffness_of_material: Sequence[ArrayLike],
+        materials: Sequence[Elasticity | ArrayLike],
         material_index: ArrayLike,
+        *,
+        fraction: ArrayLike | None = None,
+        beside: ArrayLike | None = None,
+        normal: ArrayLike | None = None,
     ) -> None:
         index = np.asarray(material_index)
-        _check(operator, matrix, len(stiffness_of_material), index)
+        _check(operator, matrix, len(materials), index)
         self.operator, self.matrix, self.shape = operator, matrix, operator.source.shape
+        shares = Shares.of(index, fraction, beside, normal, len(materials))
         flat = index.ravel()
-        order = np.argsort(flat, kind="stable")
-        self._cells = order[np.count_nonzero(flat == 0) :]
+        # Whole cells first, by material, then those with a boundary in them.
+        order = np.lexsort((flat, shares.mixed))
+        self._cells = order[flat[order] > 0]
         self._report = InclusionReport()
-        self._parts: list[tuple[slice, FloatArray, FloatArray]] = []
+        self._parts: list[tuple[slice, FloatArray]] = []
+        self._offset: FloatArray | None = None
+        self._alone = np.zeros((6, 6))
+        conditions = Conditions(matrix, materials, self.shape)
         if self._cells.size == 0:
             return
-        alone = self._answer_of_one_cell()
-        names, starts = np.unique(flat[self._cells], return_index=True)
-        for name, start, stop in zip(names, starts, [*starts[1:], self._cells.size], strict=True):
-            stress, strain = scaled_condition(stiffness_of_material[name - 1], matrix, int(name))
-            inverse = np.linalg.inv(stress @ alone + strain)
-            self._parts.append((slice(start, stop), inverse @ stress, inverse @ strain))
+        self._alone = self._answer_of_one_cell()
+        for cells, (stress, strain, prestrain) in conditions.of(self._cells, flat, shares):
+            alone = stress @ self._alone + strain
+            self._parts.append((cells, _by_component(np.linalg.solve(alone, stress))))
+            if prestrain is not strain:  # cut cells, one run at the end
+                self._offset = _by_component(np.linalg.solve(alone, prestrain - strain))
 
     def _answer_of_one_cell(self) -> FloatArray:
         """Stress in a cell by its own eigenstrain, ``(6, 6)``."""
@@ -214,6 +231,7 @@ class InhomogeneousCells:
         fixed = np.zeros((6, *self.shape)) if prestrain is None else _field("prestrain", prestrain, self.shape)
         load = given + self._apply(fixed)
         cells = load.reshape(6, -1)[:, self._cells]
+        shift = self._shift(fixed)
         size = float(np.linalg.norm(cells)) / (2.0 * self.matrix.shear_modulus)
         found = np.zeros_like(cells)
         if start is not None:
@@ -225,7 +243,7 @@ class InhomogeneousCells:
                 progress("equivalent inclusions", norm / size, tolerance)
 
         if size > 0.0:
-            rest = self._residual(found, cells + (self._caused(found) if found.any() else 0.0))
+            rest = self._residual(found, cells + (self._caused(found) if found.any() else 0.0)) + shift
             found = found + gmres(
                 lambda x: self._row(x.reshape(6, -1)).ravel(),
                 rest.ravel(),
@@ -236,7 +254,7 @@ class InhomogeneousCells:
             ).reshape(6, -1)
         eigenstrain = fixed + self._spread(found)
         stress = given + self._apply(eigenstrain)
-        left = float(np.linalg.norm(self._residual(found, stress.reshape(6, -1)[:, self._cells])))
+        left = float(np.linalg.norm(self._residual(found, stress.reshape(6, -1)[:, self._cells]) + shift))
         report.residual = left / size if size > 0.0 else 0.0
         report.seconds = perf_counter() - began
         if not report.holds:
@@ -252,9 +270,20 @@ class InhomogeneousCells:
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
         """What is missing in each cell's condition, as the eigenstrain it would add by itself."""
+        foreign = stress - self._alone @ x
         out = np.empty_like(x)
-        for cells, of_stress, of_strain in self._parts:
-            out[:, cells] = -(of_stress @ stress[:, cells]) - of_strain @ x[:, cells]
+        for cells, answer in self._parts:
+            out[:, cells] = _product(answer, foreign[:, cells])
+        out += x
+        return np.negative(out, out=out)
+
+    def _shift(self, prestrain: FloatArray) -> FloatArray | float:
+        """What a prestrain adds to the conditions of cut cells, where one part of the cell has it only."""
+        if self._offset is None or not prestrain.any():
+            return 0.0
+        out = np.zeros((6, self._cells.size))
+        last = self._parts[-1][0]
+        out[:, last] = _product(self._offset, prestrain.reshape(6, -1)[:, self._cells[last]])
         return out
 
     def _caused(self, x: FloatArray) -> FloatArray:
@@ -278,7 +307,7 @@ class InhomogeneousCells:
 def solve_equivalent_inclusions(
     operator: StressOperator,
     matrix: Material,
-    stiffness_of_material: Sequence[ArrayLike],
+    materials: Sequence[Elasticity | ArrayLike],
     material_index: ArrayLike,
     applied_stress: ArrayLike,
     prestrain: ArrayLike | None = None,
@@ -288,31 +317,20 @@ def solve_equivalent_inclusions(
     progress: Progress | None = None,
 ) -> EquivalentInclusions:
     """Equivalent eigenstrain and total stress for one load; see `InhomogeneousCells` for what is given."""
-    cells = InhomogeneousCells(operator, matrix, stiffness_of_material, material_index)
+    cells = InhomogeneousCells(operator, matrix, materials, material_index)
     return cells.solve(applied_stress, prestrain, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
 
 
-def compliance(material: Material) -> FloatArray:
-    """Mandel compliance ``(6, 6)`` [1/Pa]; finite for ν = 0.5 too."""
-    nu = material.poisson_ratio
-    out = (1.0 + nu) * np.eye(6)
-    out[:3, :3] -= nu
-    return out / material.young_modulus
+def _by_component(matrices: NDArray[np.floating]) -> FloatArray:
+    """Matrices of cells, ``(n, 6, 6)``, as ``(6, 6, n)``; one for all, ``(6, 6)``, as it is."""
+    return np.ascontiguousarray(matrices if matrices.ndim == 2 else np.moveaxis(matrices, 0, 2), dtype=float)
 
 
-def scaled_condition(stiffness: ArrayLike, matrix: Material, number: int) -> tuple[FloatArray, FloatArray]:
-    """Factors P [1/Pa] and Q [-] of ``P σ + Q (ε* - ε_p) = 0`` in a cell; both bounded for any stiffness."""
-    given = np.asarray(stiffness, dtype=float)
-    where = f"stiffness of material {number}"
-    require(given.shape == (6, 6) and np.isfinite(given).all(), "inclusions", where, given, "6 x 6 and finite [Pa]")
-    size = float(np.abs(given).max())
-    require(np.abs(given - given.T).max() <= 1e-9 * size, "inclusions", where, given.tolist(), "symmetric [Pa]")
-    values, axes = np.linalg.eigh(0.5 * (given + given.T))
-    require(values[0] >= -1e-9 * size, "inclusions", where, given.tolist(), "without negative eigenvalues [Pa]")
-    values, modulus = np.maximum(values, 0.0), 2.0 * matrix.shear_modulus
-    soft = (axes / (values + modulus)) @ axes.T
-    stiff = (axes * (values / (values + modulus))) @ axes.T
-    return stiff @ compliance(matrix) - soft, stiff
+def _product(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Matrices ``(6, 6)`` or ``(6, 6, n)`` times vectors ``(6, n)``."""
+    if matrices.ndim == 2:
+        return np.asarray(matrices @ vectors)
+    return np.asarray(np.einsum("ijn,jn->in", matrices, vectors))
 
 
 def _check(operator: StressOperator, matrix: Material, materials: int, index: NDArray[np.int_]) -> None:
