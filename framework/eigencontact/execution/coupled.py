@@ -201,7 +201,7 @@ class CoupledRunner:
         """Contact of bodies that are softer by a share."""
         if share not in self._contacts:
             bodies = tuple(
-                None if body is None else replace(body, young_modulus=body.young_modulus / (1.0 + share))
+                replace(body, young_modulus=body.young_modulus / (1.0 + share)) if isinstance(body, Material) else None
                 for body in self._plan.bodies
             )
             runner = build_runner(replace(self._plan, bodies=(bodies[0], bodies[1])), self._block)

@@ -62,8 +62,7 @@ class _Box:
     def __init__(
         self, plan: Plan, box: CellGroup, body: int, tractions: Sequence[str], prescribed: list[FieldPart]
     ) -> None:
-        material = plan.bodies[body - 1]
-        assert material is not None
+        material = plan.half_space(body)
         self._body, self._numerics = body, plan.scene.numerics
         self._content = MaterialCells(box, plan.grid)
         self._prescribed = Sum(plan, prescribed) if prescribed else None
@@ -160,8 +159,7 @@ class SolvedResidualDisplacement(ResidualDisplacement):
         self._rows = ["xyz".index(DIRECTIONS[name]) for name in tractions]
         self._means = {}
         for body, box in cast("Mapping[int, CellGroup]", block.settings["boxes"]).items() if tractions else ():
-            material = plan.bodies[body - 1]
-            assert material is not None
+            material = plan.half_space(body)
             self._means[body] = MeanSurfaceDisplacement(
                 plan.grid,
                 _mean_kernels(plan, box, material, tractions),

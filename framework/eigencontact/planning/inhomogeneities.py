@@ -18,7 +18,7 @@ from eigencontact.planning.cost import sampling_seconds, stress_cost
 from eigencontact.planning.eigenstrain import EigenstrainDeclaration
 from eigencontact.planning.field_cost import Pace, volume_cost
 from eigencontact.planning.field_parts import FieldPart, part_of_cells, space_of
-from eigencontact.planning.kernels import DIRECTIONS, KernelUse
+from eigencontact.planning.kernels import DIRECTIONS, Bodies, KernelUse
 from eigencontact.planning.regions import RegionLattice, region_lattice, surface_lattice
 from eigencontact.planning.sources import Lattice, Source
 from eigencontact.plugin import HasCornerPotentials, SurfaceInfluence
@@ -145,7 +145,7 @@ class InhomogeneityDeclaration:
     scene: Scene
     grid: Grid
     boxes: Mapping[int, CellGroup]
-    bodies: tuple[Material | None, Material | None]
+    bodies: Bodies
     cell: HasCornerPotentials
     prescribed: EigenstrainDeclaration
     influences: Mapping[str, SurfaceInfluence]
@@ -264,5 +264,5 @@ class InhomogeneityDeclaration:
 
     def _material(self, body: int) -> Material:
         material = self.bodies[body - 1]
-        assert material is not None
+        assert isinstance(material, Material)
         return material

@@ -258,7 +258,7 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations."""
     from eigencontact import make
     from eigencontact.halfspace.points import field_at_points
-    from eigencontact.solvers.equivalent_inclusions import scaled_condition
+    from eigencontact.solvers.cell_conditions import condition_of
     from eigencontact.solvers.subsurface import stress_at_points
 
     matrix = problem.matrix
@@ -276,7 +276,7 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
         ],
         axis=1,
     )
-    stress, strain = scaled_condition(problem.stiffness, matrix, 1)
+    stress, strain, _ = condition_of(problem.stiffness, matrix)
     own = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
     found = answer @ (strain @ own - stress @ (applied @ weights))
