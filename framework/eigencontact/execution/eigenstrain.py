@@ -73,7 +73,8 @@ class EigenstrainRegion:
         parts = cast("list[FieldPart]", block.settings["parts"])
         assert isinstance(request, StressRequest)
         self._label = request.label
-        self._sums = {name: Sum(plan, [part for part in parts if part.quantity == name]) for name in request.fields}
+        by_name = {name: [part for part in parts if part.quantity == name] for name in request.fields}
+        self._sums = {name: Sum(plan, some) for name, some in by_name.items() if some}
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""

@@ -1,32 +1,39 @@
 """Mean stress in regions by their uniform eigenstrains: all pairs at once, without a matrix.
 
-The stress of other regions is biharmonic in a region, for the body bears no forces there. Its mean over a ball is then
-a mean over a few points, nearly exact: all that a cubature of degree five leaves of a biharmonic field are derivatives
-of the sixth order. The points of all regions see the point sources of all regions in one compiled sum; what is left are
-the points within a region, or too close for its point sources, whose share is found once, as small matrices.
+Pairs far apart meet in one compiled sum of point sources over a few points of each region. Pairs close to each other,
+or to each other's mirror image, and each region with itself, are averaged once over many points, as small matrices. The
+stress of other regions is biharmonic in a region, for the body bears no forces there; over a ball its mean is therefore
+that over a sphere of sqrt(3/5) of the radius, and what limits the mean is how well points on that sphere do.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import require
-from eigencontact.halfspace.cloud import _Finder, _likeness, _Sources, _sum_of_sources, uses_point_sources
+from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, uses_point_sources
 from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 
 __all__ = ["RegionMeans", "averaging_points"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+Rule = tuple[FloatArray, FloatArray]
 
 # Edges of the lattice of points that averages over a shape of which nothing is known but its potentials.
 _LATTICE = 6
+# Distance in radii of the target from which its few points do: what they miss is then below 0.4 % of a point source.
+_FAR = 4.0
+# Orders of the rules on a sphere (2 n² points): for a load that comes from near, and for a close neighbour, which they
+# take to 2 % and 0.03 % where the gap between two balls is 0.15 radii.
+_OF_LOAD, _OF_NEIGHBOUR = 5, 8
 
 
 class RegionMeans:
@@ -46,128 +53,158 @@ class RegionMeans:
     Attributes
     ----------
     points : (3, m)
-        Points over which the means are taken [m], all regions' one after the other.
+        Points [m] over which `mean` averages a load, all regions' one after the other.
     own : (n, 6, 6)
-        Mean stress in each region by its own eigenstrain, in units of the shear modulus; with its mirror image.
+        Mean stress in each region by its own eigenstrain, in units of the shear modulus; of its image too.
     """
 
     def __init__(
         self, shapes: Sequence[HasPotentials], *, poisson_ratio: float, space: str = "half", threads: int | None = None
     ) -> None:
         require(len(shapes) > 0, "regions", "shapes", len(shapes), "at least one")
-        self._shapes = list(shapes)
-        self._given: dict[str, Any] = {"poisson_ratio": poisson_ratio, "threads": threads}
-        self._space = space
-        rules = [averaging_points(shape) for shape in shapes]
-        self._weights = np.concatenate([weights for _, weights in rules])
-        self._starts = np.cumsum([0, *(weights.size for _, weights in rules)])
-        self.points: FloatArray = np.ascontiguousarray(np.concatenate([points for points, _ in rules]).T)
+        self._shapes, self._space = list(shapes), space
+        self._given: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": "stress"}
+        self._threads = threads
         self._far = {
             number: shape.far_field()
             for number, shape in enumerate(shapes)
             if isinstance(shape, HasFarField) and uses_point_sources(shape)
         }
-        self._pairs = self._close_pairs()
+        self._few = _Rules([averaging_points(shape) for shape in shapes])
+        bounds = np.array([shape.bounds for shape in shapes], dtype=float)
+        self._radii = 0.5 * (bounds[:, 1] - bounds[:, 0]).max(axis=1)
+        self._centers = bounds.mean(axis=1)
+        shallow = (self._centers[:, 2] < _FAR * self._radii) & (space == "half")
+        load = [averaging_points(shape, _OF_LOAD if near else 0) for shape, near in zip(shapes, shallow, strict=True)]
+        self._load = _Rules(load)
+        self.points = self._load.points
+        self._pairs = self._close_pairs([averaging_points(shape, _OF_NEIGHBOUR) for shape in shapes])
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Means ``(k, n)`` of a field given at `points`, ``(k, m)``."""
-        return np.asarray(np.add.reduceat(values * self._weights, self._starts[:-1], axis=1))
+        return self._load.mean(values)
 
     def apply(self, eigenstrains: FloatArray) -> FloatArray:
         """Mean stress ``(6, n)``, in units of the shear modulus, by the Mandel eigenstrains ``(6, n)`` [-]."""
         out = np.zeros_like(eigenstrains)
-        if self._far:
+        if self._far and len(self._shapes) > 1:
             regions, chosen = list(self._far.values()), eigenstrains[:, list(self._far)].T
-            out += self.mean(self._summed(regions, chosen, slice(None)))
+            out += self._few.mean(self._summed(regions, chosen, self._few.points, threads=self._threads))
         targets, sources, matrices = self._pairs
         shares = np.einsum("pij,jp->ip", matrices, eigenstrains[:, sources])
         for component, values in enumerate(shares):
             out[component] += np.bincount(targets, weights=values, minlength=out.shape[1])
         return out
 
-    @cached_property
-    def own(self) -> FloatArray:
-        """See the class."""
-        out = np.zeros((len(self._shapes), 6, 6))
-        targets, sources, matrices = self._pairs
-        same = targets == sources
-        np.add.at(out, targets[same], matrices[same])
-        for number, far in self._far.items():
-            here = slice(self._starts[number], self._starts[number + 1])
-            for component, unit in enumerate(np.eye(6)):
-                out[number, :, component] += self._summed([far], unit[None], here) @ self._weights[here]
-        return out
-
     def _summed(
         self,
         regions: Sequence[PointSources],
         eigenstrains: FloatArray,
-        at: slice | NDArray[np.intp],
+        points: FloatArray,
+        *,
         space: str | None = None,
+        threads: int | None = 1,
     ) -> FloatArray:
-        x, y, z = (np.ascontiguousarray(values) for values in self.points[:, at])
+        x, y, z = (np.ascontiguousarray(values) for values in points)
         sources = _Sources(regions, list(eigenstrains))
-        given = self._given if len(regions) > 1 else {**self._given, "threads": 1}  # too little to share
-        return _sum_of_sources(sources, (x, y, z), space=space or self._space, quantity="stress", **given)
+        return _sum_of_sources(sources, (x, y, z), space=space or self._space, threads=threads, **self._given)
 
-    def _close_pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+    def _close_pairs(self, rules: list[Rule]) -> tuple[IntArray, IntArray, FloatArray]:
         """Target, source and matrix of all that the sum over point sources leaves out or gets wrong."""
-        owner = np.repeat(np.arange(len(self._shapes)), np.diff(self._starts))
-        finder = _Finder(*self.points)
+        count = len(self._shapes)
+        self.own = np.zeros((count, 6, 6))
         known: dict[Hashable, FloatArray] = {}
         targets, sources, matrices = [], [], []
+        for source in range(count):
+            near = self._near(source) if source in self._far else np.arange(count)
+            points = np.concatenate([rules[target][0] for target in near]).T
+            weights = [rules[target][1] for target in near]
+            fine = _means(self._fields(source, points, known), weights)
+            self.own[source] = fine[list(near).index(source)]
+            if source in self._far and count > 1:
+                few = [slice(self._few.starts[target], self._few.starts[target + 1]) for target in near]
+                at = np.concatenate([self._few.points[:, part] for part in few], axis=1)
+                fine -= _means(self._sums(source, at, self._space), [self._few.weights[part] for part in few])
+            targets.append(near)
+            sources.append(np.full(near.size, source))
+            matrices.append(fine)
+        return np.concatenate(targets), np.concatenate(sources), np.concatenate(matrices)
 
-        def add(source: int, index: NDArray[np.intp], fields: FloatArray) -> None:
-            weighted = fields * self._weights[index]
-            for target in np.unique(owner[index]):
-                targets.append(int(target))
-                sources.append(source)
-                matrices.append(weighted[:, :, owner[index] == target].sum(axis=2).T)
+    def _near(self, source: int) -> IntArray:
+        """Regions that are close to one, or to its mirror image; itself too."""
+        found = np.zeros(len(self._shapes), dtype=bool)
+        reach = np.maximum(_FAR * self._radii, self._far[source].distance + self._radii)
+        for mirror in (1.0, -1.0)[: 2 if self._space == "half" else 1]:
+            offsets = self._centers - self._centers[source] * (1.0, 1.0, mirror)
+            found |= np.einsum("ni,ni->n", offsets, offsets) < reach**2
+        found[source] = True
+        return np.flatnonzero(found)
 
-        for number, shape in enumerate(self._shapes):
-            if number not in self._far:
-                every = np.arange(owner.size)
-                add(number, every, self._fields(shape, None, every, self._space))
-                continue
-            far = self._far[number]
-            near = finder.within(far.center, far.distance)
-            # In full space stress does not depend on the size: all balls share one matrix, and so do equal shapes.
-            offsets = np.round((self.points[:, near].T - far.center) / (1e-12 * far.distance))
-            key = ("ball" if _is_ball(far) else _likeness(shape), offsets.tobytes())
-            if key not in known:
-                known[key] = self._fields(shape, far, near, "full")
-            add(number, near, known[key])
-            near = finder.within(far.center * (1.0, 1.0, -1.0), far.distance)
-            if self._space == "half" and near.size:  # a region that touches the surface: its image is as close
-                add(number, near, self._fields(shape, far, near, "half") - self._fields(shape, far, near, "full"))
-        return np.array(targets), np.array(sources), np.array(matrices)
+    def _sums(self, source: int, points: FloatArray, space: str) -> FloatArray:
+        """Stress ``(6 eigenstrains, 6, points)`` of the point sources of a region."""
+        finest = [replace(self._far[source], coarser=None)]
+        return np.array([self._summed(finest, unit[None], points, space=space) for unit in np.eye(6)])
 
-    def _fields(self, shape: HasPotentials, far: PointSources | None, at: NDArray[np.intp], space: str) -> FloatArray:
-        """Stress ``(6 eigenstrains, 6, points)`` of a region less that of its point sources, if it has any."""
-        x, y, z = (np.ascontiguousarray(values) for values in self.points[:, at])
-        out = np.empty((6, 6, at.size))
-        finest = None if far is None else [replace(far, coarser=None)]
-        for component, unit in enumerate(np.eye(6)):
-            out[component] = field_at_points(
-                shape,
-                unit,
-                (x, y, z),
-                space=space,
-                quantity="stress",
-                poisson_ratio=self._given["poisson_ratio"],
-                threads=1,
-            )
-            if finest is not None:
-                out[component] -= self._summed(finest, unit[None], at, space)
+    def _exact(self, source: int, points: FloatArray, space: str) -> FloatArray:
+        x, y, z = (np.ascontiguousarray(values) for values in points)
+        return np.array(
+            [
+                field_at_points(self._shapes[source], unit, (x, y, z), space=space, threads=1, **self._given)
+                for unit in np.eye(6)
+            ]
+        )
+
+    def _fields(self, source: int, points: FloatArray, known: dict[Hashable, FloatArray]) -> FloatArray:
+        """Stress ``(6 eigenstrains, 6, points)`` of a region."""
+        if source not in self._far:
+            return self._exact(source, points, self._space)
+        far = self._far[source]
+        out = self._sums(source, points, self._space)
+        offsets = points.T - far.center
+        close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
+        # In full space stress does not depend on the size: all balls share one matrix, and so do equal shapes.
+        rounded = np.round(offsets[close] / (1e-12 * far.distance))
+        key = ("ball" if _is_ball(far) else _likeness(self._shapes[source]), rounded.tobytes())
+        if key not in known:
+            known[key] = self._exact(source, points[:, close], "full") - self._sums(source, points[:, close], "full")
+        out[:, :, close] += known[key]
+        if self._space == "half":
+            offsets = points.T - far.center * (1.0, 1.0, -1.0)
+            close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
+            if close.size:  # a region that touches the surface, or nearly: its image is as close
+                at = points[:, close]
+                out[:, :, close] += self._exact(source, at, "half") - self._exact(source, at, "full")
+                out[:, :, close] -= self._sums(source, at, "half") - self._sums(source, at, "full")
         return out
 
 
-def averaging_points(shape: HasPotentials) -> tuple[FloatArray, FloatArray]:
+class _Rules:
+    """Points and weights of all regions, one after the other."""
+
+    def __init__(self, rules: Sequence[Rule]) -> None:
+        self.points: FloatArray = np.ascontiguousarray(np.concatenate([points for points, _ in rules]).T)
+        self.weights = np.concatenate([weights for _, weights in rules])
+        self.starts = np.cumsum([0, *(weights.size for _, weights in rules)])
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Means ``(k, n)`` of values ``(k, points)``."""
+        return np.asarray(np.add.reduceat(values * self.weights, self.starts[:-1], axis=1))
+
+
+def _means(fields: FloatArray, weights: Sequence[FloatArray]) -> FloatArray:
+    """Matrices ``(targets, 6, 6)`` from stress ``(6 eigenstrains, 6, points)``."""
+    starts = np.cumsum([0, *(part.size for part in weights[:-1])])
+    means = np.add.reduceat(fields * np.concatenate(weights), starts, axis=2)
+    return np.asarray(means.transpose(2, 1, 0))
+
+
+def averaging_points(shape: HasPotentials, order: int = 0) -> Rule:
     """Points ``(m, 3)`` [m] and weights ``(m,)`` of the mean over a region.
 
-    Ellipsoids, known by their volume and second moments, take 13 points and polynomials of degree 5 exactly (for a ball
-    whose field is biharmonic the error is of the sixth order); other shapes with point sources 8 points and degree 3
-    about their centroid's axes if they are symmetric; the rest a lattice in their bounds.
+    Ellipsoids, known by their volume and second moments, take 13 points and polynomials of degree 5 exactly. Order
+    n > 0 asks for more: a ball then takes 2 n² points on one sphere, exact for biharmonic polynomials of degree
+    2 n - 1, and an ellipsoid such spheres at four radii. Other shapes with point sources take 8 points and degree 3
+    (if they are symmetric about their centroid's axes), the rest a lattice in their bounds, good to some 0.3 %.
     """
     if not isinstance(shape, HasFarField):
         return _lattice(shape)
@@ -176,11 +213,11 @@ def averaging_points(shape: HasPotentials) -> tuple[FloatArray, FloatArray]:
     center = far.volumes @ far.positions / volume
     offsets = far.positions - center
     moments = (far.volumes[:, None] * offsets).T @ offsets + float(far.volumes @ far.spreads) * np.eye(3)
-    squares, axes = np.linalg.eigh(moments / volume)
+    squares, axes = (np.full(3, far.spreads[0]), np.eye(3)) if _is_ball(far) else np.linalg.eigh(moments / volume)
     deviations = np.sqrt(squares)
     ellipsoid = 4.0 / 3.0 * np.pi * float(np.prod(np.sqrt(5.0) * deviations))
     if abs(ellipsoid - volume) < 1e-6 * volume:
-        points, weights = _ball()
+        points, weights = _ball() if order == 0 else _shells(order, 1 if _is_ball(far) else 4)
         points = np.sqrt(5.0) * points
     else:
         points = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
@@ -188,18 +225,33 @@ def averaging_points(shape: HasPotentials) -> tuple[FloatArray, FloatArray]:
     return center + (points * deviations) @ axes.T, weights
 
 
-def _ball() -> tuple[FloatArray, FloatArray]:
+def _ball() -> Rule:
     """Centre and twelve corners of an icosahedron: degree 5 in the unit ball."""
     golden = 0.5 * (1.0 + np.sqrt(5.0))
-    corners = [
-        np.roll((0.0, first, second * golden), turn) for turn in range(3) for first in (-1, 1) for second in (-1, 1)
-    ]
+    signs = [(first, second) for first in (-1, 1) for second in (-1, 1)]
+    corners = [np.roll((0.0, first, second * golden), turn) for turn in range(3) for first, second in signs]
     directions = np.array(corners) / np.hypot(1.0, golden)
     # <r²> = 3/5 and <r⁴> = 3/7 of a ball.
     return np.vstack([np.zeros(3), np.sqrt(5.0 / 7.0) * directions]), np.array([4.0 / 25.0] + [7.0 / 100.0] * 12)
 
 
-def _lattice(shape: HasPotentials) -> tuple[FloatArray, FloatArray]:
+@cache
+def _shells(order: int, count: int) -> Rule:
+    """Spheres in the unit ball; a single one has the radius that does for biharmonic functions."""
+    heights, of_height = np.polynomial.legendre.leggauss(order)
+    turns = (np.arange(2 * order) + 0.5) * np.pi / order
+    t, v = (values.ravel() for values in np.meshgrid(heights, turns, indexing="ij"))
+    directions = np.column_stack([np.sqrt(1.0 - t * t) * np.cos(v), np.sqrt(1.0 - t * t) * np.sin(v), t])
+    weights = np.repeat(of_height / (4.0 * order), 2 * order)
+    if count == 1:
+        return np.sqrt(0.6) * directions, weights
+    radii, of_radius = np.polynomial.legendre.leggauss(count)
+    radii = 0.5 * (1.0 + radii)
+    of_radius = 1.5 * radii**2 * of_radius
+    return (radii[:, None, None] * directions).reshape(-1, 3), np.outer(of_radius, weights).ravel()
+
+
+def _lattice(shape: HasPotentials) -> Rule:
     low, high = (np.array(corner, dtype=float) for corner in shape.bounds)
     parts = (np.arange(_LATTICE) + 0.5) / _LATTICE
     grid = np.array(np.meshgrid(parts, parts, parts)).reshape(3, -1)

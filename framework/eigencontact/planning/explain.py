@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from eigencontact.core.units import readable
@@ -9,6 +10,7 @@ from eigencontact.planning.bodies import body_in_words, layers_in_words
 
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
+    from eigencontact.planning.sources import Source
 
 __all__ = ["as_data", "explain"]
 
@@ -77,6 +79,7 @@ def as_data(plan: Plan) -> dict[str, object]:
                 "exact": source.lattice is None,
                 "how": source.how,
                 "cells": 0 if source.lattice is None else source.lattice.cells,
+                "material": None if source.material is None else source.material.type,
             }
             for source in plan.sources
         ],
@@ -118,6 +121,11 @@ def references(plan: Plan) -> tuple[str, ...]:
             "R. D. Mindlin, D. H. Cheng, J. Appl. Phys. 21 (1950) 926",
             "S. Liu, X. Jin, Z. Wang et al., Int. J. Plasticity 35 (2012) 135",
         ]
+    if any(source.material is not None for source in plan.sources):
+        texts += [
+            "J. D. Eshelby, Proc. R. Soc. Lond. A 241 (1957) 376",
+            "K. Zhou, W. W. Hoh, X. Wang et al., Mech. Mater. 60 (2013) 144",
+        ]
     if plan.geometries:
         texts += [
             "I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, doi:10.1016/S0043-1648(99)00113-1",
@@ -151,14 +159,36 @@ def _inclusions(plan: Plan) -> list[str]:
     """Every region with eigenstrain and how its field is found; like ones on one line."""
     if not plan.sources:
         return []
+    prescribed = [source for source in plan.sources if source.material is None]
+    lines = _alike(prescribed)
+    if prescribed:
+        lines.insert(0, f"eigenstrain, {_counted(prescribed)}")
+    if len(prescribed) < len(plan.sources):
+        from eigencontact.planning.inhomogeneities import boxes_of
+
+        for body, box in boxes_of(plan.sources).items():
+            (nz, ny, nx), (dz, dy, dx) = box.lattice.shape, box.lattice.edges
+            edges = " x ".join(readable(edge, "m") for edge in (dx, dy, dz))
+            lines.append(
+                f"inhomogeneities of body {body}, {_counted(box.sources)} in {nx} x {ny} x {nz} cells of {edges}"
+            )
+            lines += _alike(box.sources)
+    return [*lines, ""]
+
+
+def _counted(sources: Sequence[Source]) -> str:
+    return f"{len(sources)} region{'s' if len(sources) != 1 else ''}"
+
+
+def _alike(sources: Sequence[Source]) -> list[str]:
     groups: dict[tuple[str, str, int], list[str]] = {}
-    for source in plan.sources:
+    for source in sources:
         groups.setdefault((source.key, source.how, source.body), []).append(source.name)
-    lines = [f"eigenstrain, {len(plan.sources)} region{'s' if len(plan.sources) != 1 else ''}"]
+    lines = []
     for (key, how, body), names in groups.items():
         who = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} of them"
         lines.append(f"  {who} (plugin {key!r}, body {body}): {how}")
-    return [*lines, ""]
+    return lines
 
 
 def _body(plan: Plan, index: int) -> str:

@@ -169,7 +169,9 @@ class InhomogeneityDeclaration:
                 seconds_once=8.0 * one.seconds_once,
                 seconds_per_step=one.seconds_per_step * applications * (1.0 + 0.3 * (rounds - 1)),
             )
-            uses.append(KernelUse("mean stress (6 components)", f"eigenstrain of {box.names}", "cells", words, 58))
+            uses.append(
+                KernelUse("mean stress (6 components)", f"eigenstrain of {box.names}", self._cell_key, words, 58)
+            )
             for name in tractions:
                 key = self.influences[name].key
                 cost += self._traction_cost(body, box, name)
@@ -240,7 +242,9 @@ class InhomogeneityDeclaration:
 
     def _with(self, base: Block, parts: list[FieldPart], words: str, spread: Mapping[str, str]) -> Block:
         uses = tuple(
-            KernelUse(spread[part.quantity], f"eigenstrain of {part.group.names}", "cells", f"{words}, {part.words}")
+            KernelUse(
+                spread[part.quantity], f"eigenstrain of {part.group.names}", self._cell_key, f"{words}, {part.words}"
+            )
             for part in parts
             if part.group is not None
         )
@@ -252,6 +256,10 @@ class InhomogeneityDeclaration:
             cost=sum((part.cost for part in parts), base.cost),
             settings={**base.settings, "solved": parts},
         )
+
+    @property
+    def _cell_key(self) -> str:
+        return str(getattr(self.cell, "key", "cell"))
 
     def _part(self, body: int, quantity: str, lattice: RegionLattice, components: int) -> FieldPart:
         return part_of_cells(

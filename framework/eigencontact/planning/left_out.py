@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from eigencontact.core.grid import Grid
 from eigencontact.planning.bodies import layered_bodies
 from eigencontact.planning.coupling import Coupling
 from eigencontact.planning.kernels import Bodies
@@ -16,7 +17,11 @@ __all__ = ["left_out"]
 
 
 def left_out(
-    scene: Scene, bodies: Bodies, sources: Sequence[Source], coupling: Coupling | None = None
+    scene: Scene,
+    bodies: Bodies,
+    sources: Sequence[Source],
+    coupling: Coupling | None = None,
+    grid: Grid | None = None,
 ) -> list[LeftOut]:
     """Return what is not modelled, each with the reason; `coupling` is that of a contact with friction."""
     out = _of_the_contact(bodies, coupling) if scene.geometry else [LeftOut("contact", "the scene has no [geometry]")]
@@ -28,7 +33,20 @@ def left_out(
     if scene.geometry and scene.numerics.boundary == "non-periodic":
         out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
     if sources:
-        out += _of_the_eigenstrain(scene, sources)
+        prescribed = [source for source in sources if source.material is None]
+        out += _of_the_eigenstrain(scene, sources, prescribed)
+    if grid is not None and any(source.material is not None for source in sources):
+        from eigencontact.planning.inhomogeneities import layer_that_fills
+
+        layer = layer_that_fills(sources, grid)
+        if layer is not None:
+            out.append(
+                LeftOut(
+                    "the exact response of a layered body",
+                    f"{layer.name!r}, a flat layer of one material over the whole window, is cut into cells and ends "
+                    f'with it; body{layer.body}.medium = {{ type = "bonded-layers", ... }} is exact, and faster',
+                )
+            )
     return out
 
 
@@ -51,9 +69,9 @@ def _of_the_contact(bodies: Bodies, coupling: Coupling | None) -> list[LeftOut]:
     return out
 
 
-def _of_the_eigenstrain(scene: Scene, sources: Sequence[Source]) -> list[LeftOut]:
+def _of_the_eigenstrain(scene: Scene, sources: Sequence[Source], prescribed: Sequence[Source]) -> list[LeftOut]:
     out = []
-    if scene.geometry:
+    if scene.geometry and prescribed:
         out.append(
             LeftOut(
                 "eigenstrain that follows from the contact",

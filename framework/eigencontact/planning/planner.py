@@ -85,7 +85,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         influences=influences,
         sources=sources,
         groups=resolve(blocks, outputs),
-        left_out=left_out(scene, bodies, sources, coupling),
+        left_out=left_out(scene, bodies, sources, coupling, grid),
         friction=friction,
     )
     _check_memory(plan)

@@ -47,9 +47,17 @@ _LAST = (
     "stick_residual",
     "alignment_residual",
     "coupling_residual",
+    "inclusion_residual",
 )
 #: Scalars that are summed over all steps.
-_SUMMED = ("iterations", "convolutions", "tangential_convolutions", "solve_seconds")
+_SUMMED = (
+    "iterations",
+    "convolutions",
+    "tangential_convolutions",
+    "coupling_iterations",
+    "inclusion_iterations",
+    "solve_seconds",
+)
 
 
 def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mapping[str, Any]) -> Path:
@@ -93,7 +101,7 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
     for name in _SUMMED:
         spent = [value for row in history if (value := row.get(name)) is not None]
         summary[name] = math.fsum(spent) if spent else None
-    summary |= {name: int(summary[name]) for name in _SUMMED[:3] if _finite(summary[name])}
+    summary |= {name: int(summary[name]) for name in _SUMMED[:-1] if _finite(summary[name])}
     summary |= {
         "peak_memory_bytes": None,
         "contact_modulus": info.contact_modulus,

@@ -1,0 +1,235 @@
+"""One uniform eigenstrain an inclusion: exact alone in full space; identities, limits and neighbours otherwise."""
+
+import numpy as np
+import pytest
+
+from eigencontact.core.elasticity import VOID, Cubic, GivenStiffness, Isotropic, IsotropicField
+from eigencontact.core.material import Material
+from eigencontact.core.tensors import to_mandel
+from eigencontact.errors import NotConverged, SceneError
+from eigencontact.halfspace.points import field_at_points
+from eigencontact.halfspace.region_means import RegionMeans, averaging_points
+from eigencontact.solvers.whole_inclusions import WholeInclusions
+from eigencontact_plugins.shapes.cuboid import Cuboid
+from eigencontact_plugins.shapes.ellipsoid import Ellipsoid
+from eigencontact_plugins.shapes.sphere import SphericalInclusion
+from eigencontact_verification.oracles.eshelby import infinite_bar, spheroid_tensor
+from eigencontact_verification.oracles.eshelby_sphere import (
+    cubic_stiffness,
+    isotropic_stiffness,
+    sphere_in_body,
+    turned,
+)
+
+STEEL = Material(young_modulus=210e9, poisson_ratio=0.3)
+LOAD = np.array([[3.0, -1.0, 0.5], [-1.0, 2.0, 0.7], [0.5, 0.7, -4.0]]) * 1e8
+PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+NICKEL = {"c11": 246.5e9, "c12": 147.3e9, "c44": 124.7e9}
+
+
+def mandel(tensor):
+    return to_mandel([tensor[pair] for pair in PAIRS])
+
+
+def columns(tensor, count=1):
+    return np.repeat(mandel(np.asarray(tensor, dtype=float))[:, None], count, axis=1)
+
+
+def ball(x=0.0, y=0.0, z=3.0, radius=1.0):
+    return SphericalInclusion(center=(x, y, z), radius=radius)
+
+
+def times_steel(ratio, poisson_ratio=0.3):
+    return Isotropic(young_modulus=ratio * 210e9, poisson_ratio=poisson_ratio)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.1, 0.5, 2.0, 4.0, 1e6])
+def test_eshelby(ratio):
+    """Any stress at infinity and a prestrain: stress and eigenstrain of the closed form."""
+    prestrain = 1e-3 * np.diag([1.0, 2.0, -1.0])
+    stress, eigenstrain = sphere_in_body(isotropic_stiffness(ratio * 210e9, 0.2), 210e9, 0.3, LOAD, prestrain)
+    answer = WholeInclusions([ball()], STEEL, [times_steel(ratio, 0.2)], space="full").solve(
+        columns(LOAD), columns(prestrain), tolerance=1e-12
+    )
+    np.testing.assert_allclose(answer.stress[:, 0], mandel(stress), atol=1e-10 * 210e9 * 1e-3)
+    np.testing.assert_allclose(answer.eigenstrain[:, 0], mandel(eigenstrain), atol=1e-10 * 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "along", "across", "hydrostatic"),
+    [(0.5, 0.6789, 0.0226, 0.7241), (2, 1.315, -0.0398, 1.2353), (4, 1.5647, -0.0824, 1.4),
+     (1e9, 1.9385, -0.1615, 1.6154)],
+)  # fmt: skip
+def test_published_stress_in_a_sphere(ratio, along, across, hydrostatic):
+    alone = WholeInclusions([ball()], STEEL, [times_steel(ratio)], space="full")
+    np.testing.assert_allclose(
+        alone.solve(columns(np.diag([1.0, 0, 0]))).stress[:3, 0], [along, across, across], atol=5e-5
+    )
+    np.testing.assert_allclose(alone.solve(columns(np.eye(3))).stress[:3, 0], hydrostatic, atol=5e-5)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_crystal_in_any_orientation(seed):
+    R, _ = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
+    R *= np.sign(np.linalg.det(R))
+    crystal = Cubic(**NICKEL, x_axis=tuple(R[:, 0]), y_axis=tuple(R[:, 1]))
+    stress, _ = sphere_in_body(turned(cubic_stiffness(**NICKEL), R), 210e9, 0.3, LOAD)
+    answer = WholeInclusions([ball()], STEEL, [crystal], space="full").solve(columns(LOAD), tolerance=1e-12)
+    np.testing.assert_allclose(answer.stress[:, 0], mandel(stress), atol=1e-10 * 4e8)
+    # Turned together with the load it is the crystal along the axes.
+    straight = WholeInclusions([ball()], STEEL, [Cubic(**NICKEL)], space="full").solve(columns(R.T @ LOAD @ R))
+    back = R @ (tensor_of(straight.stress[:, 0])) @ R.T
+    np.testing.assert_allclose(answer.stress[:, 0], mandel(back), atol=1e-7 * 4e8)
+
+
+def tensor_of(vector):
+    out = np.zeros((3, 3))
+    for value, (i, j), weight in zip(vector, PAIRS, [1, 1, 1, 2, 2, 2], strict=True):
+        out[i, j] = out[j, i] = value / np.sqrt(weight)
+    return out
+
+
+@pytest.mark.parametrize("aspect", [0.3, 4.0])
+def test_spheroids_have_their_own_tensor(aspect):
+    """Rigid, in simple tension: total strain e0 + S e* = 0."""
+    rod = Ellipsoid(center=(0.0, 0.0, 9.0), semi_axes=(aspect, 1.0, 1.0))
+    answer = WholeInclusions([rod], STEEL, [times_steel(1e12)], space="full").solve(columns(np.diag([1e8, 0, 0])))
+    far = np.diag([1.0, -0.3, -0.3]) * 1e8 / 210e9
+    S = spheroid_tensor(aspect, 0.3)
+    strain = np.einsum("ijkl,kl->ij", S, tensor_of(answer.eigenstrain[:, 0]))
+    np.testing.assert_allclose(strain, -far, atol=1e-10 * np.abs(far).max())
+
+
+@pytest.mark.parametrize("space", ["half", "full"])
+def test_the_same_constants_change_nothing(space):
+    shapes = [ball(), ball(2.001), Ellipsoid(center=(0.0, 2.5, 2.2), semi_axes=(0.5, 1.0, 2.0), rotation=(0.1, 0, 0.2))]
+    answer = WholeInclusions(shapes, STEEL, [times_steel(1.0)] * 3, space=space).solve(columns(LOAD, 3))
+    assert np.abs(answer.eigenstrain).max() < 1e-10 * 4e8 / 210e9
+    misfit = np.random.default_rng(0).standard_normal((6, 3))
+    answer = WholeInclusions(shapes, STEEL, [times_steel(1.0)] * 3, space=space).solve(columns(LOAD, 3), misfit)
+    np.testing.assert_allclose(answer.eigenstrain, misfit, atol=1e-10)
+
+
+def test_means_of_a_neighbours_stress_are_exact_and_reciprocal():
+    """The mean over a ball by points on a sphere is that of its volume, and V_i A_ij is symmetric."""
+    one, two = ball(0.0, 0.1, 1.1), ball(1.4, 0.3, 2.3, 0.7)
+    pair = RegionMeans([one, two], poisson_ratio=0.3)
+    into, back = (
+        np.column_stack([pair.apply(np.column_stack(both))[:, target] for both in columns_of_one])
+        for target, columns_of_one in (
+            (1, [(unit, 0 * unit) for unit in np.eye(6)]),
+            (0, [(0 * unit, unit) for unit in np.eye(6)]),
+        )
+    )
+    np.testing.assert_allclose(0.7**3 * into, back.T, atol=1e-3 * np.abs(back).max())
+    points, weights = ball_rule(two)
+    e = np.random.default_rng(0).standard_normal(6)
+    mean = field_at_points(one, e, tuple(points), poisson_ratio=0.3, quantity="stress") @ weights
+    np.testing.assert_allclose(into @ e, mean, atol=1e-3 * np.abs(mean).max())
+
+
+def ball_rule(shape):
+    """Product rule in spherical coordinates."""
+    nodes, weights = np.polynomial.legendre.leggauss(14)
+    angles = (np.arange(24) + 0.5) * np.pi / 12
+    r, t, v = np.meshgrid(0.5 * (1 + nodes), nodes, angles, indexing="ij")
+    s = np.sqrt(1 - t * t)
+    points = np.array([r * s * np.cos(v), r * s * np.sin(v), r * t]).reshape(3, -1)
+    volume = (1.5 * r[:, :1, :1] ** 2 * weights[:, None, None] * 0.5 * weights[None, :, None] / 24 + 0 * v).ravel()
+    return np.array(shape.center)[:, None] + shape.radius * points, volume / volume.sum()
+
+
+def test_far_apart_is_alone_and_the_surface_is_forgotten():
+    """Neighbours and the surface act by the cube of the distance."""
+    alone = WholeInclusions([ball()], STEEL, [times_steel(3.0)], space="full").solve(columns(LOAD)).eigenstrain
+    gaps = []
+    for distance in (5.0, 20.0):
+        pair = [ball(0, 0, 2 * distance), ball(distance, 0, 2 * distance)]
+        found = WholeInclusions(pair, STEEL, [times_steel(3.0)] * 2).solve(columns(LOAD, 2)).eigenstrain
+        gaps.append(np.abs(found - alone).max() / np.abs(alone).max())
+    assert gaps[1] < 1e-3
+    assert 2.7 < np.log(gaps[0] / gaps[1]) / np.log(4.0) < 3.3
+
+
+@pytest.mark.parametrize(("length", "pascal"), [(1e-9, 1.0), (1.0, 1e9), (1e3, 1e-9)])
+def test_units_do_not_matter(length, pascal):
+    def found(length, pascal):
+        matrix = Material(young_modulus=2.1 * pascal, poisson_ratio=0.3)
+        shapes = [ball(0, 0, 1.2 * length, length), ball(2.2 * length, 0, 1.5 * length, 0.9 * length)]
+        materials = [Isotropic(young_modulus=9 * pascal, poisson_ratio=0.2), VOID]
+        return WholeInclusions(shapes, matrix, materials).solve(columns(LOAD / 1e8, 2) * pascal).eigenstrain
+
+    np.testing.assert_allclose(found(length, pascal), found(1.0, 1.0), rtol=1e-7, atol=1e-7)
+
+
+def test_voids_and_rigid_ones_next_to_each_other_and_to_the_surface():
+    shapes = [ball(2.05 * i, 2.05 * j, 1.02) for i in range(3) for j in range(3)]
+    materials = [VOID if n % 2 else times_steel(1e6) for n in range(9)]
+    answer = WholeInclusions(shapes, STEEL, materials).solve(columns(LOAD, 9))
+    assert answer.report.iterations < 40
+    assert answer.report.holds
+    assert np.abs(answer.stress[:, 1::2]).max() < 1e-5 * 4e8
+    load = WholeInclusions(shapes, STEEL, materials)
+    again = load.solve(columns(LOAD, 9), start=answer.eigenstrain)
+    assert again.report.iterations == 0
+
+
+def test_the_mean_of_a_load_is_that_over_the_volume():
+    """x² over a ball is a²/5, over an ellipsoid likewise along its axes, over a cuboid h²/3."""
+    flat = Ellipsoid(center=(0.0, 0.0, 3.0), semi_axes=(1.0, 2.0, 0.5))
+    brick = Cuboid(center=(0.0, 0.0, 3.0), edges=(2.0, 1.0, 1.0))
+    whole = WholeInclusions([ball(radius=2.0), flat, brick], STEEL, [VOID] * 3)
+    x, y, z = whole.points
+    squares = np.array([x * x, y * y, (z - 3) ** 2, x, z, x**4 - 6 * x * x * y * y + y**4])
+    found = whole.mean(squares)
+    np.testing.assert_allclose(found[:, 0], [0.8, 0.8, 0.8, 0, 3, 0], atol=1e-12)
+    np.testing.assert_allclose(found[:5, 1], [0.2, 0.8, 0.05, 0, 3], atol=1e-12)
+    np.testing.assert_allclose(found[:5, 2], [1 / 3, 1 / 12, 1 / 12, 0, 3], atol=1e-12)
+
+
+class PotentialsOnly:
+    """A ball that gives away nothing but its potentials."""
+
+    def __init__(self, shape):
+        self.bounds, self.phi, self.psi = shape.bounds, shape.phi, shape.psi
+
+
+def test_shapes_with_potentials_only_have_a_lattice_of_points():
+    points, weights = averaging_points(PotentialsOnly(ball()))
+    assert weights.sum() == pytest.approx(1.0)
+    assert ((points - (0, 0, 3)) ** 2).sum(axis=1).max() < 1.0
+    shapes = [ball(), ball(2.2, 0.3, 3.2)]
+    expected = WholeInclusions(shapes, STEEL, [times_steel(3.0)] * 2).solve(columns(LOAD, 2)).eigenstrain
+    hidden = [shapes[0], PotentialsOnly(shapes[1])]
+    found = WholeInclusions(hidden, STEEL, [times_steel(3.0)] * 2).solve(columns(LOAD, 2)).eigenstrain
+    np.testing.assert_allclose(found, expected, atol=5e-3 * np.abs(expected).max())
+
+
+def test_a_long_ellipsoid_is_a_bar():
+    """Case PB-1: 1 % of axial eigenstrain in 210 GPa within 50 GPa."""
+    bar = Ellipsoid(center=(0.0, 0.0, 5.0), semi_axes=(200.0, 1.0, 1.0))
+    matrix, steel = Material(young_modulus=50e9, poisson_ratio=0.3), Isotropic(young_modulus=210e9, poisson_ratio=0.3)
+    found = WholeInclusions([bar], matrix, [steel], space="full").solve(
+        np.zeros((6, 1)), columns(np.diag([0.01, 0, 0]))
+    )
+    expected = infinite_bar(0.01, (210e9, 0.3), (50e9, 0.3))
+    assert found.stress[0, 0] == pytest.approx(expected.axial, rel=2e-3)
+    assert found.stress[1, 0] == pytest.approx(expected.transverse, rel=2e-2)
+    assert found.stress[0, 0] == pytest.approx(-2163e6, rel=2e-3)
+
+
+def test_refusals_and_what_did_not_converge():
+    one = WholeInclusions([ball(), ball(2.1)], STEEL, [VOID, times_steel(1e4)])
+    with pytest.raises(NotConverged, match="after 2 iterations") as caught:
+        one.solve(columns(LOAD, 2), max_iterations=2, tolerance=1e-12)
+    assert len(caught.value.report.history) == 2
+    for make, message in (
+        (lambda: WholeInclusions([ball()], STEEL, []), "one for each of 1 inclusions"),
+        (lambda: WholeInclusions([], STEEL, []), "at least one"),
+        (lambda: WholeInclusions([ball()], STEEL, [IsotropicField(young_modulus=[1.0], poisson_ratio=[0.3])]), "cells"),
+        (lambda: WholeInclusions([ball()], STEEL, [GivenStiffness(stiffness=np.eye(3))]), "6 x 6"),
+        (lambda: one.solve(columns(LOAD)), r"of shape \(6, 2\)"),
+        (lambda: one.solve(columns(LOAD, 2) * np.nan), "finite"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            make()
