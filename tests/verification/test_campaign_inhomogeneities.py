@@ -25,8 +25,8 @@ def sphere(**changes):
 
 
 def coarser(case, fine):
-    """The same case on meshes that take half a second."""
-    return replace(case, parameters={**case.parameters, "fine": fine})
+    """The same case with two of its lines, on meshes that take half a second."""
+    return replace(case, profiles=case.profiles[:2], parameters={**case.parameters, "fine": fine})
 
 
 def solved(case):
@@ -74,7 +74,8 @@ def test_one_eigenstrain_of_a_deep_misfit(ratio):
     assert np.abs(found.left).max() < 1e-5
 
 
-@pytest.mark.parametrize(("ratio", "bound"), [(4.0, 0.02)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("ratio", "bound"), [(0.5, 0.02), (4.0, 0.02)])
 def test_cells_and_one_eigenstrain_where_the_load_is_wide(ratio, bound):
     """What one eigenstrain leaves is about what it is off by."""
     problem = sphere(depth=0.4, radius=0.1, young_modulus_inside=ratio)
@@ -157,7 +158,6 @@ def test_sound_code_agrees(misfit, coated):
     ("path", "factor"),
     [
         (("sphere", "young_modulus_inside"), 1.1),
-        (("sphere", "poisson_ratio_inside"), 1.2),
         (("sphere", "depth"), 1.05),
     ],
 )

@@ -4,16 +4,18 @@ import json
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import eigencontact.cli
 from eigencontact import app
+from eigencontact.scene.schema import GridSpec, Numerics
 from eigencontact_verification.tradeoff.errors import errors, field_error
 from eigencontact_verification.tradeoff.process import Solved, solve_fresh
 from eigencontact_verification.tradeoff.report import as_markdown
-from eigencontact_verification.tradeoff.study import Prediction, Row, fronts, study
+from eigencontact_verification.tradeoff.study import Prediction, Row, fronts, predict, study
 from eigencontact_verification.tradeoff.variant import Fidelities, Variant, keys_of, tables_of, variants
 from eigencontact_verification.tradeoff.worker import solve
 
@@ -69,6 +71,26 @@ def test_a_given_window_keeps_its_place_and_size():
     found = [variant.changes["grid"] for variant in variants(plan, Fidelities(), ["grid"])]
     assert [grid["cells"] for grid in found] == [[122, 122], [61, 61], [15, 15], [30, 30]]
     assert [[*grid["size"], *grid["center"]] for grid in found] == [pytest.approx([12.2e-6, 12.2e-6, 0.0, 0.0])] * 4
+
+
+@pytest.mark.parametrize(("material", "expected"), [({"young-modulus": 1e9}, ["whole"]), (None, [])])
+def test_how_inhomogeneities_are_resolved_is_varied_where_a_scene_has_them(material, expected):
+    class Resolved(Numerics):
+        inclusion_resolution: str = "cells"
+
+    inclusion = SimpleNamespace(material=material, model_extra={})
+    scene = SimpleNamespace(numerics=Resolved(), inclusions=[inclusion], grid=GridSpec())
+    grid = app.plan("buried-cuboid").grid
+    plan = SimpleNamespace(scene=scene, grid=grid, geometries=(), friction=None, sources=())
+    found = [v.changes["numerics"]["inclusion-resolution"] for v in variants(plan, Fidelities()) if "resol" in v.key]
+    assert found == expected
+
+
+def test_a_setting_that_changes_nothing_is_not_solved():
+    plan = app.plan("buried-cuboid")
+    same = Variant(key="inclusion-cells", words="4", changes={"numerics": {"inclusion-cells": 4}})
+    found = predict(plan.scene.resolved(), [Variant(key="scene", words=""), same])
+    assert [one.reason for one in found] == ["", "the regions are cut into the same cells as in the scene"]
 
 
 # --- errors and fronts ------------------------------------------------------------------------------------------------

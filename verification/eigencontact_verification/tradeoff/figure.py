@@ -50,7 +50,9 @@ def _panel(axes: Any, rows: list[tuple[int, Row]], price: str) -> None:
 
     front = sorted(place(row) for _, row in rows if price in row.fronts)
     if front:
-        axes.step(*zip(*front, strict=True), where="post", color="0.6", linewidth=2.0, zorder=2, label="front")
+        along, errors = zip(*front, strict=True)
+        rings = {"marker": "o", "markersize": 11, "markerfacecolor": "none", "markeredgecolor": "0.4"}
+        axes.plot(along, errors, drawstyle="steps-post", color="0.6", linewidth=2.0, zorder=2, label="front", **rings)
     for k, row in rows:
         colour, symbol = _LOOK[row.variant.key]
         x, y = place(row)
@@ -70,4 +72,13 @@ def _panel(axes: Any, rows: list[tuple[int, Row]], price: str) -> None:
         axes.xaxis.set_minor_formatter(NullFormatter())
     axes.margins(0.12)
     axes.set_axisbelow(True)
+    # what hardly differs must not fill the picture
+    low, high = axes.get_xlim()
+    if high - low < 0.5 * max(prices):
+        middle = 0.5 * (low + high)
+        axes.set_xlim(0.75 * middle, 1.25 * middle)
+    low, high = axes.get_ylim()
+    if high < 10.0 * low:
+        middle = (low * high) ** 0.5
+        axes.set_ylim(middle / 10.0**0.5, middle * 10.0**0.5)
     axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)

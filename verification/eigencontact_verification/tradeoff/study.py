@@ -78,11 +78,18 @@ def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Pr
     from eigencontact.planning.cost import resident_bytes
 
     found = []
+    cuts = None
     for variant in variants:
         try:
             plan = app.plan(tables_of(resolved, variant))
         except EigencontactError as problem:
             found.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
+            continue
+        # the numbers of cells that a setting asks for are bounds where other cells are finer
+        lattices = [source.lattice for source in plan.sources]
+        cuts = lattices if variant.key == "scene" else cuts
+        if variant.key == "inclusion-cells" and lattices == cuts:
+            found.append(Prediction(variant=variant, reason="the regions are cut into the same cells as in the scene"))
             continue
         memory = resident_bytes() + plan.cost.peak
         cells = (plan.grid.nx, plan.grid.ny)

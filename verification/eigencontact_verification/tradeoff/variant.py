@@ -74,7 +74,7 @@ def keys_of(plan: Plan) -> tuple[str, ...]:
     from eigencontact.planning.sources import Patch
 
     scene, numerics = plan.scene, plan.scene.numerics
-    contact, strained = bool(plan.geometries), bool(plan.sources)
+    contact, strained, half_space = bool(plan.geometries), bool(plan.sources), numerics.half_space
     cut = [source for source in plan.sources if source.lattice is not None]
     foreign = any(_material(table) is not None for table in scene.inclusions)
     wanted = {
@@ -82,7 +82,8 @@ def keys_of(plan: Plan) -> tuple[str, ...]:
         "precision": (contact or bool(cut)) and numerics.precision == "double",
         "tolerance": (contact or foreign) and numerics.tolerance < max(_TOLERANCES),
         "coupling": plan.friction is not None,
-        "half-space": strained and numerics.half_space in _HALF_SPACES and numerics.boundary != "periodic",
+        # an inhomogeneity and a periodic contact take one treatment alone
+        "half-space": strained and not foreign and numerics.boundary != "periodic" and half_space in _HALF_SPACES,
         "inclusion-cells": any(not isinstance(source.shape, Patch) for source in cut),  # a patch has layers of its own
         "inclusion-resolution": foreign and "inclusion_resolution" in type(numerics).model_fields,
     }
