@@ -80,9 +80,9 @@ class ContactDeclaration:
         if scene.output.tangential_displacement and self.coupling is None:
             blocks.append(self._tangential())
             outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
-        alone = len(self.geometries) == 1 and not self._periodic and not self.strained
+        alone = len(self.geometries) == 1 and not self._periodic
         if alone and isinstance(self.geometries[0], HasReferencePressure):
-            block = self._substrate() if layered_bodies(self.bodies) else self._reference()
+            block = self._homogeneous() if layered_bodies(self.bodies) or self.strained else self._reference()
             blocks.append(block)
             outputs |= dict.fromkeys(block.provides, "pictures")
         if self.coupling is not None:
@@ -193,13 +193,14 @@ class ContactDeclaration:
             why=f"geometry {self.geometries[0].key!r} has a closed form, drawn beside the result",
         )
 
-    def _substrate(self) -> Block:
+    def _homogeneous(self) -> Block:
+        what = "on the bare substrate" if layered_bodies(self.bodies) else "without inclusions and eigenstrain"
         return Block(
-            name="substrate-pressure",
+            name="homogeneous-pressure",
             runner="reference-pressure",
             requires=frozenset({"pressure"}),
-            provides=frozenset({"substrate_pressure"}),
-            why=f"geometry {self.geometries[0].key!r} has a closed form on the bare substrate, drawn beside the result",
+            provides=frozenset({"homogeneous_pressure"}),
+            why=f"geometry {self.geometries[0].key!r} has a closed form {what}, drawn beside the result",
         )
 
     def _shear_bound(self) -> Block:
