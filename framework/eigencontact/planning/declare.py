@@ -232,13 +232,15 @@ class ContactDeclaration:
             cost = superposition_cost(len(lattice.points), self.box, sampling, threads=numerics.threads)
             text, count, tables = f"{len(lattice.points)} points, superposed directly", 1, len(lattice.points)
         else:
+            my, mx = lattice.finer
             layout = self._layout(lattice)
-            depths = lattice.depths.size
+            depths = lattice.depths.size * my * mx
             cost = stress_cost(
                 layout, depths, sampling, precision=numerics.precision, threads=numerics.threads,
                 tractions=len(tractions),
             )  # fmt: skip
-            text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
+            text = f"{lattice.target[1]} x {lattice.target[0]} points at {lattice.depths.size} depths"
+            count = depths
             tables = depths
         cost += layered_stress_cost(
             self.influences["p"], body, tables=tables * len(tractions), periodic=self._periodic,
@@ -264,7 +266,8 @@ class ContactDeclaration:
         if self._periodic:
             return Layout(self.grid.shape, self.grid.shape, periodic=True)
         first = [(n - b) // 2 for n, b in zip(self.grid.shape, self.box, strict=True)]
-        return Layout(self.box, lattice.target, (lattice.origin[0] - first[0], lattice.origin[1] - first[1]))
+        target = tuple(-(-n // m) for n, m in zip(lattice.target, lattice.finer, strict=True))
+        return Layout(self.box, (target[0], target[1]), (lattice.origin[0] - first[0], lattice.origin[1] - first[1]))
 
 
 def region_block(request: StressRequest, grid: Grid) -> Block:

@@ -1,4 +1,4 @@
-"""Pictures of what eigenstrain and inclusions do to the surface: the uplift as a map, the displacement along two lines."""
+"""Pictures of what eigenstrain and inclusions do to the surface: uplift as a map, displacement along two lines."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def cause(dataset: xr.Dataset) -> str:
 
 
 def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
-    """Uplift of the surface by eigenstrain or inclusions, out of the body, with the outlines of the inclusions from above.
+    """Uplift of the surface by eigenstrain or inclusions, out of the body, with their outlines from above.
 
     Parameters
     ----------
