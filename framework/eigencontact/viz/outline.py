@@ -60,7 +60,7 @@ def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
         return []
     places = segments.reshape(-1, 2)
     unit = SAME * float(np.ptp(places, axis=0).max())
-    _, first, number = np.unique(np.round(places / unit), axis=0, return_index=True, return_inverse=True)
+    _, first, number = np.unique(np.round(places / unit) + 0.0, axis=0, return_index=True, return_inverse=True)
     pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
     beside: dict[int, list[int]] = defaultdict(list)
     for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():

@@ -97,15 +97,17 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
             every = max(1, -(-at.size // MARKERS))
             thinned = thinned or every > 1
             if reference is not None:
-                axes.plot(at, stress(reference[where]), "-", color=COLOURS[1], label="closed form")
+                style = "--" if without else "-"
+                axes.plot(at, stress(reference[where]), style, color=COLOURS[1], label="closed form")
             axes.plot(
                 at,
                 stress(pressure[where]),
-                "o" if reference is not None else "o-",
+                "o" if reference is not None and not without else "o-",
                 color=COLOURS[0],
                 markevery=every,
                 markerfacecolor="none" if reference is not None else COLOURS[0],
                 markeredgewidth=0.8,
+                linewidth=0.8 if without else None,
                 label="computed",
                 zorder=3,
             )
