@@ -13,9 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
+from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import NotConverged, PlanError
+from eigencontact.halfspace.layered_cells import StretchedNodes
 from eigencontact.halfspace.layered_remainder import SmoothField
+from eigencontact.halfspace.layered_waves import DIRECTIONS
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
 __all__ = ["LayeredInfluence"]
@@ -29,6 +32,9 @@ NAMES = {"displacement": ("x", "y", "z"), "stress": COMPONENTS}
 RESOLUTIONS = (1.0, 1.4, 2.0, 2.8, 4.0)
 TARGET = 1e-9
 ACCEPTED = 1e-5
+# Depths of more than this many half-widths are deep, see `_closed`; spacing of the nodes there.
+DEEP = 20.0
+DEEP_STEP = 0.05
 EPSILON = 1e-15
 # The component that a traction moves most, or that balances it: it measures all others.
 OWN = {
@@ -146,8 +152,32 @@ class LayeredInfluence(SurfaceInfluence):
         smooth, bound = self._smooth(quantity, components, (x, y, float(z)), half_widths, medium, split)
         total = smooth.on_lattice(x, y, half_widths)[: len(components)]
         for weight, solid, depth in split.kernels:
-            total += weight * self.base.sample(quantity, components, x, y, depth, half_widths, solid)
+            total += weight * self._closed(quantity, components, (x, y, depth), half_widths, solid)
         return total, bound
+
+    def _closed(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        lattice: tuple[FloatArray, FloatArray, float],
+        half_widths: HalfWidths,
+        solid: Material,
+    ) -> FloatArray:
+        """Coefficients of a homogeneous half-space on a lattice, to all digits at depths of many cells too.
+
+        Deep down the differences of corner functions lose digits like the square of the depth in cells. The field is
+        smooth there: it is evaluated point by point on a few nodes.
+        """
+        x, y, depth = lattice
+        if depth <= DEEP * max(half_widths):
+            return self.base.sample(quantity, components, x, y, depth, half_widths, solid)
+        reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
+        nodes = StretchedNodes(depth, reach, DEEP_STEP)
+        evaluate = self.base.displacement if quantity == "displacement" else self.base.stress
+        values = evaluate(components, nodes.x[None, :], nodes.x[:, None], depth, half_widths, solid)
+        across, along = nodes.values(x), nodes.values(y)
+        signs = [parity(name, DIRECTIONS[self.traction]) for name in components]
+        return np.array([along[in_y] @ G @ across[in_x].T for G, (in_y, in_x) in zip(values, signs, strict=True)])
 
     def _at_points(
         self,
@@ -264,9 +294,8 @@ class LayeredInfluence(SurfaceInfluence):
         if quantity == "stress":
             return 0.0
         own, origin = [OWN[self.traction][quantity]], np.zeros(1)
-        kernels = (
-            self.base.displacement(own, origin, origin, 0.0, half_widths, solid) for _, solid, _ in split.kernels
-        )
+        shallow = [solid for _, solid, depth in split.kernels if depth <= DEEP * max(half_widths)]
+        kernels = (self.base.displacement(own, origin, origin, 0.0, half_widths, solid) for solid in shallow)
         return EPSILON * sum(float(np.abs(kernel).max()) for kernel in kernels)
 
     def wavenumber_response(
