@@ -296,9 +296,9 @@ def test_cut_cells_make_a_sphere(ratio, eigenstrain, stress):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("ratio", "bound"), [(0.1, 0.012), (0.5, 0.004), (2.0, 0.005), (10.0, 0.012)])
+@pytest.mark.parametrize(("ratio", "bound"), [(0.5, 0.004), (2.0, 0.005), (4.0, 0.008), (10.0, 0.012)])
 def test_cut_cells_converge(ratio, bound):
-    """Of a void the eigenstrain is within 1.2 % at 5 cells a radius already, and its rate is not clean."""
+    """Softer ones are within 0.5 % (a void 1.2 %) at 5 cells a radius already, and their rates are not clean."""
     coarse, fine = errors_of_cut_sphere(ratio, 5)[0], errors_of_cut_sphere(ratio, 10)[0]
     assert 0.8 < np.log2(coarse / fine) < 2.2
     assert fine < bound
