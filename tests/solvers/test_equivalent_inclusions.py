@@ -221,10 +221,10 @@ def test_refusals():
 
 
 @cache
-def cut_sphere(per_radius, space="full"):
+def cut_sphere(per_radius, margin=1):
     """Operator, share of each cell in a sphere of unit radius that lies anyhow on the cells, and offsets from it."""
     pitch, depth = 1.0 / per_radius, 9.0
-    count = 2 * per_radius + 2
+    count = 2 * per_radius + 2 * margin
     low = -(count - 1) / 2 * pitch
     box = Cells(first=(low, low, depth + low), pitch=(pitch,) * 3, shape=(count,) * 3)
     shift = np.array([0.2, -0.3, 0.4]) * pitch
@@ -237,13 +237,13 @@ def cut_sphere(per_radius, space="full"):
         for dz in parts
     )
     operator = MeanVolumeField(
-        CELL, box, box, poisson_ratio=0.3, shear_modulus=STEEL.shear_modulus, threads=1, space=space
+        CELL, box, box, poisson_ratio=0.3, shear_modulus=STEEL.shear_modulus, threads=1, space="full"
     )
     return operator, share / 512, np.array([x, y, z])
 
 
-def solve_cut(per_radius, material, load, prestrain=None, *, normals=True, **options):
-    operator, share, normal = cut_sphere(per_radius)
+def solve_cut(per_radius, material, load, prestrain=None, *, normals=True, margin=1, **options):
+    operator, share, normal = cut_sphere(per_radius, margin)
     index = (share > 0).astype(int)
     cells = InhomogeneousCells(
         operator, STEEL, [material], index, fraction=np.where(index, share, 1.0), normal=normal if normals else None
@@ -409,3 +409,19 @@ def test_a_long_bar_of_cells():
     expected = infinite_bar(0.01, (210e9, 0.3), (50e9, 0.3))
     assert middle[0] == pytest.approx(expected.axial, rel=0.03)
     assert middle[1:3] == pytest.approx(expected.transverse, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("per_radius", "everywhere", "at_the_wall"), [(5, 0.05, 0.06), pytest.param(10, 0.03, 0.025, marks=SLOW)]
+)
+def test_hoop_stress_around_a_cavity_of_cut_cells(per_radius, everywhere, at_the_wall):
+    """Case ES-4: Goodier's stress on the equator plane, and its 2.04545 of the load at the wall."""
+    answer = solve_cut(per_radius, VOID, LOADS["uniaxial"], margin=4, tolerance=1e-4)
+    _, share, (x, y, z) = cut_sphere(per_radius, 4)
+    distance = np.sqrt(x * x + y * y + z * z)
+    chosen = (np.abs(x) < 0.5 / per_radius) & (share == 0) & (distance < 1.7)
+    found, terms = answer.stress[0][chosen] - 1, np.array([distance[chosen] ** -3, distance[chosen] ** -5])
+    expected = np.array([(4 - 1.5) / (14 - 3), 9 / (14 - 3)]) @ terms
+    assert np.abs((found - expected) / (1 + expected)).max() < everywhere
+    fitted = np.linalg.lstsq(terms.T, found, rcond=None)[0]
+    assert 1 + fitted.sum() == pytest.approx(2.04545, rel=at_the_wall)
