@@ -165,7 +165,7 @@ def test_prestrain_of_a_ball_of_another_stiffness():
         {
             "body1": STEEL,
             "inclusions": [ball],
-            "grid": {"cells": 18, "size": [3e-6, 3e-6]},
+            "grid": {"cells": 24, "size": [3e-6, 3e-6]},
             "numerics": {"half-space": "full-space"},
             "stress": {
                 "name": "spot",
@@ -177,8 +177,8 @@ def test_prestrain_of_a_ball_of_another_stiffness():
     ).dataset
     expected = 3 * bulk * (strain - dilatation)
     for k in range(3):
-        assert float(data["spot_stress"][0, k, 0]) == pytest.approx(expected, rel=0.02, abs=0)
-        assert float(data["spot_strain"][0, k, 0]) == pytest.approx(strain, rel=0.02, abs=0)
+        assert float(data["spot_stress"][0, k, 0]) == pytest.approx(expected, rel=0.022, abs=0)
+        assert float(data["spot_strain"][0, k, 0]) == pytest.approx(strain, rel=0.006, abs=0)
     assert "pressure" not in data
 
 

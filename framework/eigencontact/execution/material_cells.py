@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.elasticity import VOID, Cubic, Elasticity, GivenStiffness, Isotropic, TransverselyIsotropic
+from eigencontact.core.elasticity import Elasticity
 from eigencontact.core.grid import Grid
-from eigencontact.errors import EigencontactError, SceneError, require
+from eigencontact.errors import require
 from eigencontact.execution.cells import values_of
 from eigencontact.halfspace.voxels import Region, Voxels, volume_fractions
 from eigencontact.planning.cell_groups import CellGroup
+from eigencontact.planning.materials import MaterialMap, elasticity_of
 from eigencontact.planning.sources import Source
 
-__all__ = ["MaterialCells", "elasticity_of"]
+__all__ = ["MaterialCells"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
@@ -25,31 +25,6 @@ Place = tuple[slice, slice, slice]
 
 #: A share of a cell smaller than this is left out.
 _LEAST = 1e-3
-
-
-def elasticity_of(source: Source) -> Elasticity:
-    """Elastic constants of an inhomogeneity of one material.
-
-    Raises
-    ------
-    SceneError
-        Constants that no stable material has.
-    """
-    table = source.material
-    assert table is not None
-    if table.type == "void":
-        return VOID
-    kinds: dict[str, Any] = {
-        "isotropic": Isotropic,
-        "cubic": Cubic,
-        "transversely-isotropic": TransverselyIsotropic,
-        "stiffness": GivenStiffness,
-    }
-    try:
-        found: Elasticity = kinds[table.type](**table.constants)
-    except EigencontactError as problem:
-        raise SceneError(f"{source.where}.material: {problem}") from None
-    return found
 
 
 class MaterialCells:
@@ -115,7 +90,10 @@ class MaterialCells:
             assert source.material is not None
             name = source.material.model_dump_json()
             if name not in known:
-                self.materials.append(elasticity_of(source))
+                found = elasticity_of(source)
+                if isinstance(found, MaterialMap):
+                    found = found.at(*self._box.lattice.axes(self._grid))
+                self.materials.append(found)
                 known[name] = len(self.materials)
             numbers.append(known[name])
         return numbers
