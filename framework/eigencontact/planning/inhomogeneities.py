@@ -19,6 +19,7 @@ from eigencontact.planning.eigenstrain import EigenstrainDeclaration
 from eigencontact.planning.field_cost import Pace, volume_cost
 from eigencontact.planning.field_parts import FieldPart, part_of_cells, space_of
 from eigencontact.planning.kernels import DIRECTIONS, Bodies, KernelUse
+from eigencontact.planning.materials import elasticity_of
 from eigencontact.planning.regions import RegionLattice, region_lattice, surface_lattice
 from eigencontact.planning.sources import Lattice, Source
 from eigencontact.plugin import HasCornerPotentials, SurfaceInfluence
@@ -45,6 +46,7 @@ def with_boxes(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[Sou
             continue
         height = _layer_height([found[k] for k in members], scene, grid)
         for k in members:
+            elasticity_of(found[k])  # refused here, not in the middle of a run
             found[k] = replace(found[k], lattice=_lattice(found[k], height, grid))
     return tuple(found)
 
