@@ -166,6 +166,8 @@ class StressRequest(Table):
     ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
     from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
     with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
+
+    At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""
