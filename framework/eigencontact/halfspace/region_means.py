@@ -163,6 +163,8 @@ class RegionMeans:
         if source not in self._far:
             return self._exact(source, points, self._space)
         far = self._far[source]
+        if not _is_ball(far):
+            return self._fields_by_levels(source, points)
         out = self._sums(source, points, self._space)
         offsets = points.T - far.center
         close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
@@ -179,6 +181,19 @@ class RegionMeans:
                 at = points[:, close]
                 out[:, :, close] += self._exact(source, at, "half") - self._exact(source, at, "full")
                 out[:, :, close] -= self._sums(source, at, "half") - self._sums(source, at, "full")
+        return out
+
+    def _fields_by_levels(self, source: int, points: FloatArray) -> FloatArray:
+        """The same for a region of many point sources: none of them near by, few of them far away."""
+        far = self._far[source]
+        close = np.zeros(points.shape[1], dtype=bool)
+        for mirror in (1.0, -1.0)[: 2 if self._space == "half" else 1]:
+            offsets = points.T - far.center * (1.0, 1.0, mirror)
+            close |= np.einsum("ni,ni->n", offsets, offsets) < far.distance**2
+        out = np.empty((6, 6, points.shape[1]))
+        out[:, :, close] = self._exact(source, points[:, close], self._space)
+        away = points[:, ~close]
+        out[:, :, ~close] = [self._summed([far], unit[None], away) for unit in np.eye(6)]
         return out
 
 
