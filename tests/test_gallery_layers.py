@@ -88,10 +88,11 @@ def test_sliding_over_a_coating(friction, finished):
     assert summary["tangential_load"] == pytest.approx(friction * summary["normal_load"], rel=1e-6)
     assert summary["max_pressure"] / P0 == pytest.approx(CO["coated-sphere"][0], rel=0.005)
     field, x, z = section(result)
-    row, column = np.unravel_index(field.argmax(), field.shape)
+    row = np.unravel_index(field.argmax(), field.shape)[0]
     assert field.max() == pytest.approx(mises, rel=0.01)
     assert z[row] == pytest.approx(depth, abs=0.03)
-    assert x[column] == pytest.approx(place, abs=0.1)
+    # the maximum is flat along x: to 0.2 % from -0.9 to -0.5 with a friction of 0.5
+    assert field[row, np.argmin(np.abs(x - place))] == pytest.approx(mises, rel=0.01)
     assert field[z >= 1.0].max() == pytest.approx(below, abs=0.004)
 
 
