@@ -125,7 +125,8 @@ class RegionMeans:
             if source in self._far and count > 1:
                 few = [slice(self._few.starts[target], self._few.starts[target + 1]) for target in near]
                 at = np.concatenate([self._few.points[:, part] for part in few], axis=1)
-                fine -= _means(self._sums(source, at, self._space), [self._few.weights[part] for part in few])
+                counted = np.array([self._summed([self._far[source]], unit[None], at) for unit in np.eye(6)])
+                fine -= _means(counted, [self._few.weights[part] for part in few])
             targets.append(near)
             sources.append(np.full(near.size, source))
             matrices.append(fine)

@@ -222,7 +222,7 @@ class InhomogeneityDeclaration:
     def region(self, request: StressRequest) -> Block | None:
         """Fields at the points of a region; None where its body has neither inhomogeneities nor other eigenstrain."""
         base = self.prescribed.region(request)
-        if request.body not in self.boxes:
+        if request.body not in self._numbers:
             return base
         lattice = region_lattice(request, self.grid)
         parts = [
@@ -258,6 +258,11 @@ class InhomogeneityDeclaration:
             cost=sum((part.cost for part in parts), base.cost),
             settings={**base.settings, "solved": parts},
         )
+
+    @property
+    def _numbers(self) -> Sequence[int]:
+        """Bodies with inhomogeneities."""
+        return tuple(self.boxes)
 
     @property
     def _cell_key(self) -> str:

@@ -67,7 +67,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         grid, reason = _grid_without_contact(scene, sources)
     if sources:
         sources = with_lattices(sources, scene, grid)
-        if any(source.material is not None for source in sources):
+        cut = scene.numerics.inclusion_resolution == "cells"
+        if cut and any(source.material is not None for source in sources):
             from eigencontact.planning.inhomogeneities import with_boxes
 
             sources = with_boxes(sources, scene, grid)
@@ -131,8 +132,13 @@ def _eigenstrain(
         from eigencontact.planning.inhomogeneities import InhomogeneityDeclaration, boxes_of
 
         assert cell is not None
-        boxes = boxes_of(sources)
-        declaration = InhomogeneityDeclaration(scene, grid, boxes, bodies, cell, declaration, influences)
+        boxes, facts = boxes_of(sources), (bodies, cell, declaration, influences)
+        if scene.numerics.inclusion_resolution == "whole":
+            from eigencontact.planning.whole_inclusions import WholeDeclaration, wholes_of
+
+            declaration = WholeDeclaration(scene, grid, boxes, *facts, wholes_of(sources))
+        else:
+            declaration = InhomogeneityDeclaration(scene, grid, boxes, *facts)
         blocks.append(declaration.solution())
     dragged = coupling is not None and coupling.level != "none"
     components = "xyz" if not scene.geometry or scene.output.tangential_displacement or dragged else "z"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.outline import draw_outline
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, contact_window, masked_map, middle, view_of
 
@@ -33,11 +34,13 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Cells without pressure are grey; the outline of the contact is drawn where it is not ragged.
+        Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, and those of
+        inclusions as seen from above.
     """
     pressure, _, _ = _surface(dataset, step)
-    return masked_map(
-        contact_window(dataset, pressure != 0),
+    window = contact_window(dataset, pressure != 0)
+    figure = masked_map(
+        window,
         pressure,
         unit="Pa",
         label="Pressure",
@@ -45,6 +48,8 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         outline=pressure != 0,
         empty="no contact",
     )
+    draw_outline(figure.axes[0], dataset, "outline", window.length)
+    return figure
 
 
 def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
