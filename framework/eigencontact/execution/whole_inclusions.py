@@ -62,8 +62,7 @@ class WholeBody:
     def _prescribed_at(self, plan: Plan) -> Sum | None:
         """Stress of the prescribed eigenstrain of this body at the points that means are taken over."""
         others = [source for source in plan.sources if source.material is None and source.body == self._body]
-        material = plan.bodies[self._body - 1]
-        assert material is not None
+        material = plan.half_space(self._body)
         if not others:
             return None
         none = np.empty(0)
