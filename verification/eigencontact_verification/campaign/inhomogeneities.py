@@ -217,6 +217,7 @@ def inhomogeneity_case(
         "fine": 2.0 * radius if radius < _SMALL else radius,
         "growth": _GROWTH,
         "divisions": list(_DIVISIONS),
+        "within": within,
     }
 
     def contains(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
