@@ -1,4 +1,9 @@
-"""Planning of inhomogeneities: the box of cells that those of one body share, and the blocks that it takes."""
+"""Planning of inhomogeneities: the box of cells that those of one body share, and the blocks that it takes.
+
+Prescribed eigenstrain of the same body acts on them by its stress. Where it lies in an inhomogeneity it stays what it
+is, a strain without stress, whatever the material: it adds to the prestrain there. The equivalent eigenstrain is not
+stored with the results; what it does is, on the surface and in the regions asked for.
+"""
 
 from __future__ import annotations
 
