@@ -101,8 +101,8 @@ def test_the_profile_of_the_bare_substrate_stands_beside(finished):
     data = finished("soft-coating").dataset
     assert "reference_pressure" not in data
     assert "contact_modulus" not in data.attrs
-    assert float(data.substrate_pressure.max()) == pytest.approx(P0, rel=0.002)
-    total = float(data.substrate_pressure.sum()) * float(np.prod(data.attrs["cell_size"]))
+    assert float(data.homogeneous_pressure.max()) == pytest.approx(P0, rel=0.002)
+    total = float(data.homogeneous_pressure.sum()) * float(np.prod(data.attrs["cell_size"]))
     assert total == pytest.approx(float(data.normal_load[-1]), rel=0.002)
 
 
