@@ -1,9 +1,11 @@
 """Studies: listed, run coarsely, resumed, drawn; refused by name."""
 
 import json
+import math
 
 import pytest
 
+import eigencontact as ec
 from eigencontact.errors import SceneError
 from eigencontact_verification.studies.catalogue import find, names, studies
 from eigencontact_verification.studies.study import run_study, write_study
@@ -37,3 +39,22 @@ def test_finished_variants_are_read_again(tmp_path):
     for item in again:
         item.dataset.close()
     assert stamps == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
+
+
+@pytest.mark.parametrize("study", studies(), ids=names())
+def test_scenes_of_every_study_can_be_planned(study):
+    """The last variant, coarse: of a kind each study has one or two."""
+    plan = ec.plan(study.variants(coarse=True)[-1].scene)
+    assert plan.blocks
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("study", studies(), ids=names())
+def test_coarse_studies_run_and_are_drawn(study, tmp_path):
+    found = list(run_study(study, tmp_path, coarse=True))
+    picture, numbers = write_study(study, found, tmp_path)
+    for item in found:
+        item.dataset.close()
+    assert picture.stat().st_size > 10_000
+    rows = json.loads(numbers.read_text(encoding="utf-8"))["variants"]
+    assert all(math.isfinite(value) for row in rows for value in row.values() if not isinstance(value, str))

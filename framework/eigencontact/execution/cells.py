@@ -167,13 +167,13 @@ class CellStrain:
         """``(6, nz, ny, nx)`` at one time [-]."""
         total = np.zeros((6, *self._group.lattice.shape))
         z, y, x = self._group.lattice.axes(self._grid)
-        for source, (box, fractions) in zip(self._group.sources, self.fractions, strict=True):
+        for source, (box, fractions) in zip(self._group.sources, self._fractions, strict=True):
             part = total[:, box[0], box[1], box[2]]
             part += fractions * values_of(source, x[box[2]], y[box[1]], z[box[0]], time)
         return total
 
     @cached_property
-    def fractions(self) -> list[tuple[tuple[slice, slice, slice], FloatArray]]:
+    def _fractions(self) -> list[tuple[tuple[slice, slice, slice], FloatArray]]:
         """Part of the box that a source takes, and the fraction of each of its cells inside."""
         from eigencontact.halfspace.voxels import Voxels, volume_fractions
 

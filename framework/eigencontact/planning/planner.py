@@ -93,7 +93,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
 def _fitted(sources: tuple[Source, ...], scene: Scene, grid: Grid) -> tuple[Source, ...]:
     """Sources with the cells that they are cut into."""
     sources = with_lattices(sources, scene, grid)
-    if any(source.material is not None for source in sources):
+    cut = scene.numerics.inclusion_resolution == "cells"
+    if cut and any(source.material is not None for source in sources):
         from eigencontact.planning.inhomogeneities import with_boxes
 
         sources = with_boxes(sources, scene, grid)
@@ -148,8 +149,13 @@ def _eigenstrain(
         from eigencontact.planning.inhomogeneities import InhomogeneityDeclaration, boxes_of
 
         assert cell is not None
-        boxes = boxes_of(sources)
-        declaration = InhomogeneityDeclaration(scene, grid, boxes, bodies, cell, declaration, influences)
+        boxes, facts = boxes_of(sources), (bodies, cell, declaration, influences)
+        if scene.numerics.inclusion_resolution == "whole":
+            from eigencontact.planning.whole_inclusions import WholeDeclaration, wholes_of
+
+            declaration = WholeDeclaration(scene, grid, boxes, *facts, wholes_of(sources))
+        else:
+            declaration = InhomogeneityDeclaration(scene, grid, boxes, *facts)
         blocks.append(declaration.solution())
     dragged = coupling is not None and coupling.level != "none"
     components = "xyz" if not scene.geometry or scene.output.tangential_displacement or dragged else "z"

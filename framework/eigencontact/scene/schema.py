@@ -167,6 +167,8 @@ class StressRequest(Table):
     from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
     with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
 
+    At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
+
     ``around`` names an inclusion: a plane (through its middle by default) or a volume is then cut to the box around the
     inclusion and some `room`, in sizes of the inclusion, with `refinement` points to an edge of a cell (8 by default).
     Nothing is solved again: the fields are those of the tractions and eigenstrains found on the cells. A plane or

@@ -12,7 +12,15 @@ if TYPE_CHECKING:
 
 __all__ = ["find", "names", "studies"]
 
-_MODULES = ("rolling",)
+_MODULES = (
+    "rolling",
+    "clusters",
+    "single_sphere",
+    "coatings",
+    "coating_thickness",
+    "coating_sliding",
+    "coating_friction",
+)
 
 
 def studies() -> tuple[Study, ...]:
