@@ -25,7 +25,9 @@ COARSER = {
         ["grid.cells=[91, 37]", "grid.spacing=['0.45 um', '0.45 um']", "steps.1.increments=8"], {1: None}
     ),
     "two-inclusions": (["grid.cells-per-contact-radius=24", "grid.margin=1.25"], {}),
-    "void-near-surface": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {0: [0.15, 1.816, 4.0]}),
+    "void-near-surface": (
+        ["grid.cells-per-contact-radius=20", "grid.margin=1.25", "stress.0.position='0.154 um'"], {0: [0.1, 1.665, 4.0]}
+    ),
 }  # fmt: skip
 
 
@@ -130,8 +132,9 @@ def test_void_near_surface(finished):
     total = pressure.sum() * float(np.prod(result.dataset.attrs["cell_size"]))
     assert total == pytest.approx(0.65, rel=1e-6)
     field = result.dataset.section_von_mises.isel(step=-1)
-    within = float(field.sel(section_x=0.0, section_z=1.816 * UM, method="nearest"))
-    assert within < 0.05 * float(field.max())  # not nothing: points between the middles of cells
+    # In the middles of cells; on their edges, between them, it is a few hundredths.
+    within = float(field.sel(section_x=0.154 * UM, section_z=1.665 * UM, method="nearest"))
+    assert within < 0.015 * float(field.max())
 
 
 def test_ellipsoid_under_contact(finished):
