@@ -36,6 +36,8 @@ _WORDS = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostat
 LEVELS = 14
 #: Values beyond so many times the quantile do not set the range of the colours.
 OUTLYING, COMMON = 1.3, 0.995
+#: Colours begin at zero, unless all values are larger than this part of the largest.
+NARROW = 0.3
 
 
 def drawable(dataset: xr.Dataset) -> dict[str, str]:
@@ -207,6 +209,9 @@ def _contours(axes: Axes, x: NDArray[Any], y: NDArray[Any], values: NDArray[Any]
     end = min(float(size.max()), OUTLYING * float(np.quantile(size, COMMON)) or np.inf)
     colours, low, high = colour_range(np.clip(values, -end, end))
     signed = low < 0 < high
+    least = float(np.nanmin(values))
+    if low == 0.0 and least > NARROW * high:  # a close-up, whose values differ little
+        low = least
     levels = MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high)
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     extend = beyond[bool(np.nanmin(values) < levels[0]), bool(np.nanmax(values) > levels[-1])]
