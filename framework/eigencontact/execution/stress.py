@@ -12,6 +12,7 @@ from eigencontact.core.material import Material
 from eigencontact.execution.regions import store_region, strain_from_stress
 from eigencontact.execution.runners import State
 from eigencontact.planning.blocks import Block
+from eigencontact.planning.declare import AT_ONCE
 from eigencontact.planning.kernels import StressCoefficients
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.regions import RegionLattice
@@ -20,9 +21,6 @@ from eigencontact.scene.schema import StressRequest
 __all__ = ["Stress"]
 
 FloatArray = NDArray[np.float64]
-
-#: Depths of a close-up whose spectra are held at once.
-_DEPTHS = 16
 
 
 class Stress:
@@ -103,8 +101,8 @@ class Stress:
         from eigencontact.solvers.subsurface import SubsurfaceStress
 
         out = np.empty((6, *self._lattice.shape))
-        for begin in range(0, self._lattice.depths.size, _DEPTHS):
-            layers = slice(begin, begin + _DEPTHS)
+        for begin in range(0, self._lattice.depths.size, AT_ONCE):
+            layers = slice(begin, begin + AT_ONCE)
             for (rows, columns), lattice in self._lattice.shifted:
                 operator = SubsurfaceStress(
                     self._grid,

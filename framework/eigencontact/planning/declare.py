@@ -25,10 +25,13 @@ from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Scene, StressRequest
 
-__all__ = ["CONTACT", "ContactDeclaration", "friction_fields", "observer_block", "region_block"]
+__all__ = ["AT_ONCE", "CONTACT", "ContactDeclaration", "friction_fields", "observer_block", "region_block"]
 
 #: Surface fields of every contact.
 CONTACT = frozenset({"pressure", "gap", "displacement_z"})
+
+#: Depths of a close-up whose coefficients are held at once.
+AT_ONCE = 16
 
 #: Traction along each direction, and what it is called.
 _TRACTIONS = {"x": "q_x", "y": "q_y", "z": "p"}
@@ -239,6 +242,9 @@ class ContactDeclaration:
                 layout, depths, sampling, precision=numerics.precision, threads=numerics.threads,
                 tractions=len(tractions),
             )  # fmt: skip
+            if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
+                seconds = cost.seconds_once + cost.seconds_per_step
+                cost = Cost(seconds_per_step=seconds, transient=cost.memory * min(1.0, AT_ONCE / depths))
             text = f"{lattice.target[1]} x {lattice.target[0]} points at {lattice.depths.size} depths"
             count = depths
             tables = depths
