@@ -57,7 +57,7 @@ def _fills(source: Source, plan: Plan) -> bool:
 
 def _above(source: Source, nodes: int) -> FloatArray:
     low, high = source.shape.bounds
-    share = (np.arange(24) + 0.5) / 24
+    share = (np.arange(25) + 0.5) / 25  # the middle, where most shapes are widest, among them
     depths = low[2] + share * (high[2] - low[2])
 
     def inside(x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
