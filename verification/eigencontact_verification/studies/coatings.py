@@ -112,7 +112,7 @@ def draw_section(axes: Axes, dataset: xr.Dataset, highest: float, title: str) ->
     values, z = np.concatenate([values[:1], values]), np.concatenate([[0.0], z])
     image = axes.pcolormesh(x, z, values, vmin=0.0, vmax=highest, cmap="viridis", shading="gouraud")
     axes.axhline(1.0, color="white", linewidth=0.8)
-    axes.set(xlim=(-1.7, 1.7), ylim=(float(z[-1]), 0.0), aspect="equal", title=title)
+    axes.set(xlim=(max(-1.7, x[0]), min(1.7, x[-1])), ylim=(float(z[-1]), 0.0), aspect="equal", title=title)
     axes.set(xlabel="$x/a_0$", ylabel="$z/h$")
     return image
 

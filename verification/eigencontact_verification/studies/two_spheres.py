@@ -149,7 +149,8 @@ STUDIES = (
         draw=_draw_gaps,
         remark=(
             "Read half a cell outside of the first sphere. The published stresses come from one uniform eigenstrain "
-            "for each sphere, which is inaccurate at small gaps: only the range of the interaction is to be compared."
+            "for each sphere, which is inaccurate at small gaps: only the range of the interaction is to be compared. "
+            "It ends near a gap of two radii, four between the centres."
         ),
     ),
 )
