@@ -99,7 +99,9 @@ def test_identical_layers_are_the_half_space(quantity, traction, thickness):
     same = Material(**solid(1.5, 0.3))
     for z in (0.0, 1.7 * thickness):
         values = LAYERED[traction].sample(quantity, NAMES[quantity], x, x, z, (0.5, 0.5), body)
-        expected = LOADS[traction].sample(quantity, NAMES[quantity], x, x, z, (0.5, 0.5), same)
+        # Point by point: the homogeneous lattice itself, of corner sums, is off by 1e-4 at a depth of 17000 cells.
+        evaluate = getattr(LOADS[traction], quantity)
+        expected = evaluate(NAMES[quantity], x[None, :], x[:, None], z, (0.5, 0.5), same)
         assert np.abs(values - expected).max() < 1e-12 * np.abs(expected).max()
 
 

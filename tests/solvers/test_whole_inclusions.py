@@ -7,12 +7,16 @@ from eigencontact.core.elasticity import VOID, Cubic, GivenStiffness, Isotropic,
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import to_mandel
 from eigencontact.errors import NotConverged, SceneError
+from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.region_means import RegionMeans, averaging_points
+from eigencontact.planning.kernels import StressCoefficients
+from eigencontact.solvers.subsurface import stress_at_points
 from eigencontact.solvers.whole_inclusions import WholeInclusions
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from eigencontact_plugins.shapes.ellipsoid import Ellipsoid
 from eigencontact_plugins.shapes.sphere import SphericalInclusion
+from eigencontact_plugins.surface_loads import PressureLoad
 from eigencontact_verification.oracles.eshelby import infinite_bar, spheroid_tensor
 from eigencontact_verification.oracles.eshelby_sphere import (
     cubic_stiffness,
@@ -20,6 +24,7 @@ from eigencontact_verification.oracles.eshelby_sphere import (
     sphere_in_body,
     turned,
 )
+from solvers.contacts import UNIT, paraboloid, solve, square_grid
 
 STEEL = Material(young_modulus=210e9, poisson_ratio=0.3)
 LOAD = np.array([[3.0, -1.0, 0.5], [-1.0, 2.0, 0.7], [0.5, 0.7, -4.0]]) * 1e8
@@ -233,3 +238,30 @@ def test_refusals_and_what_did_not_converge():
     ):
         with pytest.raises(SceneError, match=message):
             make()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("radius", "depth", "ratio", "pressure"),
+    [(0.17, 0.5, 2.0, 1.054), (0.13, 0.3, 2.0, 1.104), (0.13, 0.4, 2.0, 1.047), (0.13, 0.5, 2.0, 1.024),
+     (0.17, 0.5, 0.5, 0.948)],
+)  # fmt: skip
+def test_one_sphere_under_a_contact(radius, depth, ratio, pressure):
+    """Cases IC-3 to IC-5: pressure in the middle over Hertz's, lengths in contact radii."""
+    grid, kernel = square_grid(16, 1.3, (0.5, 0.5)), [StressCoefficients(PressureLoad(), UNIT)]
+    middle = (np.abs(grid.y).argmin(), np.abs(grid.x).argmin())
+    x, y = (values.ravel() for values in np.meshgrid(grid.x, grid.y))
+    assert np.hypot(grid.x[middle[1]], grid.y[middle[0]]) < 1e-9
+    buried = ball(z=depth, radius=radius)
+    inside = [Isotropic(young_modulus=ratio * UNIT.young_modulus, poisson_ratio=0.3)]
+    whole = WholeInclusions([buried], UNIT, inside, threads=1)
+    contact = hertz = solve(grid, paraboloid(grid), normal_load=4 / 3)
+    for _ in range(5):
+        load = whole.mean(stress_at_points(grid, kernel, [contact.pressure], whole.points.T, threads=1))
+        eigenstrain = whole.solve(load).eigenstrain
+        lift = field_of_cloud(
+            [buried], eigenstrain.T, (x, y, 0 * x), poisson_ratio=0.3, quantity="displacement", threads=1
+        )[2]
+        separation = paraboloid(grid) + lift.reshape(contact.pressure.shape)
+        contact = solve(grid, separation, normal_load=4 / 3, tolerance=1e-7, start=contact.pressure)
+    assert contact.pressure[middle] / hertz.pressure[middle] == pytest.approx(pressure, abs=0.005)

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipkm1, j0
 
 from eigencontact_verification.oracles import hertz, sliding_stress
-from eigencontact_verification.oracles.coated_contact import CoatedContact, coated_contact
+from eigencontact_verification.oracles.coated_contact import CoatedContact, coated_contact, contact_of_radius
 from eigencontact_verification.oracles.coated_stress import sliding_stress as coated_sliding
 from eigencontact_verification.oracles.sliding_stress import by_quadrature, von_mises
 
@@ -152,3 +152,19 @@ def test_extremes_of_thickness_and_modulus():
     wanted = hertz.hertz_sphere(LOAD, RADIUS, 1e3 * MODULUS)
     # the approach keeps what the load does to the base from afar: P/(E h), as much as the contact itself
     assert [thick.radius, thick.max_pressure] == pytest.approx(wanted[:2], rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("ratio", "thickness"), [(1e3, 0.1), (1e4, 1.0), (1e-4, 1.0)])
+def test_accuracy_at_great_contrast(monkeypatch, ratio, thickness):
+    """Polynomials of a higher degree change nothing; a stiff thin coating carries the load at its rim."""
+    layers, base = [(thickness, ratio, NU)], (1.0, NU)
+    found = contact_of_radius(1.0, RADIUS, layers, base)
+    monkeypatch.setattr("eigencontact_verification.oracles.coated_contact._DEGREE", 25)
+    finer = contact_of_radius(1.0, RADIUS, layers, base)
+    values = [[one.load, one.approach, one.max_pressure] for one in (found, finer)]
+    assert values[0] == pytest.approx(values[1], rel=1e-11)
+    pressure = found.pressure(np.linspace(0.0, 1.0, 501))
+    assert pressure.min() == 0.0
+    assert found.max_pressure == pytest.approx(pressure.max(), rel=1e-4)
+    assert (found.max_pressure > 2.0 * pressure[0]) == (ratio == 1e3)

@@ -2,50 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.elasticity import VOID, Cubic, Elasticity, GivenStiffness, Isotropic, TransverselyIsotropic
+from eigencontact.core.elasticity import Elasticity
 from eigencontact.core.grid import Grid
-from eigencontact.errors import EigencontactError, SceneError
-from eigencontact.execution.cells import CellStrain, values_of
+from eigencontact.errors import require
+from eigencontact.execution.cells import values_of
+from eigencontact.halfspace.voxels import Region, Voxels, volume_fractions
 from eigencontact.planning.cell_groups import CellGroup
+from eigencontact.planning.materials import MaterialMap, elasticity_of
 from eigencontact.planning.sources import Source
 
-__all__ = ["MaterialCells", "elasticity_of"]
+__all__ = ["MaterialCells"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
+Place = tuple[slice, slice, slice]
 
 #: A share of a cell smaller than this is left out.
 _LEAST = 1e-3
-
-
-def elasticity_of(source: Source) -> Elasticity:
-    """Elastic constants of an inhomogeneity of one material.
-
-    Raises
-    ------
-    SceneError
-        Constants that no stable material has.
-    """
-    table = source.material
-    assert table is not None
-    if table.type == "void":
-        return VOID
-    kinds: dict[str, Any] = {
-        "isotropic": Isotropic,
-        "cubic": Cubic,
-        "transversely-isotropic": TransverselyIsotropic,
-        "stiffness": GivenStiffness,
-    }
-    try:
-        found: Elasticity = kinds[table.type](**table.constants)
-    except EigencontactError as problem:
-        raise SceneError(f"{source.where}.material: {problem}") from None
-    return found
 
 
 class MaterialCells:
@@ -65,28 +44,42 @@ class MaterialCells:
     """
 
     def __init__(self, box: CellGroup, grid: Grid) -> None:
-        self._box, self._grid, self._strain = box, grid, CellStrain(box, grid)
+        self._box, self._grid = box, grid
         self.shape = box.lattice.shape
         numbers = self._numbers()
         left = np.ones(self.shape)
         shares = np.zeros((2, *self.shape))
-        names, self._owner = np.zeros((2, *self.shape), dtype=int), np.full(self.shape, -1)
-        for member in reversed(range(len(box.sources))):
-            place, inside = self._strain.fractions[member]
-            share = np.minimum(inside, 1.0) * left[place]
+        names = np.zeros((2, *self.shape), dtype=int)
+        self._shares: list[tuple[Place, FloatArray]] = []
+        for member, number in enumerate(numbers):
+            place, share = self._share(member)
+            self._shares.append((place, share))
             left[place] -= share
-            most = _add(shares[:, *place], names[:, *place], share, numbers[member])
-            self._owner[place][most] = member
+            _add(shares[:, *place], names[:, *place], share, number)
         own, other = shares
         kept = own > _LEAST
         self.index = np.where(kept, names[0], 0)
-        with_other = kept & (other > left) & (other > _LEAST)
-        self.beside = np.where(with_other, names[1], 0)
-        whole = np.where(with_other, own + other, 1.0)
-        self.fraction = np.where(kept, np.minimum(own / whole, 1.0), 1.0)
+        both = kept & (other > left) & (other > _LEAST)
+        self.beside = np.where(both, names[1], 0)
+        self.fraction = np.where(kept, np.minimum(own / np.where(both, own + other, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
-        self._owner[~kept] = -1
         self.normal = self._gradient(left)
+
+    def _share(self, member: int) -> tuple[Place, FloatArray]:
+        """Part of the box that an inhomogeneity takes, and its share of those cells, without what later ones take."""
+        source = self._box.sources[member]
+        lattice = source.lattice
+        assert lattice is not None
+        start = np.subtract(lattice.first, self._box.lattice.first)
+        k, j, i = (slice(int(a), int(a) + n) for a, n in zip(start, lattice.shape, strict=True))
+        axes = lattice.axes(self._grid)
+        low = [float(axis[0]) - 0.5 * edge for axis, edge in zip(axes, lattice.edges, strict=True)]
+        voxels = Voxels(low[::-1], lattice.edges[::-1], lattice.shape)
+        later = [other.shape for other in self._box.sources[member + 1 :] if _meet(source, other)]
+        fractions = volume_fractions(_Rest(source.shape, later) if later else source.shape, voxels)
+        if not later:
+            require(fractions.any(), source.where, "cells", lattice.shape[::-1], f"fine enough to find {source.name!r}")
+        return (k, j, i), np.minimum(fractions, 1.0)
 
     def _numbers(self) -> list[int]:
         """Number of the material of each source."""
@@ -97,7 +90,10 @@ class MaterialCells:
             assert source.material is not None
             name = source.material.model_dump_json()
             if name not in known:
-                self.materials.append(elasticity_of(source))
+                found = elasticity_of(source)
+                if isinstance(found, MaterialMap):
+                    found = found.at(*self._box.lattice.axes(self._grid))
+                self.materials.append(found)
                 known[name] = len(self.materials)
             numbers.append(known[name])
         return numbers
@@ -115,26 +111,48 @@ class MaterialCells:
         return np.stack([along_x, along_y, along_z]) * min(dx, dy, dz)
 
     def prestrain(self, time: float) -> FloatArray:
-        """Mandel prestrain ``(6, nz, ny, nx)`` of the inhomogeneity that fills most of a cell, zero in the matrix."""
+        """Mandel prestrain ``(6, nz, ny, nx)``, the mean over each cell."""
         out = np.zeros((6, *self.shape))
         z, y, x = self._box.lattice.axes(self._grid)
-        for member, (source, (place, _)) in enumerate(zip(self._box.sources, self._strain.fractions, strict=True)):
-            mine = self._owner[place] == member
-            part = out[:, *place]
-            part[:, mine] = values_of(source, x[place[2]], y[place[1]], z[place[0]], time)[:, mine]
+        for source, (place, share) in zip(self._box.sources, self._shares, strict=True):
+            out[:, *place] += share * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
         return out
 
 
-def _add(shares: FloatArray, names: IntArray, share: FloatArray, number: int) -> NDArray[np.bool_]:
-    """Add shares of one material to the two largest of each cell; where it is now the largest."""
+@dataclass(frozen=True, slots=True)
+class _Rest:
+    """A region without those that come later."""
+
+    region: Region
+    later: Sequence[Region]
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Bounds of the region."""
+        return self.region.bounds
+
+    def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether points lie in the region and in none of the others."""
+        inside = self.region.contains(x, y, z)
+        for other in self.later:
+            inside = inside & ~other.contains(x, y, z)
+        return inside
+
+
+def _meet(one: Source, other: Source) -> bool:
+    """Whether the bounds of two regions overlap."""
+    pairs = zip(*one.shape.bounds, *other.shape.bounds, strict=True)
+    return all(low < stop and start < high for low, high, start, stop in pairs)
+
+
+def _add(shares: FloatArray, names: IntArray, share: FloatArray, number: int) -> None:
+    """Add shares of one material to the two largest of each cell."""
     first = (names[0] == number) & (share > 0)
     second = (names[1] == number) & (share > 0)
     new = ~first & ~second & (share > shares[1])
-    grew = first & (share > shares[0])
     shares[0] += np.where(first, share, 0.0)
     shares[1] = np.where(new, share, shares[1] + np.where(second, share, 0.0))
     names[1][new] = number
     swap = shares[1] > shares[0]
     shares[:, swap] = shares[::-1, swap]
     names[:, swap] = names[::-1, swap]
-    return np.asarray(swap | grew)

@@ -21,6 +21,9 @@ __all__ = ["Stress"]
 
 FloatArray = NDArray[np.float64]
 
+#: Depths of a close-up whose spectra are held at once.
+_DEPTHS = 16
+
 
 class Stress:
     """One region; the spectra are kept as long as the contact stays in the box that they were made for.
@@ -77,6 +80,8 @@ class Stress:
         box = Box.around(tractions[0] > 0)
         if box is None:
             return np.zeros((6, *lattice.shape))
+        if lattice.finer != (1, 1):
+            return self._close_up(tractions, box)
         if self._operator is None or not self._operator.covers(box):
             margin = 0 if self._operator is None else max(2, max(box.shape) // 6)
             self._operator = None  # its memory goes before the next is made
@@ -92,3 +97,23 @@ class Stress:
                 threads=numerics.threads,
             )
         return np.asarray(self._operator.apply(tractions), dtype=float)
+
+    def _close_up(self, tractions: list[FloatArray], box: Box) -> FloatArray:
+        """Stress on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
+        from eigencontact.solvers.subsurface import SubsurfaceStress
+
+        out = np.empty((6, *self._lattice.shape))
+        for begin in range(0, self._lattice.depths.size, _DEPTHS):
+            layers = slice(begin, begin + _DEPTHS)
+            for (rows, columns), lattice in self._lattice.shifted:
+                operator = SubsurfaceStress(
+                    self._grid,
+                    self._kernels,
+                    source=box,
+                    target=lattice.target,
+                    origin=lattice.origin,
+                    depths=lattice.depths[layers],
+                    threads=self._numerics.threads,
+                )
+                out[:, layers, rows, columns] = operator.apply(tractions)
+        return out

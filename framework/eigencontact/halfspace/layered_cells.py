@@ -1,4 +1,4 @@
-"""Integrals over rectangles of a smooth function of the plane, known on nodes that spread like a hyperbolic sine.
+"""Values and integrals over rectangles of a smooth function of the plane, known on nodes that spread like sinh.
 
 A field that comes from depths of s and more is, in each of x and y, analytic in a strip of the stretched coordinate
 ``ξ = asinh(x/s)``: its nearest singularities, x = ± i s, lie at ±iπ/2. Nodes at ξ = jΔ therefore resolve the scale s at
@@ -59,6 +59,18 @@ class StretchedNodes:
         """Weights ``(m, n)`` of integrals from `low` to `high` ``(m,)`` [m], for even (1) and odd (-1) functions."""
         upper, lower = self._primitives(high), self._primitives(low)
         return {parity: upper[parity] - lower[parity] for parity in (1, -1)}
+
+    def values(self, x: FloatArray) -> dict[int, FloatArray]:
+        """Weights ``(m, n)`` of the values at `x` ``(m,)`` [m], for even (1) and odd (-1) functions."""
+        first, weights = interpolation_weights(np.arcsinh(np.abs(x) / self.scale) / self.step)
+        number = np.arange(x.size)
+        found = {parity: np.zeros((x.size, self.x.size)) for parity in (1, -1)}
+        for j in range(STENCIL):
+            node = first + j
+            for parity, rows in found.items():
+                rows[number, np.abs(node)] += np.where(node < 0, parity, 1) * weights[j]
+        found[-1] *= np.sign(x)[:, None]
+        return found
 
     @cached_property
     def _prefixes(self) -> dict[int, FloatArray]:

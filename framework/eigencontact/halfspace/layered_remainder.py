@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 # For a resolution of 1: spacing of ln k and of the stretched coordinate of the nodes, and the range of k.
 LOG_STEP = 0.07
 NODE_STEP = 0.12
-LOWEST = 1e-12
+LOWEST = 1e-14
 HIGHEST = 50.0
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import SQRT2
 
-__all__ = ["AxisResponse", "angular_orders"]
+__all__ = ["DIRECTIONS", "AxisResponse", "angular_orders"]
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -1,4 +1,9 @@
-"""Planning of inhomogeneities: the box of cells that those of one body share, and the blocks that it takes."""
+"""Planning of inhomogeneities: the box of cells that those of one body share, and the blocks that it takes.
+
+Prescribed eigenstrain of the same body acts on them by its stress. Where it lies in an inhomogeneity it stays what it
+is, a strain without stress, whatever the material: it adds to the prestrain there. The equivalent eigenstrain is not
+stored with the results; what it does is, on the surface and in the regions asked for.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +24,7 @@ from eigencontact.planning.eigenstrain import EigenstrainDeclaration
 from eigencontact.planning.field_cost import Pace, volume_cost
 from eigencontact.planning.field_parts import FieldPart, part_of_cells, space_of
 from eigencontact.planning.kernels import DIRECTIONS, Bodies, KernelUse
+from eigencontact.planning.materials import elasticity_of
 from eigencontact.planning.regions import RegionLattice, region_lattice, surface_lattice
 from eigencontact.planning.sources import Lattice, Source
 from eigencontact.plugin import HasCornerPotentials, SurfaceInfluence
@@ -45,6 +51,7 @@ def with_boxes(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[Sou
             continue
         height = _layer_height([found[k] for k in members], scene, grid)
         for k in members:
+            elasticity_of(found[k])  # refused here, not in the middle of a run
             found[k] = replace(found[k], lattice=_lattice(found[k], height, grid))
     return tuple(found)
 
@@ -220,7 +227,7 @@ class InhomogeneityDeclaration:
     def region(self, request: StressRequest) -> Block | None:
         """Fields at the points of a region; None where its body has neither inhomogeneities nor other eigenstrain."""
         base = self.prescribed.region(request)
-        if request.body not in self.boxes:
+        if request.body not in self._numbers:
             return base
         lattice = region_lattice(request, self.grid)
         parts = [
@@ -256,6 +263,11 @@ class InhomogeneityDeclaration:
             cost=sum((part.cost for part in parts), base.cost),
             settings={**base.settings, "solved": parts},
         )
+
+    @property
+    def _numbers(self) -> Sequence[int]:
+        """Bodies with inhomogeneities."""
+        return tuple(self.boxes)
 
     @property
     def _cell_key(self) -> str:

@@ -83,7 +83,7 @@ def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
         tables = data.get(group, [])
         for table in [tables] if isinstance(tables, dict) else tables:
             if isinstance(table, dict):
-                for part in (table, table.get("eigenstrain")):
+                for part in (table, table.get("eigenstrain"), table.get("material")):
                     _anchor(part, folder)
     for body in (data.get("body1"), data.get("body2")):
         if isinstance(body, dict):

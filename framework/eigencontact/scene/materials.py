@@ -82,7 +82,7 @@ class InclusionMaterial(Table):
 
     @model_validator(mode="after")
     def _complete(self) -> InclusionMaterial:
-        if self.void is not (self.type == "void") and "void" in self.model_fields_set:
+        if self.void and self.type != "void":
             raise ValueError("void = true, or of another type: leave one of them out")
         wanted = _KEYS[self.type]
         missing = [name for name in wanted if getattr(self, name) is None and name not in _OPTIONAL]

@@ -132,7 +132,7 @@ class Conditions:
         """
         cut = int(np.count_nonzero(~shares.mixed[cells]))
         names, starts = np.unique(index[cells[:cut]], return_index=True)
-        for name, start, stop in zip(names, starts, [*starts[1:], cut], strict=True):
+        for name, start, stop in zip(names, starts, [*starts[1:], cut][: names.size], strict=True):
             yield slice(int(start), int(stop)), self._whole(int(name), cells[start:stop])
         if cut < cells.size:
             yield slice(cut, cells.size), self._cut(cells[cut:], index, shares)

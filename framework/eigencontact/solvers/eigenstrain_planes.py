@@ -27,6 +27,7 @@ from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.cells import Cells, snapped
 from eigencontact.solvers.eigenstrain import add_local, check_request, local_matrix, scale_of
 from eigencontact.solvers.potential_tables import (
+    ON_FACE,
     Forms,
     cell_kernels,
     far_apart,
@@ -202,10 +203,13 @@ class PlaneFields:
     def _layers_at(self, depth: float) -> list[tuple[int, float]]:
         """Layers that a depth lies in, with weights: two halves on a face between two, all of the first on z = 0."""
         dz = self.source.pitch[2]
-        place = snapped((depth - self.source.first[2]) / dz)
+        # Rounded as for the tables: what they take for a face must be one here too.
+        place = snapped(depth / dz) - snapped(self.source.first[2] / dz)
         surface = self.space == "half" and snapped(depth / dz) == 0
-        weights = [(layer, abs(place - layer)) for layer in range(self.source.shape[0]) if abs(place - layer) <= 0.5]
-        return [(layer, 0.5 if distance == 0.5 and not surface else 1.0) for layer, distance in weights]
+        distances = np.abs(place - np.arange(self.source.shape[0]))
+        face = np.abs(distances - 0.5) < ON_FACE
+        weights = np.where(face, 1.0 if surface else 0.5, 1.0)
+        return [(int(layer), float(weights[layer])) for layer in np.flatnonzero(face | (distances < 0.5))]
 
 
 class SurfaceDisplacement(PlaneFields):

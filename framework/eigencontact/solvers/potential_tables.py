@@ -17,6 +17,7 @@ from eigencontact.halfspace.theorem import QUANTITIES, response
 from eigencontact.solvers.cells import Cells
 
 __all__ = [
+    "ON_FACE",
     "Forms",
     "cell_kernels",
     "far_apart",
@@ -39,6 +40,8 @@ _CHUNK_NODES = 12_000
 _GROUP_BYTES = 300_000_000
 # Distance in cells from which corner functions are evaluated in extended precision.
 _FAR = 2.5
+#: Distance in cells below which a point is on a face.
+ON_FACE = 1e-9
 # A node in the surface is seen from inside the body.
 _BELOW_SURFACE = 1e-30
 
@@ -140,7 +143,7 @@ def sample_tables(
 def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> NDArray[np.longdouble]:
     """Nodes between and around ascending offsets in cells, in units of length; one that is zero is exactly so."""
     cells = np.append(offsets - 0.5, offsets[-1] + 0.5)
-    cells[np.abs(cells) < 1e-9] = 0.0
+    cells[np.abs(cells) < ON_FACE] = 0.0
     return cells * np.longdouble(pitch / unit)
 
 

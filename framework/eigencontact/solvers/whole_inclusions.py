@@ -1,7 +1,10 @@
 """One uniform eigenstrain in each inhomogeneity: the equivalent inclusion method with six unknowns an inclusion.
 
 Exact for one ellipsoid in full space (Eshelby). Near others or a surface the eigenstrain is not uniform, and what is
-found is the best uniform one: it satisfies the condition of the method in the mean over each inclusion.
+found is the best uniform one: it satisfies the condition of the method in the mean over each inclusion. With the value
+at the centre in place of the mean a load that decays across the inclusion is misjudged: by some 70 % of the eigenstrain
+in a test where the mean is within 4 % for ratios of stiffness of 0.5 to 10, and 9 % for a void. Neighbours 0.2 radii
+apart are within 1 % of a solution by cells for ratios of 0.5 and 2, 3 % for voids, 5 % for ten times the stiffness.
 
 References
 ----------

@@ -6,7 +6,9 @@ cell of a grid on the surface, and every field is that of the matrix alone with 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -255,19 +257,17 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
 
 
 def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
-    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations."""
+    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations.
+
+    By the solver of the code where that is there, and here where it is not.
+    """
     from eigencontact import make
     from eigencontact.halfspace.points import field_at_points
-    from eigencontact.solvers.cell_conditions import condition_of
-    from eigencontact.solvers.subsurface import stress_at_points
 
     matrix = problem.matrix
     shape = make("sphere", kind="inclusion-shape", center=problem.centre, radius=problem.radius)
     points, weights = _inside(problem)
-    applied = np.zeros((6, len(points)))
-    if problem.pressure:
-        grid, pressure = _pressure(problem, 2.0 / _PRESSURE_CELLS, _PRESSURE_CELLS)
-        applied = stress_at_points(grid, [_kernel(problem)], [pressure], points)
+    applied = _applied(problem, points)
     places = (points[:, 0], points[:, 1], points[:, 2])
     caused = matrix.shear_modulus * np.stack(
         [
@@ -276,10 +276,15 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
         ],
         axis=1,
     )
-    stress, strain, _ = condition_of(problem.stiffness, matrix)
+    # C_i (M_m σ + ε* - ε_p) = σ, scaled so that neither a void nor a rigid sphere has large entries
+    around = replace(problem, young_modulus_inside=1.0, poisson_ratio_inside=problem.poisson_ratio).stiffness
+    scale = np.linalg.inv(problem.stiffness + 2.0 * matrix.shear_modulus * np.eye(6))
+    stress, strain = scale @ (problem.stiffness @ np.linalg.inv(around) - np.eye(6)), scale @ problem.stiffness
     own = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
-    found = answer @ (strain @ own - stress @ (applied @ weights))
+    found = _by_the_code(problem, shape, own)
+    if found is None:
+        found = answer @ (strain @ own - stress @ (applied @ weights))
     total = applied + np.einsum("cun,u->cn", caused, found)
     left = -answer @ (stress @ total + (strain @ (found - own))[:, None])
     parts = [
@@ -287,6 +292,26 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
     return OneEigenstrain(shape=shape, eigenstrain=found, matrix=matrix, parts=parts, left=left.T)
+
+
+def _by_the_code(problem: Sphere, shape: Any, own: FloatArray) -> FloatArray | None:
+    """The same eigenstrain by the solver for whole inclusions; None where this version of the code has none."""
+    if find_spec("eigencontact.solvers.whole_inclusions") is None:
+        return None
+    whole: Any = import_module("eigencontact.solvers.whole_inclusions")
+    solver = whole.WholeInclusions([shape], problem.matrix, [problem.stiffness])
+    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
+    return np.asarray(solver.solve(load, own[:, None]).eigenstrain[:, 0])
+
+
+def _applied(problem: Sphere, points: FloatArray) -> FloatArray:
+    """Stress of the load at points ``(n, 3)`` of the matrix, ``(6, n)``."""
+    from eigencontact.solvers.subsurface import stress_at_points
+
+    if not problem.pressure:
+        return np.zeros((6, len(points)))
+    grid, pressure = _pressure(problem, 2.0 / _PRESSURE_CELLS, _PRESSURE_CELLS)
+    return stress_at_points(grid, [_kernel(problem)], [pressure], points)
 
 
 def _inside(problem: Sphere) -> tuple[FloatArray, FloatArray]:

@@ -143,8 +143,16 @@ class CoatedContact:
 
     @cached_property
     def max_pressure(self) -> float:
-        """Pressure on the axis [Pa]: the largest, unless a soft layer is far thinner than the contact is wide."""
-        return float(self.pressure(0.0))
+        """Largest pressure [Pa]: on the axis, or near the rim of a stiff coating far thinner than the contact."""
+        from scipy.optimize import minimize_scalar
+
+        angles = np.linspace(0.0, 0.5 * np.pi, 33)
+        place = int(self.pressure(self.radius * np.sin(angles)).argmax())
+        if place == 0:
+            return float(self.pressure(0.0))
+        bounds = angles[place - 1], angles[min(place + 1, 32)]
+        found = minimize_scalar(lambda t: -float(self.pressure(self.radius * np.sin(t))), bounds=bounds)
+        return -float(found.fun)
 
     @property
     def _turns(self) -> float:
@@ -229,8 +237,9 @@ def coated_contact(
 
     Notes
     -----
-    Valid for a contact small beside R and without adhesion, from a/h of 0 to some 100 (work and memory grow with
-    (a/h)²), for moduli within 1:1e4.
+    Valid for a contact small beside R, without adhesion, that is a whole disk: so it was in every case tried, coatings
+    up to 1e5 times as stiff included (look for negative `pressure`). a/h from 0 to some 100, as work and memory grow
+    with (a/h)²; moduli within 1:1e4 cost no more than 1e-11 of accuracy.
     """
     from scipy.optimize import brentq
 

@@ -1,0 +1,142 @@
+"""Tables of inhomogeneities: what is understood, and one clear message for everything that is not."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.errors import EigencontactError
+from eigencontact.scene.schema import Scene
+
+STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
+BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um"}
+GRID = {"cells": 8, "size": [4e-6, 4e-6]}
+HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.25}
+FIBRE = {
+    "type": "transversely-isotropic",
+    "axial-modulus": "200 GPa",
+    "transverse-modulus": "20 GPa",
+    "axial-poisson-ratio": 0.2,
+    "transverse-poisson-ratio": 0.3,
+    "axial-shear-modulus": "15 GPa",
+}
+UNIT = np.eye(6).tolist()
+
+
+def scene(material, **tables):
+    ball = {**BALL, "material": material} if material is not None else BALL
+    return Scene(**{"body1": STEEL, "inclusions": ball, "grid": GRID} | tables)
+
+
+# table -> type, constants
+GOOD = {
+    "isotropic": (HARD, "isotropic", {"young_modulus": 420e9, "poisson_ratio": 0.25}),
+    "void": ({"void": True}, "void", {}),
+    "void by type": ({"type": "void"}, "void", {}),
+    "cubic": (
+        {"type": "cubic", "c11": 3e11, "c12": 1e11, "c44": 1e11},
+        "cubic",
+        {"c11": 3e11, "c12": 1e11, "c44": 1e11},
+    ),
+    "fibre": ({**FIBRE, "axis": [1, 0, 0]}, "transversely-isotropic", {"axis": [1.0, 0.0, 0.0]}),
+    "stiffness": ({"type": "stiffness", "stiffness": UNIT}, "stiffness", {"stiffness": UNIT}),
+}
+
+
+@pytest.mark.parametrize("case", GOOD)
+def test_materials(case):
+    table, kind, constants = GOOD[case]
+    found = scene(table)
+    material = found.inclusions[0].material
+    assert material.type == kind
+    assert constants.items() <= material.constants.items()
+    assert found.inclusions[0].eigenstrain is None
+    assert Scene(**found.resolved()) == found
+
+
+LOPSIDED = (np.eye(6) + np.eye(6, k=1)).tolist()
+# material, tables of the scene -> words of the message
+REFUSED = {
+    "neither": (None, {}, "inclusions must be given an eigenstrain, a material, or both"),
+    "negative modulus": ({**HARD, "young-modulus": "-1 GPa"}, {}, "material.young-modulus must be positive and finite"),
+    "ratio": ({**HARD, "poisson-ratio": 0.6}, {}, "material.poisson-ratio must be in (-1, 0.5] [-] (got 0.6)"),
+    "half": ({"young-modulus": 1e9}, {}, "inclusions.material must be of type 'isotropic', which needs poisson-ratio"),
+    "unknown key": ({**HARD, "poison-ratio": 0.3}, {}, "did you mean 'poisson-ratio'?"),
+    "unknown type": ({"type": "cubik"}, {}, "did you mean 'cubic'?"),
+    "void and more": ({"void": True, **HARD}, {}, "which has no poisson-ratio, young-modulus"),
+    "void and type": ({"void": True, "type": "cubic"}, {}, "void = true, or of another type"),
+    "key of another": ({**HARD, "c11": 1e9}, {}, "which has no c11"),
+    "missing": ({"type": "cubic", "c11": 1.0}, {}, "needs c12, c44"),
+    "text": ({**HARD, "young-modulus": "much"}, {}, "young-modulus"),
+    "size": ({"type": "stiffness", "stiffness": [[1.0]]}, {}, "6 x 6 Mandel components"),
+    "lopsided": ({"type": "stiffness", "stiffness": LOPSIDED}, {}, "symmetric stiffness"),
+    "unstable": ({"type": "stiffness", "stiffness": (-np.eye(6)).tolist()}, {}, "no negative eigenvalue"),
+    "axis": ({**FIBRE, "axis": [1.0, 0.0]}, {}, "axis must be an array of length at least 3"),
+    "half-space": (HARD, {"numerics": {"half-space": "image-pressure"}}, "half-space must be 'exact' or 'full-space'"),
+    "periodic": (HARD, {"numerics": {"boundary": "periodic"}}, "boundary must be 'non-periodic'"),
+    "rigid body": ({**HARD}, {"body1": {"rigid": True}, "body2": STEEL}, "must lie in an elastic body"),
+    "pitch": (HARD, {"numerics": {"inclusion-pitch": 0.0}}, "inclusion-pitch must be positive"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refusals(case):
+    material, tables, words = REFUSED[case]
+    with pytest.raises(EigencontactError) as caught:
+        scene(material, **tables)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+# material -> words of the message of the plan
+UNSTABLE = {
+    "cubic": ({"type": "cubic", "c11": 1e9, "c12": 2e9, "c44": 1e9}, "inclusions.material: cubic.c12 must be between"),
+    "skew axes": (
+        {"type": "cubic", "c11": 3e9, "c12": 1e9, "c44": 1e9, "x-axis": [1, 0, 0], "y-axis": [1, 1, 0]},
+        "inclusions.material: cubic.y_axis must be at right angles",
+    ),
+    "fibre": ({**FIBRE, "axial-poisson-ratio": 3.0}, "axial_poisson_ratio must be in"),
+    "no file": ({"type": "map", "file": "nowhere.npz"}, "map.file must be an existing file"),
+}
+
+
+@pytest.mark.parametrize("case", UNSTABLE)
+def test_constants_of_no_material_are_refused_before_the_run(case):
+    material, words = UNSTABLE[case]
+    with pytest.raises(EigencontactError) as caught:
+        ec.plan({"body1": STEEL, "inclusions": {**BALL, "material": material}, "grid": GRID})
+    assert words in str(caught.value)
+
+
+# changes of a good map -> words of the message
+MAPS = {
+    "no modulus": ({"young_modulus": None}, "a file with young_modulus"),
+    "axes": ({"x": np.array([1.0, 0.0])}, "two ascending numbers"),
+    "shape": ({"young_modulus": np.ones((2, 2))}, "of shape (z, y, x) = (2, 2, 2)"),
+    "negative": ({"young_modulus": -np.ones((2, 2, 2))}, "young_modulus must be zero"),
+}
+
+
+@pytest.mark.parametrize("case", MAPS)
+def test_maps_that_are_refused(case, tmp_path):
+    changes, words = MAPS[case]
+    axis = np.array([0.0, 1e-6])
+    good = {"x": axis, "y": axis, "z": axis, "young_modulus": np.full((2, 2, 2), 1e9), "poisson_ratio": np.array(0.3)}
+    arrays = {name: values for name, values in (good | changes).items() if values is not None}
+    np.savez(tmp_path / "map.npz", **arrays)
+    material = {"type": "map", "file": str(tmp_path / "map.npz")}
+    with pytest.raises(EigencontactError) as caught:
+        ec.plan({"body1": STEEL, "inclusions": {**BALL, "material": material}, "grid": GRID})
+    assert words in str(caught.value)
+
+
+def test_a_map_beside_the_scene_is_found(tmp_path):
+    axis = np.array([0.0, 1e-6])
+    constants = {"young_modulus": np.full((2, 2, 2), 1e9), "poisson_ratio": np.full((2, 2, 2), 0.3)}
+    np.savez(tmp_path / "map.npz", x=axis, y=axis, z=axis, **constants)
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[body1]\nyoung-modulus = "210 GPa"\npoisson-ratio = 0.3\n[[inclusions]]\ntype = "sphere"\n'
+        'center = [0, 0, "2 um"]\nradius = "1 um"\nmaterial = { type = "map", file = "map.npz" }\n',
+        encoding="utf-8",
+    )
+    assert "the map" in ec.plan(ec.load_scene(path)).explain()
