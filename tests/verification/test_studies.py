@@ -49,8 +49,8 @@ def test_finished_variants_are_read_again(tmp_path):
         ("sphere-radius", {"inhomogeneities", "normal-contact"}),
         ("two-spheres-spacing", {"inhomogeneities", "normal-contact"}),
         ("coating-pressure", {"inhomogeneities", "normal-contact"}),
-        ("coating-thickness", {"normal-contact", "substrate-pressure"}),
-        ("coating-fretting", {"frictional-contact", "substrate-pressure"}),
+        ("coating-thickness", {"normal-contact"}),
+        ("coating-fretting", {"frictional-contact"}),
     ],
 )
 def test_scenes_can_be_planned(name, blocks):
