@@ -76,13 +76,13 @@ class Case:
 
 
 #: Odd numbers of cells, so that one has its middle on the axis. Tolerance of the largest pressure.
-SMALL = {"layers": (4, 0.006), "coating": (8, 0.006), "substrate": (4, 0.01)}
+SMALL = {"layers": (4, 0.006), "coating": (6, 0.01), "substrate": (4, 0.012)}
 
 
 @pytest.mark.parametrize("route", SMALL)
 def test_a_stiff_coating_by_every_route(route):
     per_h, tolerance = SMALL[route]
-    case = Case(2.0, cells=13, half=1.3, per_h=per_h)
+    case = Case(2.0, cells=13, half=1.3, per_h=per_h, depth=2.0, width=2.0)
     assert case.oracle.max_pressure / case.p0 == pytest.approx(1.4754, rel=1e-4)
     pressure = case.pressure(route)
     assert pressure.max() == pressure[6, 6] == pytest.approx(1.4754, rel=tolerance)
@@ -92,7 +92,7 @@ def test_a_stiff_coating_by_every_route(route):
 
 @pytest.mark.parametrize("route", ROUTES)
 def test_a_coating_of_the_same_material_changes_nothing(route):
-    case = Case(1.0, per_h=4, depth=1.0, numerics={"tolerance": 1e-11})
+    case = Case(1.0, per_h=3, depth=1.0, width=1.0, numerics={"tolerance": 1e-11})
     bare = case.run("layers").dataset
     assert (case.run(route).dataset.pressure - bare.pressure).pipe(abs).max() < 1e-10 * case.p0
 
@@ -177,7 +177,9 @@ def test_thin_and_thick_coatings(thickness, ratio, peak, area, per_h, cells):
         )
 
 
-@pytest.mark.parametrize(("ratio", "peak", "area"), [(0.5, 0.62996, 1.5874), (2.0, 1.5874, 0.62996)])
+@pytest.mark.parametrize(
+    ("ratio", "peak", "area"), [(0.5, 0.62996, 1.5874), pytest.param(2.0, 1.5874, 0.62996, marks=pytest.mark.slow)]
+)
 def test_a_thick_coating_is_all_there_is(ratio, peak, area):
     """Case PL-1, by layers: the contact is a fortieth of the thickness."""
     case = Case(ratio, a0=1 / 40, half=1.2 * np.sqrt(area) / 40, cells=21)
@@ -251,6 +253,7 @@ def test_sliding(route, friction, peak, depth, below):
     result = case.run(route)
     assert result.summary["slip_fraction"] == 1.0
     field = result.dataset.cut_von_mises.values[-1] / case.p0
-    assert field.max() == pytest.approx(peak, rel=0.03)
+    tolerance = 0.015 if route == "layers" else 0.03  # of p0, as for the interface
+    assert field.max() == pytest.approx(peak, abs=tolerance)
     assert depths[int(field.max(axis=1).argmax())] == pytest.approx(depth, abs=0.08)
-    assert field[4:].max() == pytest.approx(below, rel=0.03)
+    assert field[4:].max() == pytest.approx(below, abs=tolerance)
