@@ -31,7 +31,14 @@ BLOCKS = {
     "under a contact": (CONTACT, ["residual-displacement", "separation", "normal-contact", "homogeneous-pressure"]),
     "under a contact, with a region": (
         {**CONTACT, "stress": REGION},
-        ["eigenstrain-cut", "residual-displacement", "separation", "normal-contact", "homogeneous-pressure", "stress-cut"],
+        [
+            "eigenstrain-cut",
+            "residual-displacement",
+            "separation",
+            "normal-contact",
+            "homogeneous-pressure",
+            "stress-cut",
+        ],
     ),
     "a region of the other body": (
         {**CONTACT, "body2": STEEL, "stress": {**REGION, "body": 2}},
