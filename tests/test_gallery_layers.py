@@ -54,8 +54,9 @@ def at_centre(data, name):
 
 
 def test_every_bundled_coating_is_tested():
+    """Fretting over a coating is in test_gallery_coated_fretting.py."""
     layered = [name for name in bundled_names() if ec.load_scene(name).body1.medium is not None]
-    assert layered == sorted([*CO, "coated-sliding"])
+    assert layered == sorted([*CO, "coated-fretting", "coated-sliding"])
 
 
 @pytest.mark.parametrize("name", CO)

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -41,11 +42,33 @@ def test_finished_variants_are_read_again(tmp_path):
     assert stamps == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
 
 
-@pytest.mark.parametrize("study", studies(), ids=names())
-def test_scenes_of_every_study_can_be_planned(study):
-    """The last variant, coarse: of a kind each study has one or two."""
-    plan = ec.plan(study.variants(coarse=True)[-1].scene)
-    assert plan.blocks
+@pytest.mark.parametrize(
+    ("name", "blocks"),
+    [
+        ("cluster-stiffness", {"inhomogeneities", "normal-contact"}),
+        ("sphere-radius", {"inhomogeneities", "normal-contact"}),
+        ("two-spheres-spacing", {"inhomogeneities", "normal-contact"}),
+        ("coating-pressure", {"inhomogeneities", "normal-contact"}),
+        ("coating-thickness", {"normal-contact"}),
+        ("coating-fretting", {"frictional-contact"}),
+    ],
+)
+def test_scenes_can_be_planned(name, blocks):
+    """One study of a kind; the last of its coarse variants."""
+    plan = ec.plan(find(name).variants(coarse=True)[-1].scene)
+    assert blocks <= {block.name for block in plan.blocks}
+
+
+def test_thick_coating_against_the_integral_equation(tmp_path):
+    """Case PL-2 of the soft coating, read off coarse cells; and what is read agrees with the catalogue."""
+    study = find("coating-thickness")
+    chosen = replace(study, variants=lambda *, coarse: study.variants(coarse=coarse)[1:2])
+    (found,) = run_study(chosen, tmp_path, coarse=True)
+    found.dataset.close()
+    assert found.row["integral equation: pressure"] == pytest.approx(0.638, abs=1e-3)
+    assert found.row["integral equation: area"] == pytest.approx(1.568, abs=1e-3)
+    assert found.row["pressure ratio"] == pytest.approx(0.638, rel=0.005)
+    assert found.row["area ratio"] == pytest.approx(1.568, rel=0.02)
 
 
 @pytest.mark.slow

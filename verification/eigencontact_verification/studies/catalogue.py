@@ -16,6 +16,7 @@ _MODULES = (
     "rolling",
     "clusters",
     "single_sphere",
+    "two_spheres",
     "coatings",
     "coating_thickness",
     "coating_sliding",

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact_verification.studies.coatings import coated_body, coated_scene, draw_section, oracle, split
+from eigencontact_verification.studies.coatings import (
+    COMPARED,
+    below_the_middle,
+    coated_body,
+    coated_scene,
+    draw_section,
+    oracle,
+    split,
+)
 from eigencontact_verification.studies.common import (
     COATED,
     colour,
@@ -27,7 +36,6 @@ __all__ = ["STUDIES"]
 _A = COATED.radius
 #: Depths of the section [m]: the skin, where the stress is largest under friction, and the middles of layers.
 _DEPTHS = [0.01 * _A, *cut_depths(_A / 16, 2.5 * _A)]
-_AXIS = {"name": "axis", "shape": "line", "start": [0.0, 0.0, 0.01 * _A], "end": [0.0, 0.0, 2.5 * _A], "count": 121}
 _COMPONENTS = {"xx": 0, "zz": 2, "xz": 4}
 #: Depths of the markers of the independent solution, over the thickness.
 _MARKERS = (0.1, 0.4, 0.7, 0.98, 1.02, 1.4, 2.0)
@@ -60,7 +68,7 @@ def _map_variants(*, coarse: bool) -> Sequence[Variant]:
 
 def _axis_variants(*, coarse: bool) -> Sequence[Variant]:
     return [
-        _variant(ratio, friction, [_AXIS], coarse=coarse)
+        _variant(ratio, friction, [below_the_middle(coarse=coarse)], coarse=coarse)
         for ratio in ((0.5, 2.0) if coarse else (0.5, 1.0, 2.0))
         for friction in ((0.25,) if coarse else (0.0, 0.25, 0.5))
     ]
@@ -84,7 +92,7 @@ def _read_axis(variant: Variant, dataset: xr.Dataset) -> Row:
     above, below = int(np.flatnonzero(depth < 1.0)[-1]), int(np.flatnonzero(depth > 1.0)[0])
     errors = [
         abs(np.interp(z, depth, stress[n]) - known[n])
-        for z in (0.4, 1.4)
+        for z in COMPARED
         for known in [_oracle_stress(variant, z)]
         for n in _COMPONENTS.values()
     ]
@@ -100,11 +108,16 @@ def _stress(dataset: xr.Dataset) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.asarray(dataset["axis_stress"].isel(step=-1).values / COATED.peak)
 
 
-def _oracle_stress(variant: Variant, depth: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+@cache
+def _known(ratio: float, friction: float, depth: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Independent solution on the axis."""
     from eigencontact_verification.oracles.coated_stress import sliding_stress
 
-    contact = oracle(variant.values["E₁/E₂"])
-    return np.asarray(sliding_stress(contact, 0.0, 0.0, depth * _A, friction=variant.values["μ"]) / COATED.peak)
+    return np.asarray(sliding_stress(oracle(ratio), 0.0, 0.0, depth * _A, friction=friction) / COATED.peak)
+
+
+def _oracle_stress(variant: Variant, depth: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return _known(variant.values["E₁/E₂"], variant.values["μ"], depth)
 
 
 def _draw_map(found: Sequence[Finished]) -> Figure:

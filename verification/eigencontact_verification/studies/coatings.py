@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from eigencontact_verification.studies.common import (
     COATED,
     STEEL,
+    axis_points,
     colour,
     coloured,
     cut_depths,
@@ -31,14 +32,32 @@ if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene
     from eigencontact_verification.oracles.coated_contact import CoatedContact
 
-__all__ = ["STUDIES", "coated_body", "coated_scene", "draw_section", "oracle", "read_contact", "split"]
+__all__ = [
+    "COMPARED",
+    "STUDIES",
+    "below_the_middle",
+    "coated_body",
+    "coated_scene",
+    "draw_section",
+    "oracle",
+    "read_contact",
+    "split",
+]
 
 FloatArray = NDArray[np.float64]
 
 _A = COATED.radius
 _SECTION = {"name": "section", "shape": "plane", "normal": "y", "depths": cut_depths(_A / 16, 2.5 * _A)}
-#: Straight down from the middle of the contact.
-_AXIS = {"name": "axis", "shape": "line", "start": [0.0, 0.0, 0.01 * _A], "end": [0.0, 0.0, 2.5 * _A], "count": 81}
+#: Thousandth of the thickness: as close to the interface as points on its two sides lie.
+_CLOSE = 1e-3
+#: Depths over the thickness at which numbers are compared with the independent solution.
+COMPARED = (0.4, 1.4)
+
+
+def below_the_middle(*, coarse: bool) -> dict[str, Any]:
+    """Region of points on the axis, also on both sides of the interface and where the oracle is asked."""
+    even = np.linspace(0.01, 2.5, 12 if coarse else 60)
+    return axis_points("axis", _A * np.sort([*even, *COMPARED, 1.0 - _CLOSE, 1.0 + _CLOSE]))
 
 
 def coated_body(ratio: float, thickness: float = _A) -> dict[str, Any]:
@@ -93,7 +112,7 @@ def draw_section(axes: Axes, dataset: xr.Dataset, highest: float, title: str) ->
     values, z = np.concatenate([values[:1], values]), np.concatenate([[0.0], z])
     image = axes.pcolormesh(x, z, values, vmin=0.0, vmax=highest, cmap="viridis", shading="gouraud")
     axes.axhline(1.0, color="white", linewidth=0.8)
-    axes.set(xlim=(-1.7, 1.7), ylim=(float(z[-1]), 0.0), aspect="equal", title=title)
+    axes.set(xlim=(max(-1.7, x[0]), min(1.7, x[-1])), ylim=(float(z[-1]), 0.0), aspect="equal", title=title)
     axes.set(xlabel="$x/a_0$", ylabel="$z/h$")
     return image
 
@@ -222,7 +241,10 @@ def _stress_variants(*, coarse: bool) -> Sequence[Variant]:
         Variant(
             f"E₁/E₂ = {ratio:g}",
             coated_scene(
-                coated_body(ratio), cells=32 if coarse else 96, width=4.0, stress=[dict(_SECTION), dict(_AXIS)]
+                coated_body(ratio),
+                cells=32 if coarse else 96,
+                width=4.0,
+                stress=[_SECTION, below_the_middle(coarse=coarse)],
             ),
             {"E₁/E₂": ratio},
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,7 @@ __all__ = [
     "UNDER_BALL",
     "Reference",
     "at_origin",
+    "axis_points",
     "colour",
     "coloured",
     "cut_depths",
@@ -179,6 +180,11 @@ def colour(n: int) -> str:
 def coloured(found: Sequence[Finished]) -> list[tuple[Finished, str]]:
     """Each variant with its colour; the dashes of more than there are colours are for the caller."""
     return [(item, colour(n)) for n, item in enumerate(found)]
+
+
+def axis_points(name: str, depths: Iterable[float]) -> dict[str, Any]:
+    """Region of points straight below the middle of the contact at some depths [m]."""
+    return {"name": name, "shape": "points", "points": [[0.0, 0.0, float(depth)] for depth in depths]}
 
 
 def draw_hertz(axes: Axes, label: str = "homogeneous (Hertz)") -> None:
