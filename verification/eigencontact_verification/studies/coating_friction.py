@@ -220,7 +220,8 @@ STUDIES = (
         read=_read_stress,
         draw=_draw_stress,
         remark="The published rise of the stress by 22, 17 and 15 % for soft, none and hard is not reproduced: below "
-        "the skin it is a few per cent. With a hard coating the largest stress comes to lie at the surface.",
+        "the skin it is a few per cent. With a hard coating the largest stress "
+        "comes to lie at the surface, where it still changes with the number of steps.",
     ),
     Study(
         name="coating-fretting",

@@ -73,16 +73,18 @@ def _draw(found: Sequence[Finished], *, elements: bool) -> Figure:
         profiles.margins(x=0)
         for size, dash in zip(sizes, ("-", "--"), strict=False):
             group = [item for item in found if item.variant.values["cells per a"] == size]
-            suffix = f", cells $a$/{size:g}" if len(sizes) > 1 else ""
+            suffix = f", $a$/{size:g}" if len(sizes) > 1 else ""
             for name, mark, tint in (("pressure", "o", "#0072B2"), ("von Mises", "s", "#D55E00")):
                 x = [item.variant.values["r / a"] for item in group]
                 values = [item.row[f"largest {name} / p0"] for item in group]
-                trends.plot(x, values, mark + dash, color=tint, label=f"largest {name}{suffix}")
+                trends.plot(x, values, mark + dash, color=tint, label=f"{name}{suffix}")
         if elements:
             trends.plot(
                 *zip(*_ELEMENTS, strict=True), "x", color="black", markersize=6, label="pressure, finite elements"
             )
         trends.set(xlabel="radius of the sphere $r/a$", ylabel="stress $/p_0$", title="Largest values", xlim=(0, None))
+        if len(sizes) > 1:
+            trends.set_title("Largest values for two sizes of cells")
         trends.set_ylim(0, None if elements else 1.3 * trends.get_ylim()[1])
         trends.legend(loc="lower right" if elements else "upper center", fontsize=7, ncols=1 if elements else 2)
         legend_beside(figure, profiles)
