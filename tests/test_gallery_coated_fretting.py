@@ -8,7 +8,7 @@ import eigencontact as ec
 #: Young's modulus of the coatings [Pa]; the substrate has 210 GPa.
 COATINGS = {"stiff": 420e9, "none": 210e9, "soft": 105e9}
 #: The same for all, with room for the widest contact.
-GRID = {"cells": 20, "size": [2.6 * 20e-6, 2.6 * 20e-6]}
+GRID = {"cells": 22, "size": [2.86 * 20e-6, 2.86 * 20e-6]}
 #: Case CM-2, the bare substrate: load at the turns [N], stick radius there [m], work of friction in a cycle [J].
 BARE = (3.378, 15.340e-6, 2.942e-7)
 #: Increments of the quarter and of the halves of the cycle.
