@@ -23,6 +23,7 @@ REGION = {"name": "cut", "shape": "plane", "depth-max": "4 um", "depth-cells": 8
 LAYER = {"type": "cuboid", "center": [0.0, 0.0, 0.5e-6], "edges": [8e-6, 8e-6, 1e-6], "material": HARD}
 
 TOGETHER = ("inhomogeneities", "normal-contact", "residual-displacement")
+HOMOGENEOUS = ("homogeneous-pressure",)
 # scene tables beside SCENE; groups of blocks in order
 GROUPS = {
     "alone": ({}, [("inhomogeneities",), ("residual-displacement",)]),
@@ -30,14 +31,19 @@ GROUPS = {
         {"stress": REGION},
         [("inhomogeneities",), ("eigenstrain-cut",), ("residual-displacement",), ("stress-cut",)],
     ),
-    "under a contact": (CONTACT, [("separation",), TOGETHER]),
+    "under a contact": (CONTACT, [("separation",), TOGETHER, HOMOGENEOUS]),
     "under a contact, with a region": (
         {**CONTACT, "stress": REGION},
-        [("separation",), TOGETHER, ("eigenstrain-cut",), ("stress-cut",)],
+        [("separation",), TOGETHER, ("eigenstrain-cut",), HOMOGENEOUS, ("stress-cut",)],
     ),
     "with friction": (
         {**CONTACT, **FRICTION},
-        [("separation",), ("frictional-contact", "inhomogeneities", "residual-displacement"), ("shear-bound",)],
+        [
+            ("separation",),
+            ("frictional-contact", "inhomogeneities", "residual-displacement"),
+            HOMOGENEOUS,
+            ("shear-bound",),
+        ],
     ),
 }
 
