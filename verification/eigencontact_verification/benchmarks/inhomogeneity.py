@@ -58,7 +58,7 @@ def _cluster(task: Task) -> Sample:
     memory = PeakMemory()
     changes = ["output.pictures=false", f"numerics.threads={task.threads}"]
     result, seconds, _ = timed(lambda: ec.run(ec.load_scene("inclusion-cluster", changes)))
-    last = {name: float(result.dataset[name][-1]) for name in ("inclusion_iterations", "inclusion_rounds")}
+    last = {name: float(result.dataset[name][-1]) for name in ("inclusion_iterations", "coupling_iterations")}
     result.dataset.close()
     return {
         "status": "ok",
@@ -66,7 +66,7 @@ def _cluster(task: Task) -> Sample:
         "seconds": seconds,
         "peak_bytes": memory.peak(),
         "iterations": int(last["inclusion_iterations"]),
-        "rounds": int(last["inclusion_rounds"]),
+        "rounds": int(last["coupling_iterations"]),
     }
 
 
