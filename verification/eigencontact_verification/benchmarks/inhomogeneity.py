@@ -1,6 +1,6 @@
 """Bodies that are not homogeneous: a cluster of balls under a contact, a coated sphere, and the price of stiffness.
 
-``inclusion-cluster`` is the bundled scene, 84 x 84 x 31 cells: everything but pictures, in a fresh process.
+``inclusion-cluster`` is the bundled scene, 86 x 86 x 31 cells: everything but pictures, in a fresh process.
 ``coated-sphere`` presses a sphere on the coating of the bundled scene of that name and on the bare substrate, by the
 same solver on the same grid, n x n cells: after the first solve, which samples the coefficients, what is left is the
 solve itself. ``ratio r`` solves for the eigenstrain in all cells of the balls of the cluster when they are r times as
@@ -37,7 +37,7 @@ METHODS = {
 }
 #: Cells along one side of the coated sphere; of the cluster along (z, y, x), and their edge.
 COATED_CELLS = 256
-_BOX, _EDGE = (31, 84, 84), 1.0
+_BOX, _EDGE = (31, 86, 86), 1.0
 #: Balls in cells: radius, distance, number along x and y and along z. Those of the bundled scene.
 _RADIUS, _SPACING, _ALONG, _DEEP = 3.0, 8.0, 11, 4
 
