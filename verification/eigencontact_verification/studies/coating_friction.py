@@ -138,7 +138,7 @@ def _draw_stress(found: Sequence[Finished]) -> Figure:
 
 
 def _loop_variants(*, coarse: bool) -> Sequence[Variant]:
-    """One cycle to and fro under constant load, of a small and of a large amplitude."""
+    """Two cycles to and fro under constant load, of a small and of a large amplitude."""
     found = []
     for amplitude in (0.025,) if coarse else (0.025, 0.125):
         for ratio in (0.5, 2.0) if coarse else _NAMES:
@@ -147,8 +147,7 @@ def _loop_variants(*, coarse: bool) -> Sequence[Variant]:
             steps = [
                 {"normal_load": COATED.load},
                 {"shift_x": shift, "increments": count // 2},
-                {"shift_x": -shift, "increments": count},
-                {"shift_x": shift, "increments": count},
+                *({"shift_x": end, "increments": count} for end in (-shift, shift) * 2),
             ]
             scene = coated_scene(
                 _body(ratio),
@@ -164,7 +163,7 @@ def _loop_variants(*, coarse: bool) -> Sequence[Variant]:
 
 def _read_loop(_variant: Variant, dataset: xr.Dataset) -> Row:
     shift, force = _loop(dataset)
-    cycle = shift.size - 2 * ((shift.size - 1) // 5 * 2) - 1
+    cycle = shift.size - 4 * (shift.size - 1) // 9 - 1
     x, y = shift[cycle:], force[cycle:]
     area = float(abs(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x))))
     last = dataset.isel(step=-1)
@@ -172,7 +171,7 @@ def _read_loop(_variant: Variant, dataset: xr.Dataset) -> Row:
     stick = float((last["contact_zone"] > 1.5).sum())
     return {
         "largest force / μP": float(np.abs(force).max()),
-        "energy of a cycle / μPa": area,
+        "energy of the last cycle / μPa": area,
         "stick radius / contact radius at the end": float(np.sqrt(stick / contact)),
     }
 

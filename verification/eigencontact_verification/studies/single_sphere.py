@@ -111,8 +111,8 @@ STUDIES = (
         remark=(
             "Not converged, and it cannot be: between the tangent point and the surface no matrix is left, and the "
             "pressure there grows with finer cells. So it does with finite elements: 1.92 and 1.99 p0 for r = 0.17 a "
-            "with elements of r/20 and r/40; 2.04 and 2.11 for 0.5 a. A published maximum at r = 0.17 a follows from "
-            "cells of the size of the sphere."
+            "with elements of r/20 and r/40; 2.04 and 2.11 for 0.5 a. "
+            "The largest is that of a radius of 0.5 a to 0.7 a; a published maximum at 0.17 a is not reproduced."
         ),
     ),
 )
