@@ -120,6 +120,20 @@ def test_a_layered_and_a_homogeneous_body():
     agree(layered, fields_of(scene(body2=soft, coupling="full")), rtol=1e-6)
 
 
+def test_eigenstrain_under_the_other_body_and_tangential_displacement():
+    """A sphere that swells in the homogeneous body lifts the contact with the layered one."""
+    soft = {"young-modulus": 0.3 * E, "poisson-ratio": 0.2}
+    swelling = {"type": "sphere", "body": 2, "center": [0, 0, 2 * H], "radius": H, "eigenstrain": 1e-3}
+    more = {
+        "body2": soft, "boundary": "non-periodic", "cells": 12, "inclusions": swelling, "stress": [SECTION],
+        "output": {"tangential-displacement": True},
+    }  # fmt: skip
+    layered, bare = fields_of(scene(coating(layers=2), **more)), fields_of(scene(**more))
+    agree(layered, bare, rtol=1e-6)
+    size = np.abs(bare["displacement_z"]).max()
+    np.testing.assert_allclose(layered["displacement_x"], bare["displacement_x"], rtol=0, atol=1e-6 * size)
+
+
 @pytest.mark.parametrize("nu", [0.5, -0.5])
 def test_extreme_layers(nu):
     data = fields_of(scene(coating(2.0, nu), coupling="full", stress=SECTION))

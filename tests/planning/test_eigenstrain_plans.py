@@ -28,14 +28,21 @@ def names(planned):
 BLOCKS = {
     "a ball alone": ({}, ["residual-displacement"]),
     "with a region": ({"stress": REGION}, ["eigenstrain-cut", "residual-displacement", "stress-cut"]),
-    "under a contact": (CONTACT, ["residual-displacement", "separation", "normal-contact"]),
+    "under a contact": (CONTACT, ["residual-displacement", "separation", "normal-contact", "homogeneous-pressure"]),
     "under a contact, with a region": (
         {**CONTACT, "stress": REGION},
-        ["eigenstrain-cut", "residual-displacement", "separation", "normal-contact", "stress-cut"],
+        [
+            "eigenstrain-cut",
+            "residual-displacement",
+            "separation",
+            "normal-contact",
+            "homogeneous-pressure",
+            "stress-cut",
+        ],
     ),
     "a region of the other body": (
         {**CONTACT, "body2": STEEL, "stress": {**REGION, "body": 2}},
-        ["residual-displacement", "separation", "normal-contact", "stress-cut"],
+        ["residual-displacement", "separation", "normal-contact", "homogeneous-pressure", "stress-cut"],
     ),
     "no eigenstrain": ({**CONTACT, "inclusions": []}, ["separation", "normal-contact", "reference-pressure"]),
 }

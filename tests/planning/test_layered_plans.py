@@ -43,7 +43,7 @@ def test_explain_says_layers_plugin_and_what_they_replace():
     costs = {block.name: block.cost for block in planned.blocks}
     assert costs["normal-contact"].seconds_once > 0
     assert costs["stress-cut"].seconds_once > 0
-    assert "substrate-pressure" in costs
+    assert "homogeneous-pressure" in costs
     assert "reference-pressure" not in costs
     left_out = {item.what: item.why for item in planned.left_out}
     assert "that of the bare substrate" in left_out["closed form of the pressure"]

@@ -140,8 +140,8 @@ def test_interfaces_are_met_from_both_sides():
 
 @pytest.fixture(scope="module")
 def misfit():
-    case = inhomogeneities.inhomogeneity_case(0.5, 3.0, pressure=0.0, prestrain=1.0, whole=True)
-    return solved(coarser(case, 1.0))
+    case = inhomogeneities.inhomogeneity_case(0.5, 4.0, pressure=0.0, prestrain=1.0, whole=True)
+    return solved(coarser(case, 0.5))
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,12 @@
 """Studies: listed, run coarsely, resumed, drawn; refused by name."""
 
 import json
+import math
+from dataclasses import replace
 
 import pytest
 
+import eigencontact as ec
 from eigencontact.errors import SceneError
 from eigencontact_verification.studies.catalogue import find, names, studies
 from eigencontact_verification.studies.study import run_study, write_study
@@ -37,3 +40,44 @@ def test_finished_variants_are_read_again(tmp_path):
     for item in again:
         item.dataset.close()
     assert stamps == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
+
+
+@pytest.mark.parametrize(
+    ("name", "blocks"),
+    [
+        ("cluster-stiffness", {"inhomogeneities", "normal-contact"}),
+        ("sphere-radius", {"inhomogeneities", "normal-contact"}),
+        ("two-spheres-spacing", {"inhomogeneities", "normal-contact"}),
+        ("coating-pressure", {"inhomogeneities", "normal-contact"}),
+        ("coating-thickness", {"normal-contact"}),
+        ("coating-fretting", {"frictional-contact"}),
+    ],
+)
+def test_scenes_can_be_planned(name, blocks):
+    """One study of a kind; the last of its coarse variants."""
+    plan = ec.plan(find(name).variants(coarse=True)[-1].scene)
+    assert blocks <= {block.name for block in plan.blocks}
+
+
+def test_thick_coating_against_the_integral_equation(tmp_path):
+    """Case PL-2 of the soft coating, read off coarse cells; and what is read agrees with the catalogue."""
+    study = find("coating-thickness")
+    chosen = replace(study, variants=lambda *, coarse: study.variants(coarse=coarse)[1:2])
+    (found,) = run_study(chosen, tmp_path, coarse=True)
+    found.dataset.close()
+    assert found.row["integral equation: pressure"] == pytest.approx(0.638, abs=1e-3)
+    assert found.row["integral equation: area"] == pytest.approx(1.568, abs=1e-3)
+    assert found.row["pressure ratio"] == pytest.approx(0.638, rel=0.005)
+    assert found.row["area ratio"] == pytest.approx(1.568, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("study", studies(), ids=names())
+def test_coarse_studies_run_and_are_drawn(study, tmp_path):
+    found = list(run_study(study, tmp_path, coarse=True))
+    picture, numbers = write_study(study, found, tmp_path)
+    for item in found:
+        item.dataset.close()
+    assert picture.stat().st_size > 10_000
+    rows = json.loads(numbers.read_text(encoding="utf-8"))["variants"]
+    assert all(math.isfinite(value) for row in rows for value in row.values() if not isinstance(value, str))

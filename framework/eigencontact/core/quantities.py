@@ -55,7 +55,9 @@ QUANTITIES: dict[str, Quantity] = {
     "separation": Quantity("m", "initial separation of the surfaces"),
     "pressure": Quantity("Pa", "contact pressure, positive in compression"),
     "reference_pressure": Quantity("Pa", "contact pressure in closed form"),
-    "substrate_pressure": Quantity("Pa", "contact pressure in closed form on the bare substrate"),
+    "homogeneous_pressure": Quantity(
+        "Pa", "contact pressure in closed form on bodies of their deep material throughout, under the same load"
+    ),
     "gap": Quantity("m", "gap between the deformed surfaces"),
     "displacement_z": Quantity("m", "normal surface displacement, both bodies summed"),
     "displacement_x": Quantity("m", "surface displacement of body 1 minus that of body 2 along x"),

@@ -47,6 +47,8 @@ class CellFields:
 
     def of(self, strain: FloatArray) -> FloatArray:
         """Field of an eigenstrain of the cells ``(6, nz, ny, nx)``, ``(3 or 6, *lattice.shape)``."""
+        if self._part.route == "close-up":
+            return self._close_up(strain)
         if not self._operators:
             self._operators = self._build()
         count = 3 if self._part.quantity == "displacement" else 6
@@ -70,6 +72,37 @@ class CellFields:
         if count < lattice.depths.size:
             found.append((slice(0, 1), self._planes(lattice.target, origin, np.zeros(1))))
         return found
+
+    def _close_up(self, strain: FloatArray) -> FloatArray:
+        """Field on points finer than the cells; its operators serve once."""
+        lattice, numerics = self._part.lattice, self._plan.scene.numerics
+        (dx, dy, dz), (my, mx), depths = self._source.pitch, lattice.finer, lattice.depths
+        apart = dz / max(1, round(dz / float(np.diff(depths).min()))) if depths.size > 1 else dz
+        if not np.allclose(np.diff(depths), apart, rtol=1e-6, atol=0.0) or depths[0] <= 0.0:
+            out = np.empty((3 if self._part.quantity == "displacement" else 6, *lattice.shape))
+            for (rows, columns), part in lattice.shifted:
+                first = self._group.lattice.first
+                origin = (part.origin[0] - first[1], part.origin[1] - first[2])
+                out[:, :, rows, columns] = self._planes(part.target, origin, depths + 0.0).apply(strain)
+            return out
+        from eigencontact.solvers.close_up import close_up
+
+        target = Cells(
+            first=(float(lattice.x[0]), float(lattice.y[0]), float(depths[0])),
+            pitch=(dx / mx, dy / my, apart),
+            shape=lattice.shape,  # type: ignore[arg-type]
+        )
+        return close_up(
+            self._cell,
+            self._source,
+            strain,
+            target,
+            poisson_ratio=self._body.poisson_ratio,
+            quantity=self._part.quantity,
+            space=self._space,
+            shear_modulus=self._body.shear_modulus,
+            threads=numerics.threads,
+        )
 
     def _column(self, points: FloatArray, where: NDArray[np.intp]) -> tuple[Any, Any]:
         """Operator for points one above the other."""

@@ -153,7 +153,7 @@ class TangentialDisplacement:
 class ReferencePressure:
     """Closed form of the pressure, where the geometry has one that holds for this step.
 
-    For a layered body it is that of the bare substrate, and stored under another name.
+    For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
     """
 
     def __init__(self, plan: Plan, block: Block) -> None:

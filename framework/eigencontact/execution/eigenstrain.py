@@ -16,7 +16,7 @@ from eigencontact.planning.field_parts import FieldPart, space_of
 from eigencontact.planning.plan import Plan
 from eigencontact.scene.schema import StressRequest
 
-__all__ = ["EigenstrainRegion", "ResidualDisplacement"]
+__all__ = ["ClosedForms", "EigenstrainRegion", "ResidualDisplacement", "Sum"]
 
 FloatArray = NDArray[np.float64]
 
@@ -144,12 +144,13 @@ class ClosedForms:
         size = float(np.sum(self._end * self._end))
         factor = float(np.sum(eigenstrain * self._end)) / size if size else 0.0
         if not np.allclose(factor * self._end, eigenstrain, rtol=1e-14, atol=0.0):
-            return self._evaluate(eigenstrain)
+            return self.of(eigenstrain)
         if self._at_end is None:
-            self._at_end = self._evaluate(self._end)
+            self._at_end = self.of(self._end)
         return factor * self._at_end
 
-    def _evaluate(self, eigenstrain: FloatArray) -> FloatArray:
+    def of(self, eigenstrain: FloatArray) -> FloatArray:
+        """Field of uniform eigenstrains, ``(n, 6)`` of the n shapes."""
         shapes = [cast("HasPotentials", source.shape) for source in self._sources]
         points, quantity, nu = self._lattice.flat_points(), self._quantity, self._body.poisson_ratio
         space, threads = space_of(self._numerics), self._numerics.threads

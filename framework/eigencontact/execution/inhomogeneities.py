@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material
 from eigencontact.execution.cells import CellFields
-from eigencontact.execution.eigenstrain import EigenstrainRegion, ResidualDisplacement, Sum
+from eigencontact.execution.eigenstrain import ClosedForms, EigenstrainRegion, ResidualDisplacement, Sum
 from eigencontact.execution.material_cells import MaterialCells
 from eigencontact.execution.runners import State
 from eigencontact.planning.blocks import Block
@@ -26,6 +26,10 @@ from eigencontact.solvers.mean_stress import MeanVolumeField
 from eigencontact.solvers.mean_surface import MeanStressKernel, MeanSurfaceDisplacement
 from eigencontact.solvers.subsurface import SubsurfaceStress
 
+if TYPE_CHECKING:
+    from eigencontact.execution.whole_inclusions import WholeBody
+    from eigencontact.planning.sources import Source
+
 __all__ = ["Inhomogeneities", "SolvedEigenstrainRegion", "SolvedResidualDisplacement"]
 
 FloatArray = NDArray[np.float64]
@@ -35,11 +39,18 @@ class Inhomogeneities:
     """Equivalent eigenstrain of the cells of both bodies under the contact and the prescribed eigenstrain."""
 
     def __init__(self, plan: Plan, block: Block) -> None:
-        boxes = cast("Mapping[int, CellGroup]", block.settings["boxes"])
+        boxes = cast("Mapping[int, CellGroup]", block.settings.get("boxes", {}))
+        wholes = cast("Mapping[int, tuple[Source, ...]]", block.settings.get("wholes", {}))
         tractions = cast("tuple[str, ...]", block.settings["tractions"])
-        prescribed = cast("Mapping[int, list[FieldPart]]", block.settings["prescribed"])
+        prescribed = cast("Mapping[int, list[FieldPart]]", block.settings.get("prescribed", {}))
         self._numerics = plan.scene.numerics
-        self._bodies = {body: _Box(plan, box, body, tractions, prescribed[body]) for body, box in boxes.items()}
+        self._bodies: dict[int, _Box | WholeBody] = {
+            body: _Box(plan, box, body, tractions, prescribed[body]) for body, box in boxes.items()
+        }
+        if wholes:
+            from eigencontact.execution.whole_inclusions import WholeBody
+
+            self._bodies |= {body: WholeBody(plan, body, sources, tractions) for body, sources in wholes.items()}
 
     def __call__(self, state: State) -> None:
         """Advance one step; see `Runner`."""
@@ -144,6 +155,29 @@ def _mean_kernels(plan: Plan, box: CellGroup, body: Material, tractions: Sequenc
     ]
 
 
+def _field(plan: Plan, part: FieldPart) -> _Field:
+    """Field of a solved eigenstrain, of cells or of whole inhomogeneities."""
+    if part.group is not None:
+        return CellFields(plan, part)
+    return _OfEach(ClosedForms(plan, part))
+
+
+class _Field(Protocol):
+    def of(self, strain: FloatArray) -> FloatArray:
+        """Field at the points of its part."""
+        ...
+
+
+class _OfEach:
+    """Field of uniform eigenstrains, components first."""
+
+    def __init__(self, forms: ClosedForms) -> None:
+        self._forms = forms
+
+    def of(self, strain: FloatArray) -> FloatArray:
+        return self._forms.of(strain.T)
+
+
 class SolvedResidualDisplacement(ResidualDisplacement):
     """Displacement of the surface by prescribed and equivalent eigenstrain.
 
@@ -154,11 +188,12 @@ class SolvedResidualDisplacement(ResidualDisplacement):
     def __init__(self, plan: Plan, block: Block) -> None:
         super().__init__(plan, block)
         parts = cast("list[FieldPart]", block.settings["solved"])
-        self._centres = {part.body: CellFields(plan, part) for part in parts}
+        self._centres = {part.body: _field(plan, part) for part in parts}
         tractions = cast("tuple[str, ...]", block.settings["tractions"])
         self._rows = ["xyz".index(DIRECTIONS[name]) for name in tractions]
+        boxes = cast("Mapping[int, CellGroup]", block.settings.get("boxes", {}))
         self._means = {}
-        for body, box in cast("Mapping[int, CellGroup]", block.settings["boxes"]).items() if tractions else ():
+        for body, box in boxes.items() if tractions else ():
             material = plan.half_space(body)
             self._means[body] = MeanSurfaceDisplacement(
                 plan.grid,
@@ -176,6 +211,8 @@ class SolvedResidualDisplacement(ResidualDisplacement):
                 more = self._centres[body].of(strain)[:, 0]
             if body in self._means:
                 more[self._rows] = self._means[body].apply(strain)
+            elif body in state.lifted:
+                more[self._rows] = state.lifted[body][self._rows]
             found[body] = found[body] + more if body in found else more
         return found
 
@@ -189,7 +226,7 @@ class SolvedEigenstrainRegion(EigenstrainRegion):
     def __init__(self, plan: Plan, block: Block) -> None:
         super().__init__(plan, block)
         parts = cast("list[FieldPart]", block.settings["solved"])
-        self._solved = {part.quantity: CellFields(plan, part) for part in parts}
+        self._solved = {part.quantity: _field(plan, part) for part in parts}
         self._body = parts[0].body
 
     def __call__(self, state: State) -> None:

@@ -47,7 +47,9 @@ class State:
     initial : mapping
         Surface fields of eigenstrain before the first step, in the first step of a contact with friction.
     equivalent : mapping
-        Equivalent eigenstrain of the cells of inhomogeneities by body, ``(6, nz, ny, nx)``.
+        Equivalent eigenstrain of inhomogeneities by body: of their cells ``(6, nz, ny, nx)``, or of each ``(6, n)``.
+    lifted : mapping
+        Displacement of the surface by it ``(3, ny, nx)``, where its solver gives that along the tractions.
     """
 
     index: int
@@ -63,6 +65,7 @@ class State:
     inner: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     initial: dict[str, FloatArray] = field(default_factory=dict)
     equivalent: dict[int, FloatArray] = field(default_factory=dict)
+    lifted: dict[int, FloatArray] = field(default_factory=dict)
     progress: Progress | None = None
 
 

@@ -12,6 +12,7 @@ from eigencontact.core.material import Material
 from eigencontact.execution.regions import store_region, strain_from_stress
 from eigencontact.execution.runners import State
 from eigencontact.planning.blocks import Block
+from eigencontact.planning.declare import AT_ONCE
 from eigencontact.planning.kernels import StressCoefficients
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.regions import RegionLattice
@@ -77,6 +78,8 @@ class Stress:
         box = Box.around(tractions[0] > 0)
         if box is None:
             return np.zeros((6, *lattice.shape))
+        if lattice.finer != (1, 1):
+            return self._close_up(tractions, box)
         if self._operator is None or not self._operator.covers(box):
             margin = 0 if self._operator is None else max(2, max(box.shape) // 6)
             self._operator = None  # its memory goes before the next is made
@@ -92,3 +95,23 @@ class Stress:
                 threads=numerics.threads,
             )
         return np.asarray(self._operator.apply(tractions), dtype=float)
+
+    def _close_up(self, tractions: list[FloatArray], box: Box) -> FloatArray:
+        """Stress on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
+        from eigencontact.solvers.subsurface import SubsurfaceStress
+
+        out = np.empty((6, *self._lattice.shape))
+        for begin in range(0, self._lattice.depths.size, AT_ONCE):
+            layers = slice(begin, begin + AT_ONCE)
+            for (rows, columns), lattice in self._lattice.shifted:
+                operator = SubsurfaceStress(
+                    self._grid,
+                    self._kernels,
+                    source=box,
+                    target=lattice.target,
+                    origin=lattice.origin,
+                    depths=lattice.depths[layers],
+                    threads=self._numerics.threads,
+                )
+                out[:, layers, rows, columns] = operator.apply(tractions)
+        return out

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import require
 from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, uses_point_sources
-from eigencontact.halfspace.points import field_at_points
+from eigencontact.halfspace.points import _CHUNK, _evaluate, _weighted
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
+from eigencontact.halfspace.theorem import response
 
 __all__ = ["RegionMeans", "averaging_points"]
 
@@ -124,7 +125,8 @@ class RegionMeans:
             if source in self._far and count > 1:
                 few = [slice(self._few.starts[target], self._few.starts[target + 1]) for target in near]
                 at = np.concatenate([self._few.points[:, part] for part in few], axis=1)
-                fine -= _means(self._sums(source, at, self._space), [self._few.weights[part] for part in few])
+                counted = np.array([self._summed([self._far[source]], unit[None], at) for unit in np.eye(6)])
+                fine -= _means(counted, [self._few.weights[part] for part in few])
             targets.append(near)
             sources.append(np.full(near.size, source))
             matrices.append(fine)
@@ -146,19 +148,24 @@ class RegionMeans:
         return np.array([self._summed(finest, unit[None], points, space=space) for unit in np.eye(6)])
 
     def _exact(self, source: int, points: FloatArray, space: str) -> FloatArray:
-        x, y, z = (np.ascontiguousarray(values) for values in points)
-        return np.array(
-            [
-                field_at_points(self._shapes[source], unit, (x, y, z), space=space, threads=1, **self._given)
-                for unit in np.eye(6)
-            ]
-        )
+        """The same by the region's own potentials, evaluated once for all six eigenstrains."""
+        shape = self._shapes[source]
+        rows = response("stress", self._given["poisson_ratio"], space)
+        forms = [form for unit in np.eye(6) for form in _weighted(rows, unit)]
+        far = shape.far_field().levels[0] if isinstance(shape, HasFarField) else None
+        out = np.empty((36, points.shape[1]))
+        for first in range(0, points.shape[1], _CHUNK):
+            x, y, z = (np.ascontiguousarray(values[first : first + _CHUNK]) for values in points)
+            out[:, first : first + _CHUNK] = _evaluate(shape, far, forms, x, y, z)
+        return out.reshape(6, 6, -1)
 
     def _fields(self, source: int, points: FloatArray, known: dict[Hashable, FloatArray]) -> FloatArray:
         """Stress ``(6 eigenstrains, 6, points)`` of a region."""
         if source not in self._far:
             return self._exact(source, points, self._space)
         far = self._far[source]
+        if not _is_ball(far):
+            return self._fields_by_levels(source, points)
         out = self._sums(source, points, self._space)
         offsets = points.T - far.center
         close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
@@ -175,6 +182,19 @@ class RegionMeans:
                 at = points[:, close]
                 out[:, :, close] += self._exact(source, at, "half") - self._exact(source, at, "full")
                 out[:, :, close] -= self._sums(source, at, "half") - self._sums(source, at, "full")
+        return out
+
+    def _fields_by_levels(self, source: int, points: FloatArray) -> FloatArray:
+        """The same for a region of many point sources: none of them near by, few of them far away."""
+        far = self._far[source]
+        close = np.zeros(points.shape[1], dtype=bool)
+        for mirror in (1.0, -1.0)[: 2 if self._space == "half" else 1]:
+            offsets = points.T - far.center * (1.0, 1.0, mirror)
+            close |= np.einsum("ni,ni->n", offsets, offsets) < far.distance**2
+        out = np.empty((6, 6, points.shape[1]))
+        out[:, :, close] = self._exact(source, points[:, close], self._space)
+        away = points[:, ~close]
+        out[:, :, ~close] = [self._summed([far], unit[None], away) for unit in np.eye(6)]
         return out
 
 
@@ -203,8 +223,8 @@ def averaging_points(shape: HasPotentials, order: int = 0) -> Rule:
 
     Ellipsoids, known by their volume and second moments, take 13 points and polynomials of degree 5 exactly. Order
     n > 0 asks for more: a ball then takes 2 n² points on one sphere, exact for biharmonic polynomials of degree
-    2 n - 1, and an ellipsoid such spheres at four radii. Other shapes with point sources take 8 points and degree 3
-    (if they are symmetric about their centroid's axes), the rest a lattice in their bounds, good to some 0.3 %.
+    2 n - 1, and an ellipsoid somewhat fewer at each of three radii. Other shapes with point sources take 8 points and
+    degree 3 (if they are symmetric about their centroid's axes), the rest a lattice in their bounds, good to 0.3 %.
     """
     if not isinstance(shape, HasFarField):
         return _lattice(shape)
@@ -217,7 +237,7 @@ def averaging_points(shape: HasPotentials, order: int = 0) -> Rule:
     deviations = np.sqrt(squares)
     ellipsoid = 4.0 / 3.0 * np.pi * float(np.prod(np.sqrt(5.0) * deviations))
     if abs(ellipsoid - volume) < 1e-6 * volume:
-        points, weights = _ball() if order == 0 else _shells(order, 1 if _is_ball(far) else 4)
+        points, weights = _ball() if order == 0 else _shells(*((order, 1) if _is_ball(far) else (max(4, order - 2), 3)))
         points = np.sqrt(5.0) * points
     else:
         points = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T

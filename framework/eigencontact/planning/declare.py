@@ -25,10 +25,13 @@ from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Scene, StressRequest
 
-__all__ = ["CONTACT", "ContactDeclaration", "friction_fields", "observer_block", "region_block"]
+__all__ = ["AT_ONCE", "CONTACT", "ContactDeclaration", "friction_fields", "observer_block", "region_block"]
 
 #: Surface fields of every contact.
 CONTACT = frozenset({"pressure", "gap", "displacement_z"})
+
+#: Depths of a close-up whose coefficients are held at once.
+AT_ONCE = 16
 
 #: Traction along each direction, and what it is called.
 _TRACTIONS = {"x": "q_x", "y": "q_y", "z": "p"}
@@ -80,9 +83,9 @@ class ContactDeclaration:
         if scene.output.tangential_displacement and self.coupling is None:
             blocks.append(self._tangential())
             outputs |= dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
-        alone = len(self.geometries) == 1 and not self._periodic and not self.strained
+        alone = len(self.geometries) == 1 and not self._periodic
         if alone and isinstance(self.geometries[0], HasReferencePressure):
-            block = self._substrate() if layered_bodies(self.bodies) else self._reference()
+            block = self._homogeneous() if layered_bodies(self.bodies) or self.strained else self._reference()
             blocks.append(block)
             outputs |= dict.fromkeys(block.provides, "pictures")
         if self.coupling is not None:
@@ -193,13 +196,14 @@ class ContactDeclaration:
             why=f"geometry {self.geometries[0].key!r} has a closed form, drawn beside the result",
         )
 
-    def _substrate(self) -> Block:
+    def _homogeneous(self) -> Block:
+        what = "on the bare substrate" if layered_bodies(self.bodies) else "without inclusions and eigenstrain"
         return Block(
-            name="substrate-pressure",
+            name="homogeneous-pressure",
             runner="reference-pressure",
             requires=frozenset({"pressure"}),
-            provides=frozenset({"substrate_pressure"}),
-            why=f"geometry {self.geometries[0].key!r} has a closed form on the bare substrate, drawn beside the result",
+            provides=frozenset({"homogeneous_pressure"}),
+            why=f"geometry {self.geometries[0].key!r} has a closed form {what}, drawn beside the result",
         )
 
     def _shear_bound(self) -> Block:
@@ -231,13 +235,18 @@ class ContactDeclaration:
             cost = superposition_cost(len(lattice.points), self.box, sampling, threads=numerics.threads)
             text, count, tables = f"{len(lattice.points)} points, superposed directly", 1, len(lattice.points)
         else:
+            my, mx = lattice.finer
             layout = self._layout(lattice)
-            depths = lattice.depths.size
+            depths = lattice.depths.size * my * mx
             cost = stress_cost(
                 layout, depths, sampling, precision=numerics.precision, threads=numerics.threads,
                 tractions=len(tractions),
             )  # fmt: skip
-            text, count = f"{lattice.target[1]} x {lattice.target[0]} points at {depths} depths", depths
+            if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
+                seconds = cost.seconds_once + cost.seconds_per_step
+                cost = Cost(seconds_per_step=seconds, transient=cost.memory * min(1.0, AT_ONCE / depths))
+            text = f"{lattice.target[1]} x {lattice.target[0]} points at {lattice.depths.size} depths"
+            count = depths
             tables = depths
         cost += layered_stress_cost(
             self.influences["p"], body, tables=tables * len(tractions), periodic=self._periodic,
@@ -263,7 +272,8 @@ class ContactDeclaration:
         if self._periodic:
             return Layout(self.grid.shape, self.grid.shape, periodic=True)
         first = [(n - b) // 2 for n, b in zip(self.grid.shape, self.box, strict=True)]
-        return Layout(self.box, lattice.target, (lattice.origin[0] - first[0], lattice.origin[1] - first[1]))
+        target = tuple(-(-n // m) for n, m in zip(lattice.target, lattice.finer, strict=True))
+        return Layout(self.box, (target[0], target[1]), (lattice.origin[0] - first[0], lattice.origin[1] - first[1]))
 
 
 def region_block(request: StressRequest, grid: Grid) -> Block:

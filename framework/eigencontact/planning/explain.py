@@ -173,6 +173,8 @@ def _inclusions(plan: Plan) -> list[str]:
                 f"inhomogeneities of body {body}, {_counted(box.sources)} in {nx} x {ny} x {nz} cells of {edges}"
             )
             lines += _alike(box.sources)
+        whole = [source for source in plan.sources if source.material is not None and source.lattice is None]
+        lines += [f"whole inhomogeneities, {_counted(whole)}", *_alike(whole)] if whole else []
     return [*lines, ""]
 
 

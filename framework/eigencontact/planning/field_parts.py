@@ -27,7 +27,8 @@ class FieldPart:
     ----------
     route : str
         ``"closed form"``; for cells ``"planes"`` (FFT in the plane for each depth and layer), ``"volume"`` (FFT in
-        space), ``"points"`` (one by one). Less than exact: ``"image-pressure"``, ``"periodic"``.
+        space), ``"points"`` (one by one), ``"close-up"`` (points finer than the cells). Less than exact:
+        ``"image-pressure"``, ``"periodic"``.
     group : CellGroup or None
         Cells of the sources.
     varies : bool
@@ -58,6 +59,9 @@ class FieldPart:
             return f"{cells} repeated with the window, Fourier series in the plane"
         if self.route == "volume":
             return f"{cells}, FFT in space"
+        if self.route == "close-up":
+            my, mx = self.lattice.finer
+            return f"{cells}, {mx} x {my} points to a cell, seen from above"
         return f"{cells}, {'FFT in the plane, layer by layer' if self.route == 'planes' else 'point by point'}"
 
 
@@ -135,6 +139,11 @@ def _cheapest(part: FieldPart, pace: Pace, components: int) -> FieldPart:
         one = planes_cost(pace, group.lattice, (1, 1), (0.5, 0.5), per_column, components)
         cost = Cost(columns * one.memory, columns * one.seconds_once, columns * one.seconds_per_step)
         return replace(part, route="points", cost=_kept(part, cost))
+    if lattice.finer != (1, 1):
+        count = lattice.finer[0] * lattice.finer[1]
+        one = volume_cost(pace, group.lattice, lattice.target, (0.5, 0.5), lattice.depths.size)
+        seconds = one.seconds_once + count * one.seconds_per_step
+        return replace(part, route="close-up", cost=Cost(one.memory, 0.0, seconds))
     origin = (lattice.origin[0] - group.lattice.first[1], lattice.origin[1] - group.lattice.first[2])
     planes = planes_cost(pace, group.lattice, lattice.target, origin, lattice.depths.size, components)
     choices = [replace(part, cost=_kept(part, planes))]

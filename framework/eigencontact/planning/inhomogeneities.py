@@ -1,4 +1,9 @@
-"""Planning of inhomogeneities: the box of cells that those of one body share, and the blocks that it takes."""
+"""Planning of inhomogeneities: the box of cells that those of one body share, and the blocks that it takes.
+
+Prescribed eigenstrain of the same body acts on them by its stress. Where it lies in an inhomogeneity it stays what it
+is, a strain without stress, whatever the material: it adds to the prestrain there. The equivalent eigenstrain is not
+stored with the results; what it does is, on the surface and in the regions asked for.
+"""
 
 from __future__ import annotations
 
@@ -222,7 +227,7 @@ class InhomogeneityDeclaration:
     def region(self, request: StressRequest) -> Block | None:
         """Fields at the points of a region; None where its body has neither inhomogeneities nor other eigenstrain."""
         base = self.prescribed.region(request)
-        if request.body not in self.boxes:
+        if request.body not in self._numbers:
             return base
         lattice = region_lattice(request, self.grid)
         parts = [
@@ -258,6 +263,11 @@ class InhomogeneityDeclaration:
             cost=sum((part.cost for part in parts), base.cost),
             settings={**base.settings, "solved": parts},
         )
+
+    @property
+    def _numbers(self) -> Sequence[int]:
+        """Bodies with inhomogeneities."""
+        return tuple(self.boxes)
 
     @property
     def _cell_key(self) -> str:

@@ -27,14 +27,19 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 HalfWidths = tuple[float, float]
 
+HANKEL = (
+    "A. J. S. Hamilton 2000, Mon. Not. R. Astron. Soc. 312, 257-284, doi:10.1046/j.1365-8711.2000.03071.x "
+    "(Hankel transform on a logarithmic grid)"
+)
 NAMES = {"displacement": ("x", "y", "z"), "stress": COMPONENTS}
 # Resolutions of the smooth part are raised by this factor until two agree to TARGET, in parts of the largest value.
 RESOLUTIONS = (1.0, 1.4, 2.0, 2.8, 4.0)
 TARGET = 1e-9
 ACCEPTED = 1e-5
-# Depths of more than this many half-widths are deep, see `_closed`; spacing of the nodes there.
+# Depths of more than this many half-widths are deep, see `_closed`; largest spacing and least number of nodes there.
 DEEP = 20.0
 DEEP_STEP = 0.05
+DEEP_NODES = 12
 EPSILON = 1e-15
 # The component that a traction moves most, or that balances it: it measures all others.
 OWN = {
@@ -66,7 +71,16 @@ class LayeredInfluence(SurfaceInfluence):
         Influence of the same traction on a homogeneous half-space; it must offer `wavenumber_response`.
     side : "above" or "below"
         Material that counts where a depth is that of an interface: the one nearer to the surface, or the deeper. Only
-        the in-plane stresses ``xx, yy, xy`` differ. A caller who wants both builds two objects.
+        the in-plane stresses ``xx, yy, xy`` differ. A caller who wants both builds two objects, or asks for a depth
+        a little less than that of the interface (by more than the 1e-12 within which a medium takes depths as equal).
+
+    Notes
+    -----
+    The closed kernels of half-spaces made of the top layer and of the substrate are taken out of the response of the
+    medium; the rest is smooth and goes to space without periodic images (`halfspace.layered_remainder`). Cells may be
+    of any size against the layers. Every table is computed at two resolutions or more; `NotConverged` is raised where
+    they differ by 1e-5 or more. The medium must be isotropic about z and have an interface: from the first one down it
+    may be anything, above it is homogeneous.
     """
 
     key: ClassVar[str] = "layered"
@@ -82,7 +96,7 @@ class LayeredInfluence(SurfaceInfluence):
         self.side = side
         self.key = base.key  # type: ignore[misc]
         self.traction = base.traction  # type: ignore[misc]
-        self.references = base.references  # type: ignore[misc]
+        self.references = (*base.references, HANKEL)  # type: ignore[misc]
         self.mirror_symmetric = base.mirror_symmetric  # type: ignore[misc]
 
     def displacement(
@@ -171,8 +185,9 @@ class LayeredInfluence(SurfaceInfluence):
         x, y, depth = lattice
         if depth <= DEEP * max(half_widths):
             return self.base.sample(quantity, components, x, y, depth, half_widths, solid)
-        reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
-        nodes = StretchedNodes(depth, reach, DEEP_STEP)
+        reach = max(float(np.abs(x).max()), float(np.abs(y).max()), *half_widths)
+        # A window much narrower than the depth sees only the first terms of a series: nodes of its own size keep them.
+        nodes = StretchedNodes(depth, reach, min(DEEP_STEP, float(np.arcsinh(reach / depth)) / DEEP_NODES))
         evaluate = self.base.displacement if quantity == "displacement" else self.base.stress
         values = evaluate(components, nodes.x[None, :], nodes.x[:, None], depth, half_widths, solid)
         across, along = nodes.values(x), nodes.values(y)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
     from eigencontact.scene.schema import StressRequest
 
-__all__ = ["border", "outlines"]
+__all__ = ["border", "outlines", "requests_of"]
 
 FloatArray = NDArray[np.float64]
 Inside = Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
@@ -33,12 +33,19 @@ def outlines(plan: Plan) -> dict[str, FloatArray]:
     """
     nodes = _NODES if len(plan.sources) <= _MANY else _NODES // 2
     found = {"": [_above(source, nodes) for source in plan.sources if not _fills(source, plan)]}
-    for request in plan.scene.stress:
+    for request in requests_of(plan):
         if request.shape == "plane":
             inner = [source for source in plan.sources if source.body == request.body]
             found[request.label] = [_section(source, request, nodes) for source in inner]
     joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in found.items()}
     return {name: segments for name, segments in joined.items() if len(segments)}
+
+
+def requests_of(plan: Plan) -> list[StressRequest]:
+    """Regions as the blocks evaluate them, their places filled in."""
+    from eigencontact.planning.close_up import resolved
+
+    return resolved(plan.scene.stress, plan.sources, plan.grid)
 
 
 def _fills(source: Source, plan: Plan) -> bool:
@@ -50,7 +57,7 @@ def _fills(source: Source, plan: Plan) -> bool:
 
 def _above(source: Source, nodes: int) -> FloatArray:
     low, high = source.shape.bounds
-    share = (np.arange(24) + 0.5) / 24
+    share = (np.arange(25) + 0.5) / 25  # the middle, where most shapes are widest, among them
     depths = low[2] + share * (high[2] - low[2])
 
     def inside(x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
@@ -63,12 +70,12 @@ def _section(source: Source, request: StressRequest, nodes: int) -> FloatArray:
     """Outline on the plane of a region."""
     normal = "xyz".index(request.normal)
     low, high = source.shape.bounds
-    if not low[normal] < request.position < high[normal]:
+    if not low[normal] < request.at < high[normal]:
         return np.empty((0, 2, 2))
     first, second = (axis for axis in range(3) if axis != normal)
 
     def inside(u: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
-        at = [np.full(np.shape(u), request.position)] * 3
+        at = [np.full(np.shape(u), request.at)] * 3
         at[first], at[second] = u, v
         return np.asarray(source.shape.contains(*at))
 

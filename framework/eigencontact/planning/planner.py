@@ -39,7 +39,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
-    bodies = bodies_of(scene, registry)
+    as_given, bodies = scene, bodies_of(scene, registry)
     geometries: tuple[Geometry, ...] = tuple(_components(scene.geometry, "geometry", "geometry", registry))
     observed = _components(scene.observers, "observer", "observers", registry)
     observers = tuple((str(table["type"]), item) for table, item in zip(scene.observers, observed, strict=True))
@@ -54,7 +54,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
 
         part = plan_contact(scene, registry, bodies, geometries)
         grid, reason, influences = part.grid, part.reason, {"p": part.influence}
-        sources = build_sources(scene, registry, grid)
+        sources = _fitted(build_sources(scene, registry, grid), scene, grid)
+        scene = _with_close_ups(scene, sources, grid)  # the plan keeps the scene as it was given
         strained = tuple(sorted({source.body for source in sources}))
         if scene.friction is not None:
             friction = build_component(registry, "friction-law", scene.friction, "friction")
@@ -65,17 +66,14 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     else:
         sources = build_sources(scene, registry, given_grid(scene.grid))
         grid, reason = _grid_without_contact(scene, sources)
+        sources = _fitted(sources, scene, grid)
+        scene = _with_close_ups(scene, sources, grid)
     if sources:
-        sources = with_lattices(sources, scene, grid)
-        if any(source.material is not None for source in sources):
-            from eigencontact.planning.inhomogeneities import with_boxes
-
-            sources = with_boxes(sources, scene, grid)
         more, wanted = _eigenstrain(scene, registry, grid, sources, bodies, coupling, influences)
         blocks, outputs = blocks + more, outputs | wanted
     _observe(scene, blocks, outputs, coupling, contact=bool(geometries))
     plan = Plan(
-        scene=scene,
+        scene=as_given,
         registry=registry,
         grid=grid,
         grid_reason=reason,
@@ -90,6 +88,26 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     )
     _check_memory(plan)
     return plan
+
+
+def _fitted(sources: tuple[Source, ...], scene: Scene, grid: Grid) -> tuple[Source, ...]:
+    """Sources with the cells that they are cut into."""
+    sources = with_lattices(sources, scene, grid)
+    cut = scene.numerics.inclusion_resolution == "cells"
+    if cut and any(source.material is not None for source in sources):
+        from eigencontact.planning.inhomogeneities import with_boxes
+
+        sources = with_boxes(sources, scene, grid)
+    return sources
+
+
+def _with_close_ups(scene: Scene, sources: tuple[Source, ...], grid: Grid) -> Scene:
+    """Scene whose regions around inclusions have limits and depths."""
+    if all(request.around is None for request in scene.stress):
+        return scene
+    from eigencontact.planning.close_up import resolved
+
+    return scene.model_copy(update={"stress": resolved(scene.stress, sources, grid)})
 
 
 def _components(tables: Sequence[dict[str, object]], kind: str, group: str, registry: Registry) -> list[Any]:
@@ -131,8 +149,13 @@ def _eigenstrain(
         from eigencontact.planning.inhomogeneities import InhomogeneityDeclaration, boxes_of
 
         assert cell is not None
-        boxes = boxes_of(sources)
-        declaration = InhomogeneityDeclaration(scene, grid, boxes, bodies, cell, declaration, influences)
+        boxes, facts = boxes_of(sources), (bodies, cell, declaration, influences)
+        if scene.numerics.inclusion_resolution == "whole":
+            from eigencontact.planning.whole_inclusions import WholeDeclaration, wholes_of
+
+            declaration = WholeDeclaration(scene, grid, boxes, *facts, wholes_of(sources))
+        else:
+            declaration = InhomogeneityDeclaration(scene, grid, boxes, *facts)
         blocks.append(declaration.solution())
     dragged = coupling is not None and coupling.level != "none"
     components = "xyz" if not scene.geometry or scene.output.tangential_displacement or dragged else "z"

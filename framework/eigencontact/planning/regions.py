@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.errors import SceneError
 from eigencontact.scene.schema import StressRequest
 
 __all__ = ["RegionLattice", "region_lattice", "surface_lattice"]
@@ -29,6 +31,8 @@ class RegionLattice:
     depths : (nz,) [m]
     points : (n, 3) [m] or None
         Scattered points (lines, lists) instead of a lattice.
+    finer : (int, int)
+        Points to an edge of the grid's cells along (y, x).
     """
 
     target: tuple[int, int]
@@ -37,6 +41,19 @@ class RegionLattice:
     y: FloatArray
     depths: FloatArray
     points: FloatArray | None = None
+    finer: tuple[int, int] = (1, 1)
+
+    @property
+    def shifted(self) -> Iterator[tuple[tuple[slice, slice], RegionLattice]]:
+        """Lattices of the grid's own pitch that make up this one, and the part (y, x) of its points that each is."""
+        for j, i in np.ndindex(*self.finer):
+            part = (slice(j, None, self.finer[0]), slice(i, None, self.finer[1]))
+            x, y = self.x[part[1]], self.y[part[0]]
+            if not (x.size and y.size):
+                continue
+            first = [_whole(o + n / m) for o, n, m in zip(self.origin, (j, i), self.finer, strict=True)]
+            origin = (first[0], first[1])
+            yield part, replace(self, target=(y.size, x.size), origin=origin, x=x, y=y, finer=(1, 1))
 
     @property
     def on_cells(self) -> bool:
@@ -65,19 +82,53 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
             target=(0, 0), origin=(0.0, 0.0), x=np.empty(0), y=np.empty(0), depths=np.empty(0), points=_points(request)
         )
     depths = _depths(request)
-    x, y, origin = grid.x, grid.y, [0.0, 0.0]
+    x, y, origin, finer = grid.x, grid.y, [0.0, 0.0], [1, 1]
+    if request.start is not None or request.refinement is not None:
+        low, high = request.start or (-np.inf, -np.inf, 0.0), request.end or (np.inf, np.inf, 0.0)
+        if request.shape == "plane":  # along its normal the position counts
+            low, high = _without(low, request.normal, -np.inf), _without(high, request.normal, np.inf)
+        finer = [request.refinement or 1] * 2
+        (x, origin[1]), (y, origin[0]) = (
+            _between(axis, pitch, finer[0], low[n], high[n])
+            for n, (axis, pitch) in enumerate(((grid.x, grid.dx), (grid.y, grid.dy)))
+        )
     if request.shape == "plane" and request.normal == "x":
-        x = np.array([request.position])
-        origin[1] = _whole((request.position - grid.x[0]) / grid.dx)
+        x, finer[1] = np.array([request.at]), 1
+        origin[1] = _whole((request.at - grid.x[0]) / grid.dx)
     if request.shape == "plane" and request.normal == "y":
-        y = np.array([request.position])
-        origin[0] = _whole((request.position - grid.y[0]) / grid.dy)
-    return RegionLattice(target=(y.size, x.size), origin=(origin[0], origin[1]), x=x, y=y, depths=depths)
+        y, finer[0] = np.array([request.at]), 1
+        origin[0] = _whole((request.at - grid.y[0]) / grid.dy)
+    return RegionLattice(
+        target=(y.size, x.size), origin=(origin[0], origin[1]), x=x, y=y, depths=depths, finer=(finer[0], finer[1])
+    )
+
+
+def _between(axis: FloatArray, pitch: float, finer: int, low: float, high: float) -> tuple[FloatArray, float]:
+    """Middles of the cells' parts between limits, which may lie beyond the window, and the place of the first in cells.
+
+    They never lie on faces of cells; with an odd number to a cell the middles of the cells are among them.
+    """
+    begin, part = axis[0] - 0.5 * pitch, pitch / finer
+    first = int(np.ceil((low - begin) / part - 0.5 - 1e-6)) if np.isfinite(low) else 0
+    stop = int(np.floor((high - begin) / part - 0.5 + 1e-6)) if np.isfinite(high) else axis.size * finer - 1
+    if stop < first:
+        raise SceneError(
+            f"stress region must hold points (got none between {low:g} m and {high:g} m, {part:g} m apart); "
+            "give start and end of a larger box, or a finer refinement"
+        )
+    numbers = np.arange(first, stop + 1) + 0.5
+    return np.asarray(begin + numbers * part), _whole(numbers[0] / finer - 0.5)
 
 
 def surface_lattice(grid: Grid) -> RegionLattice:
     """Centres of the cells in z = 0."""
     return RegionLattice(target=grid.shape, origin=(0.0, 0.0), x=grid.x, y=grid.y, depths=np.zeros(1))
+
+
+def _without(ends: tuple[float, float, float], normal: str, value: float) -> tuple[float, float, float]:
+    """Limits with no limit along one axis."""
+    x, y, z = (value if axis == normal else end for axis, end in zip("xyz", ends, strict=True))
+    return x, y, z
 
 
 def _whole(value: float) -> float:
@@ -87,7 +138,7 @@ def _whole(value: float) -> float:
 
 def _depths(request: StressRequest) -> FloatArray:
     if request.shape == "plane" and request.normal == "z":
-        return np.array([request.position])
+        return np.array([request.at])
     if request.depths is not None:
         return np.array(sorted(request.depths))
     assert request.depth_max is not None

@@ -130,6 +130,8 @@ class Source:
             elif self.exact:
                 why = "the half-space is periodic"
             return f"cut into {self.lattice.cells} cells, {nx} x {ny} x {nz} ({why})"
+        if self.material is not None:
+            return f"one eigenstrain of {_words(self.material)}"
         method = self.shape.method if isinstance(self.shape, InclusionShape) else "closed form"
         if isinstance(self.shape, HasMirrorPotential):
             return method

@@ -64,8 +64,8 @@ class StepRecord:
         residuals along the surface (`eigencontact.results.layout.SCALARS`).
     fields : mapping of str to (ny, nx) array
         Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
-        ``reference_pressure`` where the geometry has a closed form for this step, ``substrate_pressure`` where it has
-        one on the substrate of a layered body.
+        ``reference_pressure`` where the geometry has a closed form for this step, ``homogeneous_pressure`` where it has
+        one without what makes the bodies inhomogeneous: layers, inclusions, eigenstrain.
     regions : mapping of str to RegionRecord
         Sub-surface fields by region name.
     observed : mapping of str to float

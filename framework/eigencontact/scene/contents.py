@@ -131,6 +131,8 @@ def _check_materials(scene: Scene) -> None:
 def _check_region(scene: Scene, request: StressRequest) -> None:
     if (scene.body1, scene.body2)[request.body - 1].rigid:
         raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
+    if request.around is not None or request.refinement is not None:
+        _check_close_up(scene, request)
     if scene.geometry and "displacement" in request.fields:
         raise ValueError(
             f"!fields of stress region {request.label!r} must be stress or strain in a scene with a contact "
@@ -138,3 +140,17 @@ def _check_region(scene: Scene, request: StressRequest) -> None:
         )
     if scene.numerics.boundary == "periodic" and request.shape in ("line", "points"):
         raise ValueError("!stress of a periodic scene must be asked for on planes or volumes (got a line or points)")
+
+
+def _check_close_up(scene: Scene, request: StressRequest) -> None:
+    if request.around is not None and not (scene.inclusions or scene.eigenstrain):
+        raise ValueError(
+            f"!stress region {request.label!r} must be around an inclusion (got {request.around!r} in a scene without "
+            "any); leave around out, or give start and end"
+        )
+    if scene.numerics.half_space in ("image-pressure", "periodic") or scene.numerics.boundary == "periodic":
+        raise ValueError(
+            "!numerics must be non-periodic with half-space = 'exact' or 'full-space' for points finer than the cells, "
+            f"as {request.label!r} asks for (got {scene.numerics.boundary!r}, {scene.numerics.half_space!r}); "
+            "leave out around and refinement"
+        )

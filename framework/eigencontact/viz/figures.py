@@ -8,11 +8,11 @@ from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import load_history
-from eigencontact.viz.residual import displacement_profiles, uplift_map
+from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import passing_history, rolls
 from eigencontact.viz.section import drawable, stress_profile, stress_section
 from eigencontact.viz.style import save
-from eigencontact.viz.surface import pressure_map, pressure_profiles
+from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,9 +56,11 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
     wanted: list[Picture] = []
     if "pressure" in dataset:
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
-        beside = " beside the closed form on the bare substrate" if "substrate_pressure" in dataset else beside
+        without = homogeneous_words(dataset)
+        beside = f" beside that of the {without} alone (closed form)" if without else beside
+        lines = "; dashed lines are inclusions below" if "outline" in dataset else ""
         wanted += [
-            ("pressure.png", "Contact pressure, cut to the contact.", lambda: pressure_map(dataset, step)),
+            ("pressure.png", f"Contact pressure, cut to the contact{lines}.", lambda: pressure_map(dataset, step)),
             (
                 "pressure-profiles.png",
                 f"Contact pressure along x and y{beside}; markers are computed cells.",
@@ -69,18 +71,20 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
         wanted += [
             (
                 "uplift.png",
-                "Uplift of the surface by eigenstrain; lines are outlines of the inclusions from above.",
+                f"Uplift of the surface by {cause(dataset)}; lines are outlines of the inclusions from above.",
                 lambda: uplift_map(dataset, step),
             ),
             (
                 "uplift-profiles.png",
-                "Surface displacement by eigenstrain along x and y.",
+                f"Surface displacement by {cause(dataset)} along x and y.",
                 lambda: displacement_profiles(dataset, step),
             ),
         ]
     for region, how in drawable(dataset).items():
         if how == "section":
             sentence = f"Equivalent stress on the section {region!r}; a cross marks the largest value."
+            if f"{region}_outline" in dataset:
+                sentence += " Lines are outlines of inclusions."
             wanted.append((f"{region}.png", sentence, lambda region=region: stress_section(dataset, region, step)))  # type: ignore[misc]
         else:
             sentence = f"Stresses along the line {region!r}."

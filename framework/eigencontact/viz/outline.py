@@ -2,26 +2,78 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
 
     from eigencontact.viz.style import Scale
 
-__all__ = ["draw_outline"]
+__all__ = ["draw_outline", "draw_outline_below", "paths_of"]
+
+#: Ends of segments closer than this part of the whole picture are one point.
+SAME = 1e-7
 
 
 def draw_outline(axes: Axes, dataset: xr.Dataset, name: str, length: Scale) -> None:
-    """Draw stored line segments, dark on a light ground so that they show on every colour; nothing where none are."""
+    """Draw stored outlines, dark on a light ground so that they show on every colour; nothing where none are."""
+    _draw(axes, dataset, name, length, ((1.8, "1.0", "-", 1.0), (0.8, "0.1", "-", 1.0)))
+
+
+def draw_outline_below(axes: Axes, dataset: xr.Dataset, length: Scale) -> None:
+    """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed."""
+    _draw(axes, dataset, "outline", length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
+
+
+def _draw(axes: Axes, dataset: xr.Dataset, name: str, length: Scale, strokes: tuple[Any, ...]) -> None:
     from matplotlib.collections import LineCollection
 
     if name not in dataset:
         return
-    segments = length(np.asarray(dataset[name].values, dtype=float))
-    for colour, width in (("1.0", 1.8), ("0.1", 0.8)):
-        lines = LineCollection(list(segments), colors=colour, linewidths=width, capstyle="round", zorder=3)
+    paths = paths_of(length(np.asarray(dataset[name].values, dtype=float)))
+    for width, colour, style, opacity in strokes:
+        lines = LineCollection(
+            paths, colors=colour, linewidths=width, linestyles=[style], alpha=opacity, capstyle="butt", zorder=3
+        )
         axes.add_collection(lines, autolim=False)
+
+
+def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
+    """Join segments at their ends to lines, each of those that coincide once.
+
+    Parameters
+    ----------
+    segments : (n, 2, 2)
+        Number, end, coordinate.
+
+    Returns
+    -------
+    list of (m, 2) arrays
+        Closed lines end where they began.
+    """
+    if not len(segments):
+        return []
+    places = segments.reshape(-1, 2)
+    unit = SAME * float(np.ptp(places, axis=0).max())
+    _, first, number = np.unique(np.round(places / unit) + 0.0, axis=0, return_index=True, return_inverse=True)
+    pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
+    beside: dict[int, list[int]] = defaultdict(list)
+    for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():
+        beside[a].append(b)
+        beside[b].append(a)
+    # Ends of open lines come first; what is left then are closed ones.
+    paths = []
+    for start in sorted(beside, key=lambda point: len(beside[point]) % 2 == 0):
+        while beside[start]:
+            path = [start]
+            while beside[path[-1]]:
+                ahead = beside[path[-1]].pop()
+                beside[ahead].remove(path[-1])
+                path.append(ahead)
+            paths.append(places[first[path]])
+    return paths

@@ -1,4 +1,4 @@
-"""Pictures of what eigenstrain does to the surface: the uplift as a map, the displacement along two lines."""
+"""Pictures of what eigenstrain and inclusions do to the surface: uplift as a map, displacement along two lines."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.outline import draw_outline
+from eigencontact.viz.outline import draw_outline_below
 from eigencontact.viz.style import (
     COLOURS,
     box_size,
@@ -24,14 +24,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-__all__ = ["displacement_profiles", "uplift_map"]
+__all__ = ["cause", "displacement_profiles", "uplift_map"]
 
 _NAMES = {"z": "uplift $-u_z$", "x": "$u_x$", "y": "$u_y$"}
 _STYLES = {"z": "-", "x": "--", "y": ":"}
 
 
+def cause(dataset: xr.Dataset) -> str:
+    """What displaces the surface besides the tractions, in words: inclusions of another material, or eigenstrain."""
+    return "the inclusions" if "inclusion_residual" in dataset else "eigenstrain"
+
+
 def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
-    """Uplift of the surface by eigenstrain, out of the body, with the outlines of the inclusions from above.
+    """Uplift of the surface by eigenstrain or inclusions, out of the body, with their outlines from above.
 
     Parameters
     ----------
@@ -63,10 +68,10 @@ def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
             vmin=low * rise.factor,
             vmax=(high if high > low else 1.0) * rise.factor,
         )
-        draw_outline(axes, dataset, "outline", length)
+        draw_outline_below(axes, dataset, length)
         label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
         row, column = _largest(uplift)
-        title = heading(dataset, step, "Uplift of the surface by eigenstrain")
+        title = heading(dataset, step, f"Uplift of the surface by {cause(dataset)}")
         axes.set_title(f"{title}\n{rise.text(uplift[row, column])} at the cross")
         axes.plot(length(x[column]), length(y[row]), "+", color="black", markersize=8, markeredgewidth=2.4)
         axes.plot(length(x[column]), length(y[row]), "+", color="white", markersize=7, markeredgewidth=1.1)
@@ -128,7 +133,7 @@ def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
         drawn[0].set_ylabel(f"Displacement [{rise.unit}]")
         handles, labels = drawn[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
-        figure.suptitle(heading(dataset, step, "Surface displacement by eigenstrain"), fontsize=9.5)
+        figure.suptitle(heading(dataset, step, f"Surface displacement by {cause(dataset)}"), fontsize=9.5)
     return figure
 
 

@@ -34,6 +34,10 @@ SCALAR_FIELDS = ("von_mises", "tresca", "hydrostatic")
 _WORDS = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostatic": "Mean normal stress"}
 #: Number of filled contours.
 LEVELS = 14
+#: Values beyond so many times the quantile do not set the range of the colours.
+OUTLYING, COMMON = 1.3, 0.995
+#: Colours begin at zero, unless all values are larger than this part of the largest.
+NARROW = 0.3
 
 
 def drawable(dataset: xr.Dataset) -> dict[str, str]:
@@ -70,7 +74,8 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Filled contours; a cross at the largest value (in magnitude).
+        Filled contours; a cross at the largest value (in magnitude). A value that stands out at few points, as at an
+        edge or beside a void, does not set the colours.
     """
     described = json.loads(dataset.attrs["regions"])[region]
     field = _field(dataset, region) or SCALAR_FIELDS[0]
@@ -102,7 +107,7 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")
         bodies = {region_["body"] for region_ in json.loads(dataset.attrs["regions"]).values()}
         title = heading(dataset, step, _WORDS[field] + (f" in body {described['body']}" if len(bodies) > 1 else ""))
-        axes.set_title("\n".join([title, *(f"at {place(axis, value)}" for axis, value in cut.items())]))
+        below = ", ".join(f"at {place(axis, value)}" for axis, value in cut.items())
         if filled is None:
             axes.text(0.5, 0.5, "no stress", transform=axes.transAxes, ha="center", va="center", color="0.4")
         else:
@@ -115,11 +120,15 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
                 pad=0.03,
             )
             bar.set_label(f"{_WORDS[field]} [{stress.unit}]")
+            outlined = f"{region}_outline" in dataset
             spot = f"at {place(vertical, v[where[0]])}"
-            if vertical != "z":
+            if vertical != "z" or outlined:
                 spot = f"at {place(horizontal, h[where[1]])}, {place(vertical, v[where[0]])}"
             words = f"{stress.text(values[where])}\n{spot}"
-            _mark(axes, (float(length(h[where[1]])), float(length(v[where[0]]))), words)
+            _mark(axes, (float(length(h[where[1]])), float(length(v[where[0]]))), "" if outlined else words)
+            if outlined:  # a label would hide what the outlines show
+                below = ";  ".join(filter(None, [below, words.replace("\n", " ") + " (cross)"]))
+        axes.set_title(f"{title}\n{below}" if below else title)
     return figure
 
 
@@ -196,10 +205,17 @@ def _contours(axes: Axes, x: NDArray[Any], y: NDArray[Any], values: NDArray[Any]
 
     if not np.any(np.nan_to_num(values)):
         return None
-    colours, low, high = colour_range(values)
+    size = np.abs(values[np.isfinite(values)])
+    end = min(float(size.max()), OUTLYING * float(np.quantile(size, COMMON)) or np.inf)
+    colours, low, high = colour_range(np.clip(values, -end, end))
     signed = low < 0 < high
+    least = float(np.nanmin(values))
+    if low == 0.0 and least > NARROW * high:  # a close-up, whose values differ little
+        low = least
     levels = MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high)
-    filled = axes.contourf(x, y, np.ma.masked_invalid(values), levels=levels, cmap=colours, extend="neither")
+    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    extend = beyond[bool(np.nanmin(values) < levels[0]), bool(np.nanmax(values) > levels[-1])]
+    filled = axes.contourf(x, y, np.ma.masked_invalid(values), levels=levels, cmap=colours, extend=extend)
     axes.contour(filled, levels=list(levels)[::2], colors="0.15" if signed else "1.0", linewidths=0.3, alpha=0.6)
     return filled
 
@@ -211,6 +227,8 @@ def _mark(axes: Axes, at: tuple[float, float], words: str) -> None:
     u, v = (at[0] - left) / (right - left), (at[1] - bottom) / (top - bottom)
     axes.plot(*at, "+", color="black", markersize=9, markeredgewidth=2.6, zorder=4, clip_on=False)
     axes.plot(*at, "+", color="white", markersize=8, markeredgewidth=1.2, zorder=5, clip_on=False)
+    if not words:
+        return
     axes.annotate(
         words,
         at,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.outline import draw_outline_below
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, contact_window, masked_map, middle, view_of
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-__all__ = ["pressure_map", "pressure_profiles", "relative_difference"]
+__all__ = ["homogeneous_words", "pressure_map", "pressure_profiles", "relative_difference"]
 
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
@@ -33,11 +34,13 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Cells without pressure are grey; the outline of the contact is drawn where it is not ragged.
+        Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, those of inclusions
+        below it are dashed.
     """
     pressure, _, _ = _surface(dataset, step)
-    return masked_map(
-        contact_window(dataset, pressure != 0),
+    window = contact_window(dataset, pressure != 0)
+    figure = masked_map(
+        window,
         pressure,
         unit="Pa",
         label="Pressure",
@@ -45,12 +48,14 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         outline=pressure != 0,
         empty="no contact",
     )
+    draw_outline_below(figure.axes[0], dataset, window.length)
+    return figure
 
 
 def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     """Contact pressure of one step along x and along y, beside the closed form where the run has one.
 
-    Beside a contact with a layered body it is the closed form on the bare substrate.
+    Beside a contact with layers, inclusions or eigenstrain it is the closed form without them, under the same load.
 
     The lines pass through the cell of largest pressure; through the middle of the window when the pressure is
     symmetric about it. Markers are computed cells.
@@ -69,9 +74,9 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     """
     pressure, x, y = _surface(dataset, step)
     reference = None
-    bare = "substrate_pressure" in dataset
-    if bare or "reference_pressure" in dataset:
-        reference = np.asarray(dataset["substrate_pressure" if bare else "reference_pressure"][step].values)
+    without = homogeneous_words(dataset)
+    if without or "reference_pressure" in dataset:
+        reference = np.asarray(dataset["homogeneous_pressure" if without else "reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
     row, column = middle(pressure)
     view = view_of((pressure if reference is None else np.abs(pressure) + np.abs(reference)) != 0)
@@ -92,15 +97,17 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
             every = max(1, -(-at.size // MARKERS))
             thinned = thinned or every > 1
             if reference is not None:
-                axes.plot(at, stress(reference[where]), "-", color=COLOURS[1], label="closed form")
+                style = "--" if without else "-"
+                axes.plot(at, stress(reference[where]), style, color=COLOURS[1], label="closed form")
             axes.plot(
                 at,
                 stress(pressure[where]),
-                "o" if reference is not None else "o-",
+                "o" if reference is not None and not without else "o-",
                 color=COLOURS[0],
                 markevery=every,
                 markerfacecolor="none" if reference is not None else COLOURS[0],
                 markeredgewidth=0.8,
+                linewidth=0.8 if without else None,
                 label="computed",
                 zorder=3,
             )
@@ -113,7 +120,7 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
         handles, labels = panels[0].get_legend_handles_labels()
         words = {
-            "closed form": "closed form on the bare substrate" if bare else _difference_words(pressure, reference),
+            "closed form": f"{without} (closed form)" if without else _difference_words(pressure, reference),
             "computed": "computed cells (not all marked)" if thinned else "computed cells",
         }
         order = sorted(range(len(labels)), key=lambda n: labels[n] != "computed")
@@ -125,6 +132,13 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
         )
         figure.suptitle(heading(dataset, step, "Contact pressure"), fontsize=9.5)
     return figure
+
+
+def homogeneous_words(dataset: xr.Dataset) -> str:
+    """What the closed form beside a contact of inhomogeneous bodies is that of; empty where there is none."""
+    if "homogeneous_pressure" not in dataset:
+        return ""
+    return "homogeneous body" if "residual_displacement_z" in dataset else "bare substrate"
 
 
 def relative_difference(pressure: NDArray[Any], reference: NDArray[Any]) -> tuple[float, float]:

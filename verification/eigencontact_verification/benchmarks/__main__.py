@@ -12,7 +12,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, tangential, trade
+from eigencontact_verification.benchmarks import (
+    cloud,
+    eigenstrain,
+    fidelity,
+    hertz,
+    inhomogeneity,
+    tangential,
+    trade,
+)
 from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
 from eigencontact_verification.benchmarks.machine import describe, facts
@@ -100,6 +108,11 @@ def parser() -> argparse.ArgumentParser:
     seven.add_argument("--sizes", type=_count, nargs="+", default=[64, 128, 256, 512], metavar="N")
     seven.add_argument("--cases", nargs="+", choices=list(tangential.CASES), default=list(tangential.CASES))
     seven.add_argument("--peers", action="store_true", help=f"also {', '.join(tangential.PEERS)}, where installed")
+    eight = commands.add_parser("inhomogeneity", parents=[common], help="clusters, coatings, stiffness ratios")
+    eight.add_argument("--size", type=_count, default=inhomogeneity.COATED_CELLS, metavar="N", help="of coated-sphere")
+    eight.add_argument(
+        "--cases", nargs="+", choices=list(inhomogeneity.CASES), default=list(inhomogeneity.CASES), metavar="CASE"
+    )
     return top
 
 

@@ -6,7 +6,16 @@ import time
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, tangential, trade
+from eigencontact_verification.benchmarks import (
+    cloud,
+    eigenstrain,
+    fidelity,
+    hertz,
+    inhomogeneity,
+    stress,
+    tangential,
+    trade,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,6 +34,7 @@ BENCHMARKS: dict[str, tuple[Sequence[Column], Callable[[Task, list[Sample]], Row
     "cloud": (cloud.COLUMNS, cloud.summarise),
     "trade": (trade.COLUMNS, trade.summarise),
     "tangential": (tangential.COLUMNS, tangential.summarise),
+    "inhomogeneity": (inhomogeneity.COLUMNS, inhomogeneity.summarise),
 }
 
 

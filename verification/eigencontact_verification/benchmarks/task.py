@@ -19,7 +19,8 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"`` or ``"tangential"``.
+        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"``,
+        ``"tangential"`` or ``"inhomogeneity"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int

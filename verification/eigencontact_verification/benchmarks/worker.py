@@ -10,7 +10,16 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.benchmarks import cloud, eigenstrain, fidelity, hertz, stress, tangential, trade
+from eigencontact_verification.benchmarks import (
+    cloud,
+    eigenstrain,
+    fidelity,
+    hertz,
+    inhomogeneity,
+    stress,
+    tangential,
+    trade,
+)
 from eigencontact_verification.benchmarks.codes import find_code
 from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
@@ -28,6 +37,7 @@ MEASURES: dict[str, Callable[[Any, Task], Sample]] = {
     "cloud": cloud.measure,
     "trade": trade.measure,
     "tangential": tangential.measure,
+    "inhomogeneity": inhomogeneity.measure,
 }
 
 #: Ways of computing of benchmarks that do not compare codes, or compare what few of them do.
@@ -37,6 +47,7 @@ METHODS: dict[str, Mapping[str, Any]] = {
     "cloud": cloud.METHODS,
     "trade": trade.METHODS,
     "tangential": tangential.METHODS,
+    "inhomogeneity": inhomogeneity.METHODS,
 }
 
 

@@ -39,7 +39,7 @@ _CODE = (
     *(f"eigencontact_verification.campaign.{name}" for name in ("lines:read_section", "lines:chosen", "recovery")),
 )
 #: Cells across the sphere in what is judged, and in the coarser cuttings that give its error.
-_CELLS = (36, 18, 24)
+_CELLS = (48, 24, 32)
 #: Parts of every element of the undivided mesh at the three levels, and its growth.
 _DIVISIONS, _GROWTH = (4, 6, 9), 2.5
 #: Radius below which the elements are that of the sphere's diameter: there are enough of them under the load.
@@ -217,6 +217,7 @@ def inhomogeneity_case(
         "fine": 2.0 * radius if radius < _SMALL else radius,
         "growth": _GROWTH,
         "divisions": list(_DIVISIONS),
+        "within": within,
     }
 
     def contains(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
@@ -268,7 +269,7 @@ def inhomogeneity_cases() -> tuple[InhomogeneityCase, ...]:
     whole = [
         *(inhomogeneity_case(ratio, 4.0, radius=0.05, whole=True) for ratio in (0.0, 0.5, 2.0, 4.0, 1e3)),
         *(
-            inhomogeneity_case(ratio, 3.0, pressure=0.0, prestrain=1.0, whole=True, quick=ratio == 4.0)
+            inhomogeneity_case(ratio, 4.0, pressure=0.0, prestrain=1.0, whole=True, quick=ratio == 4.0)
             for ratio in (0.5, 4.0)
         ),
     ]

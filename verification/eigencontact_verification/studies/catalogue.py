@@ -12,7 +12,16 @@ if TYPE_CHECKING:
 
 __all__ = ["find", "names", "studies"]
 
-_MODULES = ("rolling",)
+_MODULES = (
+    "rolling",
+    "clusters",
+    "single_sphere",
+    "two_spheres",
+    "coatings",
+    "coating_thickness",
+    "coating_sliding",
+    "coating_friction",
+)
 
 
 def studies() -> tuple[Study, ...]:

@@ -1,0 +1,148 @@
+"""Plans with inhomogeneities: one box of cells for each body, solved with the contact; nothing where there are none."""
+
+import json
+import subprocess
+import sys
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.execution.runners import build_runner
+from eigencontact.planning.inhomogeneities import boxes_of
+
+STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
+HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.3}
+BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um", "material": HARD}
+GRID = {"cells": 16, "size": [8e-6, 8e-6]}
+SCENE = {"body1": STEEL, "inclusions": [BALL], "grid": GRID}
+CONTACT = {"geometry": {"type": "sphere", "radius": "105 um"}, "steps": {"normal-load": "0.1 N"}}
+FRICTION = {"friction": {"type": "coulomb", "coefficient": 0.3}}
+REGION = {"name": "cut", "shape": "plane", "depth-max": "4 um", "depth-cells": 8}
+LAYER = {"type": "cuboid", "center": [0.0, 0.0, 0.5e-6], "edges": [8e-6, 8e-6, 1e-6], "material": HARD}
+
+TOGETHER = ("inhomogeneities", "normal-contact", "residual-displacement")
+HOMOGENEOUS = ("homogeneous-pressure",)
+# scene tables beside SCENE; groups of blocks in order
+GROUPS = {
+    "alone": ({}, [("inhomogeneities",), ("residual-displacement",)]),
+    "alone, with a region": (
+        {"stress": REGION},
+        [("inhomogeneities",), ("eigenstrain-cut",), ("residual-displacement",), ("stress-cut",)],
+    ),
+    "under a contact": (CONTACT, [("separation",), TOGETHER, HOMOGENEOUS]),
+    "under a contact, with a region": (
+        {**CONTACT, "stress": REGION},
+        [("separation",), TOGETHER, ("eigenstrain-cut",), HOMOGENEOUS, ("stress-cut",)],
+    ),
+    "with friction": (
+        {**CONTACT, **FRICTION},
+        [
+            ("separation",),
+            ("frictional-contact", "inhomogeneities", "residual-displacement"),
+            HOMOGENEOUS,
+            ("shear-bound",),
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", GROUPS)
+def test_blocks(case):
+    changes, expected = GROUPS[case]
+    assert [tuple(block.name for block in group) for group in ec.plan(SCENE | changes).groups] == expected
+
+
+def boxes(*inclusions, grid=GRID, **numerics):
+    planned = ec.plan({"body1": STEEL, "body2": STEEL, "inclusions": inclusions, "grid": grid, "numerics": numerics})
+    return {body: (box.lattice.first, box.lattice.shape, box.lattice.edges) for body, box in
+            boxes_of(planned.sources).items()}  # fmt: skip
+
+
+def test_all_of_one_body_share_a_box():
+    below = {**BALL, "center": [1e-6, 0.0, 4e-6]}
+    other = {**BALL, "body": 2}
+    found = boxes(BALL, below, other)
+    assert found[1] == ((2, 6, 6), (8, 4, 6), pytest.approx((0.5e-6, 0.5e-6, 0.5e-6)))
+    assert found[2] == ((2, 6, 6), (4, 4, 4), pytest.approx((0.5e-6, 0.5e-6, 0.5e-6)))
+
+
+# inclusions, numerics -> layers of the box, height of the cells
+HEIGHTS = {
+    "flat ones have four layers": ([LAYER], {}, 4, 0.25e-6),
+    "the thinnest decides": ([LAYER, {**LAYER, "center": [0, 0, 1.2e-6], "edges": [8e-6, 8e-6, 4e-7]}], {}, 14, 1e-7),
+    "thick ones follow the grid": ([{**LAYER, "center": [0, 0, 2e-6], "edges": [4e-6, 4e-6, 4e-6]}], {}, 8, 0.5e-6),
+    "faces fall on faces": ([{**LAYER, "center": [0, 0, 1.4e-6], "edges": [4e-6, 4e-6, 2e-6]}], {}, 5, 0.4e-6),
+    "as the scene says": ([LAYER], {"inclusion-pitch": 0.5e-6}, 2, 0.5e-6),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HEIGHTS)
+def test_height_of_the_cells(case):
+    inclusions, numerics, layers, height = HEIGHTS[case]
+    _, shape, edges = boxes(*inclusions, **numerics)[1]
+    assert shape[0] == layers
+    assert edges[0] == pytest.approx(height, rel=1e-9)
+
+
+def test_explain_names_what_is_solved_with_what():
+    planned = ec.plan({**SCENE, **CONTACT})
+    text = planned.explain()
+    assert "inhomogeneities of body 1, 1 region in 4 x 4 x 4 cells of 500 nm x 500 nm x 500 nm" in text
+    assert "E = 420 GPa, ν = 0.3" in text
+    assert text.count("(solved together)") == 3
+    assert "layered" not in text
+    assert "it is prescribed" not in text
+    assert any("Eshelby" in reference for reference in planned.to_dict()["references"])
+    assert planned.cost.peak > 58 * 8 * 5**3
+
+
+def test_a_uniform_layer_is_recommended_to_the_layered_medium():
+    def text(**changes):
+        return ec.plan({**SCENE, **CONTACT, "inclusions": [{**LAYER, **changes}]}).explain()
+
+    assert 'body1.medium = { type = "bonded-layers", ... }' in text()
+    assert "bonded-layers" not in text(edges=[7e-6, 8e-6, 1e-6])
+    assert "bonded-layers" not in text(center=[0.0, 0.0, 0.7e-6])
+    assert "bonded-layers" not in text(material={"void": True}, center=[0.0, 0.0, 1.5e-6])
+
+
+def test_the_prediction_covers_what_is_held():
+    """Memory within a factor of two of its peak while the kernels are sampled."""
+    planned = ec.plan({**SCENE, **CONTACT, "inclusions": [LAYER], "grid": {"cells": 32, "size": [8e-6, 8e-6]}})
+    block = next(block for block in planned.blocks if block.name == "inhomogeneities")
+    tracemalloc.start()
+    build_runner(planned, block)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert 0.5 < block.cost.peak / peak < 2.0
+
+
+SCRIPT = """
+import json, sys
+import eigencontact as ec
+scene = {"body1": {"young-modulus": 2e11, "poisson-ratio": 0.3}, "grid": {"cells": 8, "size": [8e-6, 8e-6]},
+         "inclusions": [{"type": "sphere", "center": [0, 0, 2e-6], "radius": 1e-6, MORE}]}
+ec.run(scene)
+print(json.dumps([name for name in sys.modules if name.startswith("eigencontact")]))
+"""
+
+
+@pytest.mark.parametrize(("more", "loaded"), [('"eigenstrain": 1e-3', False), ('"material": {"void": True}', True)])
+def test_work_follows_the_scene(more, loaded):
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT.replace("MORE", more)], capture_output=True, text=True, check=True, timeout=120
+    )
+    modules = set(json.loads(done.stdout.splitlines()[-1]))
+    new = {"planning.inhomogeneities", "execution.inhomogeneities", "solvers.equivalent_inclusions", "core.elasticity"}
+    assert {name for name in new if f"eigencontact.{name}" in modules} == (new if loaded else set())
+    assert "eigencontact.execution.coupled" not in modules
+
+
+def test_outlines_are_drawn():
+    from eigencontact.planning.outlines import outlines
+
+    found = outlines(ec.plan({**SCENE, **CONTACT, "stress": REGION}))
+    assert set(found) == {"", "cut"}
+    np.testing.assert_allclose(np.hypot(*found[""][:, 0].T), 1e-6, rtol=0.02)

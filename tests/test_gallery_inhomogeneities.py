@@ -1,0 +1,181 @@
+"""Bundled scenes of inhomogeneities under a contact, on coarser cells, against references and against each other."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.scene.loader import bundled_names
+from eigencontact_verification.oracles import hertz
+
+UM = 1e-6
+#: Contact radius [m] and peak pressure [Pa] of the sphere of 105 um on steel under 0.65 N.
+A, P0, _ = hertz.hertz_sphere(0.65, 105 * UM, 210e9 / 0.91)
+
+#: Coarser cells, and the stress regions that are kept: by number, with depths that are looked at.
+COARSER = {
+    "ellipsoid-under-contact": (["grid.cells=30", "grid.spacing=['2.4 um', '2.4 um']"], {}),
+    "inclusion-cluster": (
+        ["grid.cells=42", "grid.spacing=['0.4 um', '0.4 um']", "numerics.inclusion-pitch='0.4 um'"], {}
+    ),
+    "inclusion-under-contact": (["grid.cells-per-contact-radius=20", "grid.margin=1.25"], {0: [1.0, 3.0267]}),
+    "prestressed-concrete": (
+        ["grid.cells=[20, 40]", "grid.spacing=['4 mm', '1.25 mm']", "numerics.inclusion-pitch='2 mm'"], {}
+    ),
+    "rolling-over-inclusion": (
+        ["grid.cells=[91, 37]", "grid.spacing=['0.45 um', '0.45 um']", "steps.1.increments=8"], {1: None}
+    ),
+    "two-inclusions": (["grid.cells-per-contact-radius=24", "grid.margin=1.25"], {}),
+    "void-near-surface": (
+        ["grid.cells-per-contact-radius=20", "grid.margin=1.25", "stress.0.position='0.154 um'"], {0: [0.1, 1.665, 4.0]}
+    ),
+}  # fmt: skip
+
+
+def coarse(name, *changes):
+    """Table of a coarser copy."""
+    settings, kept = COARSER[name]
+    table = ec.load_scene(name, [*settings, "output.pictures=false", "numerics.tolerance=1e-5", *changes]).resolved()
+    regions = []
+    for number, depths in kept.items():
+        region = table["stress"][number]
+        if depths is not None:
+            region.pop("depth-max", None)
+            region["depths"] = [depth * UM for depth in depths]
+        regions.append(region)
+    return {**table, "stress": regions}
+
+
+@pytest.fixture(scope="module")
+def finished():
+    """Run a bundled scene once for all tests of this module."""
+    known = {}
+
+    def run(name):
+        if name not in known:
+            known[name] = ec.run(ec.Scene(**coarse(name)))
+            assert known[name].summary["converged"] is True
+        return known[name]
+
+    return run
+
+
+def last(result):
+    return result.dataset.pressure.isel(step=-1).values
+
+
+def mirrored(field, *axes):
+    np.testing.assert_allclose(field, np.flip(field, axes), rtol=0, atol=2e-4 * np.abs(field).max())
+
+
+def test_every_bundled_inhomogeneity_is_tested():
+    scenes = {name: ec.load_scene(name) for name in bundled_names()}
+    assert sorted(COARSER) == [name for name, scene in scenes.items() if any(one.material for one in scene.inclusions)]
+
+
+def test_inclusion_under_contact(finished):
+    """IC-3; the ball carries more than the steel beside it; the homogeneous pressure stands beside."""
+    result = finished("inclusion-under-contact")
+    assert result.summary["max_pressure"] / P0 == pytest.approx(1.054, rel=0.01)
+    assert result.summary["inclusion_residual"] < 1e-4
+    pressure = last(result)
+    mirrored(pressure, 0)
+    mirrored(pressure, 1)
+    data = result.dataset.isel(step=-1)
+    assert "reference_pressure" not in data
+    assert float(data.homogeneous_pressure.max()) == pytest.approx(P0, rel=0.002)
+    row = data.section_von_mises.sel(section_z=3.0267 * UM, method="nearest")
+    inside, beside = (float(row.sel(section_x=x, method="nearest")) for x in (0.0, 1.7 * UM))
+    assert inside > 1.2 * beside
+
+
+@pytest.mark.parametrize("changes", [(), pytest.param(None, marks=pytest.mark.slow)], ids=["coarse", "as bundled"])
+def test_inclusion_cluster(changes, finished):
+    """IC-1: 22 % above the peak of a homogeneous body, within 10 %; a peak above the ball in the middle."""
+    if changes is None:
+        table = ec.load_scene("inclusion-cluster", ["output.pictures=false"]).resolved()
+        result = ec.run(ec.Scene(**{**table, "stress": []}))
+        assert result.summary["peak_memory_bytes"] < 1.5e9
+    else:
+        result = finished("inclusion-cluster")
+    assert result.summary["max_pressure"] / P0 == pytest.approx(1.22, rel=0.10)
+    assert result.summary["contact_radius"] < 0.98 * A
+    pressure = last(result)
+    np.testing.assert_allclose(pressure, pressure.T, rtol=0, atol=2e-4 * pressure.max())
+    data = result.dataset
+    above, between = (float(data.pressure.isel(step=-1).sel(x=x, y=0.2 * UM, method="nearest")) for x in (0.2 * UM, UM))
+    assert above > 1.05 * between
+
+
+def test_two_inclusions(finished):
+    """IC-10: the peak above the ball hardly feels the void beside it; it is 1.20 of that of a homogeneous body."""
+    result = finished("two-inclusions")
+    table = coarse("two-inclusions")
+    alone = ec.run(ec.Scene(**{**table, "inclusions": table["inclusions"][:1]}))
+    assert alone.summary["max_pressure"] / P0 == pytest.approx(1.20, rel=0.02)
+    assert result.summary["max_pressure"] == pytest.approx(alone.summary["max_pressure"], rel=0.02)
+    mirrored(last(result), 0)
+    along = result.dataset.pressure.isel(step=-1).sel(y=0.0, method="nearest")
+    assert float(along.sel(x=1.77 * UM, method="nearest")) < 0.6 * P0
+
+
+def test_void_near_surface(finished):
+    """Finite everywhere; the roof carries little; nothing is stressed within the void."""
+    result = finished("void-near-surface")
+    pressure = last(result)
+    assert np.isfinite(pressure).all()
+    assert np.isfinite(result.dataset.section_von_mises.values).all()
+    mirrored(pressure, 0)
+    mirrored(pressure, 1)
+    middle = pressure[tuple(n // 2 for n in pressure.shape)]
+    assert 0.0 <= middle < 0.3 * P0
+    assert 0.85 * P0 < pressure.max() < P0
+    total = pressure.sum() * float(np.prod(result.dataset.attrs["cell_size"]))
+    assert total == pytest.approx(0.65, rel=1e-6)
+    field = result.dataset.section_von_mises.isel(step=-1)
+    # In the middles of cells; on their edges, between them, it is a few hundredths.
+    within = float(field.sel(section_x=0.154 * UM, section_z=1.665 * UM, method="nearest"))
+    assert within < 0.015 * float(field.max())
+
+
+def test_ellipsoid_under_contact(finished):
+    """A body of revolution under another: the same along x and y; stiffer, so a higher peak on a smaller contact."""
+    result = finished("ellipsoid-under-contact")
+    pressure = last(result)
+    mirrored(pressure, 0)
+    np.testing.assert_allclose(pressure, pressure.T, rtol=0, atol=2e-4 * pressure.max())
+    assert 1.1 < result.summary["max_pressure"] / 14.691e9 < 2**0.5  # less than twice the modulus everywhere would give
+    assert 0.85 < result.summary["contact_radius"] / 20e-6 < 1.0
+
+
+def test_prestressed_concrete(finished):
+    """PB-2: two extrema of the pressure across the bars, one along them."""
+    pressure = last(finished("prestressed-concrete"))
+    mirrored(pressure, 0)
+    mirrored(pressure, 1)
+    ny, nx = pressure.shape
+    across, along = pressure[:, nx // 2], pressure[ny // 2]
+
+    def peaks(line):
+        return int(np.sum((line[1:-1] > line[:-2]) & (line[1:-1] > line[2:]) & (line[1:-1] > 0.5 * line.max())))
+
+    assert peaks(across) == 2
+    assert np.all(np.diff(along[nx // 2 :]) <= 0)
+    assert pressure.max() > 1.1 * 5.596e9
+
+
+def test_rolling_over_inclusion(finished):
+    """The history there mirrors that away; above the ball it is the sphere at rest on it (IC-3), far away Hertz."""
+    result = finished("rolling-over-inclusion")
+    data = result.dataset
+    places, peaks = data.travel_x.values, data.max_pressure.values
+    np.testing.assert_allclose(places, np.linspace(-12 * UM, 12 * UM, 9), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(peaks, peaks[::-1], rtol=1e-4)
+    history = data.ball_von_mises.values
+    np.testing.assert_allclose(history[:, :3], history[::-1, :3], rtol=2e-4)
+    assert not np.allclose(history[:, 3], history[::-1, 3], rtol=0.1)  # the point before the ball
+    assert peaks[[0, -1]] / P0 == pytest.approx([1.0, 1.0], rel=0.005)
+    assert peaks[4] / P0 == pytest.approx(1.054, rel=0.01)
+    table = coarse("rolling-over-inclusion")
+    still = ec.run(ec.Scene(**{**table, "steps": [{"normal-load": 0.65}]}))
+    assert peaks[4] == pytest.approx(still.summary["max_pressure"], rel=1e-4)
+    np.testing.assert_allclose(history[4], still.dataset.ball_von_mises.values[-1], rtol=1e-4)

@@ -1,0 +1,206 @@
+"""Bodies that are not homogeneous: a cluster of balls under a contact, a coated sphere, and the price of stiffness.
+
+``inclusion-cluster`` is the bundled scene, 84 x 84 x 31 cells: everything but pictures, in a fresh process.
+``coated-sphere`` presses a sphere on the coating of the bundled scene of that name and on the bare substrate, by the
+same solver on the same grid, n x n cells: after the first solve, which samples the coefficients, what is left is the
+solve itself. ``ratio r`` solves for the eigenstrain in all cells of the balls of the cluster when they are r times as
+stiff as the matrix, and compares an iteration with one application of the bare operator.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.benchmarks.table import Column, Row
+
+if TYPE_CHECKING:
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = ["CASES", "COLUMNS", "METHODS", "RATIOS", "measure", "summarise"]
+
+#: Stiffness of the balls by that of the matrix.
+RATIOS = (0.0, 0.1, 0.5, 2.0, 10.0, 100.0, 1e6)
+CASES = ("inclusion-cluster", "coated-sphere", *(f"ratio {ratio:g}" for ratio in RATIOS))
+METHODS = {
+    "eigencontact": Code(
+        name="eigencontact",
+        distribution="eigencontact",
+        modules=("pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.equivalent_inclusions"),
+        settings="tolerance 1e-6, double precision, exact half-space",
+    )
+}
+#: Cells along one side of the coated sphere; of the cluster along (z, y, x), and their edge.
+COATED_CELLS = 256
+_BOX, _EDGE = (31, 84, 84), 1.0
+#: Balls in cells: radius, distance, number along x and y and along z. Those of the bundled scene.
+_RADIUS, _SPACING, _ALONG, _DEEP = 3.0, 8.0, 11, 4
+
+
+def measure(code: Code, task: Task) -> Sample:
+    """Measure one case in this process, which is a fresh one."""
+    code.load()
+    if task.case == "inclusion-cluster":
+        return _cluster(task)
+    if task.case == "coated-sphere":
+        return _coated(task)
+    return _ratio(task, float(task.case.split()[1]))
+
+
+def _cluster(task: Task) -> Sample:
+    import eigencontact as ec
+
+    memory = PeakMemory()
+    changes = ["output.pictures=false", f"numerics.threads={task.threads}"]
+    result, seconds, _ = timed(lambda: ec.run(ec.load_scene("inclusion-cluster", changes)))
+    last = {name: float(result.dataset[name][-1]) for name in ("inclusion_iterations", "inclusion_rounds")}
+    result.dataset.close()
+    return {
+        "status": "ok",
+        "cells": int(np.prod(_BOX)),
+        "seconds": seconds,
+        "peak_bytes": memory.peak(),
+        "iterations": int(last["inclusion_iterations"]),
+        "rounds": int(last["inclusion_rounds"]),
+    }
+
+
+def _coated(task: Task) -> Sample:
+    """Solve on the coating and on the substrate alone by turns."""
+    from eigencontact.app import load_scene, plan
+    from eigencontact.execution.contact import normal_options
+    from eigencontact.planning.kernels import PairCoefficients
+    from eigencontact.solvers.control import Control
+    from eigencontact.solvers.normal import NormalSolver
+
+    scene = load_scene("coated-sphere", [f"grid.cells={task.n}", "grid.size=['8 um', '8 um']", "stress=[]"])
+    planned = plan(scene)
+    options = normal_options(scene.numerics)
+    medium = planned.bodies[0]
+    assert medium is not None
+    bodies = {"coated": medium, "bare": medium.deep_material}  # type: ignore[union-attr]
+    solvers = {
+        name: NormalSolver(planned.grid, PairCoefficients(planned.influences["p"], (body, None), "z"), options)
+        for name, body in bodies.items()
+    }
+    separation, control = planned.separation(), Control(normal_load=scene.steps[0].normal_load)
+    first: dict[str, float] = {}
+    again: dict[str, list[float]] = {name: [] for name in solvers}
+    counts: dict[str, int] = {}
+    for turn in range(task.warm + 3):
+        for name, solver in solvers.items():
+            solution, seconds, _ = timed(lambda s=solver: s.solve(separation, control))  # type: ignore[misc]
+            counts[name] = solution.report.convolutions
+            if turn:
+                again[name].append(seconds)
+            else:
+                first[name] = seconds
+    coated, bare = (median(again[name]) for name in ("coated", "bare"))
+    return {
+        "status": "ok",
+        "cells": task.n**2,
+        "setup_s": first["coated"] - coated,
+        "seconds": coated,
+        "against": coated / bare,
+        "applications": counts["coated"],
+        "bare_applications": counts["bare"],
+    }
+
+
+def _ratio(task: Task, ratio: float) -> Sample:
+    from eigencontact.core.elasticity import Isotropic
+    from eigencontact.core.material import Material
+    from eigencontact.solvers.cells import Cells
+    from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
+    from eigencontact.solvers.mean_stress import MeanVolumeField
+    from eigencontact_plugins.shapes.cuboid import Cuboid
+
+    matrix = Material(young_modulus=1.0, poisson_ratio=0.3)
+    inside = _balls()
+    memory = PeakMemory()
+    cells = Cells(first=(0.0, 0.0, 0.5 * _EDGE), pitch=(_EDGE,) * 3, shape=_BOX)
+    cell = Cuboid(center=(0.0, 0.0, 0.5), edges=(1.0, 1.0, 1.0))
+
+    def build() -> Any:
+        operator = MeanVolumeField(
+            cell,
+            cells,
+            cells,
+            poisson_ratio=matrix.poisson_ratio,
+            shear_modulus=matrix.shear_modulus,
+            threads=task.threads,
+        )
+        return InhomogeneousCells(operator, matrix, [Isotropic(young_modulus=ratio, poisson_ratio=0.3)], inside)
+
+    system, setup, _ = timed(build)
+    load = np.zeros((6, *_BOX))
+    z = cells.centres(2)[:, None, None]
+    load[2], load[0], load[1] = -1.0, -0.6 * np.exp(-z / 15.0), -0.6 * np.exp(-z / 15.0)  # about as under a contact
+    found, seconds, _ = timed(lambda: system.solve(load, tolerance=1e-6))
+    strain, bare = found.eigenstrain, list[float]()
+    for _ in range(3):
+        bare.append(timed(lambda: system.operator.apply(strain))[1])
+    report = found.report
+    return {
+        "status": "ok",
+        "cells": int(np.prod(_BOX)),
+        "inside": int(np.count_nonzero(inside)),
+        "setup_s": setup,
+        "seconds": seconds,
+        "iterations": report.iterations,
+        "residual": report.residual,
+        "per_application": seconds / report.applications / median(bare),
+        "peak_bytes": memory.peak(),
+    }
+
+
+def _balls() -> Any:
+    """1 in cells whose middle lies in a ball of the cluster, 0 in others, ``(nz, ny, nx)``."""
+    nz, ny, nx = _BOX
+    z, y, x = (np.arange(n) + 0.5 for n in (nz, ny, nx))
+
+    def away(at: Any, count: int, middle: float) -> Any:
+        centres = middle + _SPACING * (np.arange(count) - 0.5 * (count - 1))
+        return np.abs(at[:, None] - centres).min(axis=1)
+
+    deep = away(z, _DEEP, _RADIUS + 0.5 * _SPACING * (_DEEP - 1))
+    return (
+        (
+            deep[:, None, None] ** 2
+            + away(y, _ALONG, 0.5 * ny)[None, :, None] ** 2
+            + away(x, _ALONG, 0.5 * nx)[None, None, :] ** 2
+        )
+        <= _RADIUS**2
+    ).astype(int)
+
+
+def summarise(task: Task, samples: list[Sample]) -> Row:
+    """One row from the processes of one case."""
+    row: Row = {"case": task.case, "code": task.code, "n": task.n, "processes": len(samples)}
+    for name in ("setup_s", "seconds", "against", "per_application"):
+        values = [s[name] for s in samples if s.get(name) is not None]
+        row[name] = median(values) if values else None
+    peaks = [s["peak_bytes"] for s in samples if s.get("peak_bytes") is not None]
+    row["peak_bytes"] = max(peaks) if peaks else None
+    last = samples[-1]
+    return row | {name: last.get(name) for name in ("cells", "inside", "iterations", "rounds", "applications")}
+
+
+COLUMNS = (
+    Column("case", "case"),
+    Column("cells", "cells", "d"),
+    Column("inhomogeneous", "inside", "d"),
+    Column("set-up [s]", "setup_s", ".2g"),
+    Column("solve [s]", "seconds", ".3g"),
+    Column("rounds with the contact", "rounds", "d"),
+    Column("Krylov iterations", "iterations", "d"),
+    Column("iteration / bare operator", "per_application", ".2f"),
+    Column("solve / homogeneous solve", "against", ".2f"),
+    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+    Column("processes", "processes", "d", brief=False),
+)
