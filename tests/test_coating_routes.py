@@ -148,6 +148,64 @@ def test_window_and_depth_that_enrichment_needs(route):
         assert 0 < found[-1] < 0.004
 
 
+# ---------------------------------------------------------------- coatings that layers do not give, or only several
+
+
+def enriched(case, *layers):
+    """Pressure over the reference with layers in the substrate."""
+    scene = {"body1": {"young-modulus": E, "poisson-ratio": NU}, "numerics": case.numerics}
+    return ec.run(case.tables | scene | {"inclusions": list(layers)}).dataset.pressure[-1].values / case.p0
+
+
+def layer(ratio, *, width=(5.0, 5.0), **shape):
+    """A region of H, so many thicknesses wide along x and y."""
+    material = {"young-modulus": ratio * E, "poisson-ratio": NU}
+    return {"type": "layer", "size": [length * H for length in width], "material": material, **shape}
+
+
+@pytest.mark.slow
+def test_two_layers_on_a_substrate():
+    """A stiff one on a soft one, as inhomogeneities and exactly."""
+    case = Case(1.0, cells=13, half=1.56, per_h=8)
+    whole = coated_contact(case.load, case.ball, [(0.5 * H, 2 * E, NU), (0.5 * H, 0.5 * E, NU)], (E, NU))
+    found = enriched(case, layer(2.0, thickness=0.5 * H), layer(0.5, thickness=0.5 * H, top=0.5 * H))
+    assert found.max() == pytest.approx(whole.max_pressure / case.p0, rel=0.02)
+    one = coated_contact(case.load, case.ball, [(H, 2 * E, NU)], (E, NU))
+    assert whole.max_pressure < 0.8 * one.max_pressure  # and no other arrangement of the same layers
+    swapped = enriched(case, layer(0.5, thickness=0.5 * H), layer(2.0, thickness=0.5 * H, top=0.5 * H))
+    assert swapped.max() < 0.95 * found.max()
+
+
+@pytest.mark.slow
+def test_a_map_of_the_thickness(tmp_path):
+    """A map of one thickness is a layer of it; a wedge lies between its thinnest and its thickest place."""
+    case = Case(2.0, cells=13, half=1.3, per_h=4)
+    np.save(tmp_path / "even.npy", np.ones((3, 4)))
+    np.save(tmp_path / "wedge.npy", np.tile(np.linspace(0.5, 1.0, 5), (2, 1)))
+    even, wedge = (
+        enriched(case, layer(2.0, file=str(tmp_path / f"{name}.npy"), **{"thickness-unit": H}))
+        for name in ("even", "wedge")
+    )
+    full, half = (enriched(case, layer(2.0, thickness=thickness * H)) for thickness in (1.0, 0.5))
+    np.testing.assert_allclose(even, full, rtol=0, atol=1e-5)
+    assert half.max() < wedge.max() < full.max()
+    np.testing.assert_allclose(wedge, wedge[::-1], rtol=0, atol=1e-4)  # along y nothing changes
+    assert wedge[6, 7:].sum() > wedge[6, :6].sum()  # more pressure over the thicker side
+
+
+@pytest.mark.slow
+def test_a_coating_that_ends_under_the_contact():
+    """It covers x < 0 only: stiffer there."""
+    case = Case(2.0, cells=12, half=1.3, per_h=4)
+    found = enriched(case, layer(2.0, width=(2.5, 5.0), thickness=H, center=[-1.25 * H, 0.0]))
+    whole, bare = enriched(case, layer(2.0, thickness=H)), enriched(case)
+    left, right = found[:, :6].sum(), found[:, 6:].sum()
+    assert left > 1.3 * right
+    assert found.sum() == pytest.approx(bare.sum(), rel=1e-5)
+    assert found.max() > whole.max()  # at the end, where the substrate beside gives way
+    np.testing.assert_allclose(found, found[::-1], rtol=0, atol=1e-4)
+
+
 # ---------------------------------------------------------------- PL-1, PL-2
 
 

@@ -57,7 +57,7 @@ CASES = {
     "a hundredth, stiff": ([(A / 100, 10 * E, NU)], SUBSTRATE),
     "a hundredth, soft": ([(A / 100, 0.1 * E, NU)], SUBSTRATE),
     "a tenth, contrast 1e-4": ([(A / 10, 1e-4 * E, NU)], SUBSTRATE),
-    "a tenth, contrast 1e2": ([(A / 10, 1e2 * E, NU)], SUBSTRATE),
+    "a tenth, contrast 10": ([(A / 10, 10 * E, NU)], SUBSTRATE),
     "30 thin layers in turn": ([(A / 100, (4 if k % 2 else 0.25) * E, NU) for k in range(30)], SUBSTRATE),
 }
 FAST = ("contrast 1e-4", "contrast 1e4")
