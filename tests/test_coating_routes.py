@@ -90,7 +90,7 @@ def test_a_stiff_coating_by_every_route(route):
     assert radius == pytest.approx(case.oracle.radius / H, abs=0.1)  # half a cell
 
 
-@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize("route", ["coating", pytest.param("substrate", marks=pytest.mark.slow)])
 def test_a_coating_of_the_same_material_changes_nothing(route):
     case = Case(1.0, per_h=3, depth=1.0, width=1.0, numerics={"tolerance": 1e-11})
     bare = case.run("layers").dataset

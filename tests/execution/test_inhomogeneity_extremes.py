@@ -42,7 +42,7 @@ def pressure(*args, **more):
 # ---------------------------------------------------------------- cells larger than the inhomogeneity
 
 
-@pytest.mark.parametrize("radius", [0.3, 0.15])
+@pytest.mark.parametrize("radius", [pytest.param(0.3, marks=slow), 0.15])
 def test_cells_that_are_all_cut(radius):
     """No cell is whole: cells of 0.4 contact radii, four around the axis."""
     bare = pressure([], cells=10, window=4.0)
@@ -86,6 +86,7 @@ def test_rigid_cubes_and_balls_of_all_contrasts_keep_their_order():
 # ---------------------------------------------------------------- overlap and numbers
 
 
+@slow
 def test_overlap_is_resolved_by_order():
     """A stiff ball with a hollow: the void comes later. The other way round the ball fills the hollow."""
     stiff, hollow = ball(2.0, 0.4, 0.6), ball(0.0, 0.2, 0.6)

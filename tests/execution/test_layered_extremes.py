@@ -60,7 +60,7 @@ CASES = {
     "a tenth, contrast 10": ([(A / 10, 10 * E, NU)], SUBSTRATE),
     "30 thin layers in turn": ([(A / 100, (4 if k % 2 else 0.25) * E, NU) for k in range(30)], SUBSTRATE),
 }
-FAST = ("contrast 1e-4", "contrast 1e4")
+FAST = ("contrast 1e4",)
 
 
 @pytest.mark.parametrize("case", [name if name in FAST else pytest.param(name, marks=slow) for name in CASES])
