@@ -31,7 +31,7 @@ LOOP_STEPS = 3
 CONSTANT = 1e-6
 
 
-def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str]:
+def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
 
     Parameters
@@ -40,8 +40,9 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
         Results of a run (`eigencontact.results.reader.open_results`).
     folder : Path
         Existing folder for the PNG files.
-    step : int
-        Position along ``step`` of the fields to draw; the last by default.
+    step : int, optional
+        Position along ``step`` of the fields to draw; by default the last, or that of the largest pressure where the
+        geometry rolls (in the last it may have left what it rolled over).
 
     Returns
     -------
@@ -53,6 +54,8 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int = -1) -> dict[str, str
     ResultsError
         When a picture cannot be stored.
     """
+    if step is None:
+        step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) else -1
     wanted: list[Picture] = []
     if "pressure" in dataset:
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
