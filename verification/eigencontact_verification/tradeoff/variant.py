@@ -84,7 +84,8 @@ def keys_of(plan: Plan) -> tuple[str, ...]:
         "coupling": plan.friction is not None,
         # an inhomogeneity and a periodic contact take one treatment alone
         "half-space": strained and not foreign and numerics.boundary != "periodic" and half_space in _HALF_SPACES,
-        "inclusion-cells": any(not isinstance(source.shape, Patch) for source in cut),  # a patch has layers of its own
+        # a patch has layers of its own, inhomogeneities share the columns of the grid
+        "inclusion-cells": any(not isinstance(source.shape, Patch) and source.material is None for source in cut),
         "inclusion-resolution": foreign and "inclusion_resolution" in type(numerics).model_fields,
     }
     return tuple(key for key in KEYS if wanted[key])
