@@ -131,7 +131,8 @@ class CoupledRunner:
     def _iterate(self, state: State, start: FloatArray) -> None:
         """Rounds until the displacement that goes in comes out."""
         tolerance, best = self._numerics.tolerance, np.inf
-        least = max(_INNER * tolerance, _TIGHTEST)
+        # Single precision has nothing to spare below the tolerance of a scene.
+        least = max(tolerance if self._numerics.precision == "single" else _INNER * tolerance, _TIGHTEST)
         mixer, spent, seen = Anderson(_DEPTH), dict.fromkeys(_SPENT, 0.0), _Seen()
         offset, share, last, loaded = start, 0.0, np.inf, None
         for number in range(1, _ROUNDS + 1):
