@@ -5,6 +5,7 @@ import pytest
 
 import eigencontact as ec
 from eigencontact.scene.loader import bundled_names
+from eigencontact_verification.benchmarks.memory import PeakMemory
 from eigencontact_verification.oracles import hertz
 
 UM = 1e-6
@@ -93,8 +94,9 @@ def test_inclusion_cluster(changes, finished):
     """IC-1: 22 % above the peak of a homogeneous body, within 10 %; a peak above the ball in the middle."""
     if changes is None:
         table = ec.load_scene("inclusion-cluster", ["output.pictures=false"]).resolved()
+        memory = PeakMemory()  # the summary's figure is that of this process and all that it ran before
         result = ec.run(ec.Scene(**{**table, "stress": []}))
-        assert result.summary["peak_memory_bytes"] < 1.5e9
+        assert (memory.peak() or 0) < 1.5e9
     else:
         result = finished("inclusion-cluster")
     assert result.summary["max_pressure"] / P0 == pytest.approx(1.22, rel=0.10)
