@@ -47,7 +47,11 @@ def stress_at(data, name):
     ("region", "inclusions"),
     [
         ({"shape": "plane", "normal": "y", "refinement": 4, "room": 0.0}, (BALL,)),
-        ({"shape": "plane", "normal": "z", "refinement": 3, "position": 1.1 * UM, "room": 0.1}, (BALL, SWOLLEN, WARM)),
+        pytest.param(
+            {"shape": "plane", "normal": "z", "refinement": 3, "position": 1.1 * UM, "room": 0.1},
+            (BALL, SWOLLEN, WARM),
+            marks=pytest.mark.slow,
+        ),
         pytest.param({"shape": "volume", "refinement": 2, "room": 0.0}, (BALL,), marks=pytest.mark.slow),
     ],
     ids=["section", "level, with prescribed eigenstrain", "volume"],

@@ -116,7 +116,8 @@ def test_no_closed_form(table):
     assert (dataset["shear_bound"] >= np.hypot(dataset["shear_x"], dataset["shear_y"]) * (1 - 1e-5)).all()
 
 
-@pytest.mark.parametrize("coupling", ["partial", pytest.param("full", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("coupling", ["partial", "full"])
 def test_the_area_of_a_closed_loop_is_the_local_work_of_friction(coupling):
     """But for what the trapezoids of the loop miss of its curved flanks: it falls with the increment, and faster."""
     missed, taken = {}, {}

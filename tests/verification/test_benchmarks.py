@@ -281,7 +281,7 @@ def test_peak_memory_is_that_of_the_solve_alone(fake):
         ("ABSENT", 60.0, "absent", "No module named 'a_module_that_is_not_there'"),
         ("FAIL", 60.0, "failed", "RuntimeError: no convergence"),
         ("CRASH", 60.0, "failed", "process ended with 3"),
-        ("SLEEP", 3.0, "slow", "not done within 3 s"),
+        ("SLEEP", 2.0, "slow", "not done within 2 s"),
     ],
 )
 def test_what_went_wrong_is_told(fake, code, limit, status, words):

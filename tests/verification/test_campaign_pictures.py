@@ -40,7 +40,7 @@ CASES = {
 
 @pytest.fixture(
     scope="module",
-    params=[name if name in ("quarter", "revolved") else pytest.param(name, marks=pytest.mark.slow) for name in CASES],
+    params=[name if name == "revolved" else pytest.param(name, marks=pytest.mark.slow) for name in CASES],
 )
 def written(request, tmp_path_factory):
     pytest.importorskip("pyvista")

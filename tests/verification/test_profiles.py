@@ -6,6 +6,7 @@ import pytest
 from eigencontact_verification import profiles
 
 
+@pytest.mark.slow
 def test_pictures(tmp_path):
     from matplotlib.image import imread
 
