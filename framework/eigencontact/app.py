@@ -188,8 +188,8 @@ def _run_in(
     watcher: Watcher | None,
     keep: bool,
 ) -> RunResult:
+    from eigencontact.core.memory import peak_bytes, resident_bytes
     from eigencontact.execution.driver import drive
-    from eigencontact.planning.cost import peak_bytes, resident_bytes
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import write_summary
@@ -271,7 +271,7 @@ def _run_info(planned: Plan) -> RunInfo:
 
     from eigencontact import __version__
     from eigencontact.core.material import contact_modulus
-    from eigencontact.planning.bodies import layered_bodies, without_layers
+    from eigencontact.model.bodies import layered_bodies, without_layers
     from eigencontact.planning.explain import references
     from eigencontact.results.records import RunInfo
 
@@ -297,7 +297,7 @@ def _run_info(planned: Plan) -> RunInfo:
         versions[f"plugin {entry.kind} {entry.key}"] = entry.origin
     outlines = {}
     if planned.sources:
-        from eigencontact.planning.outlines import outlines as outlines_of
+        from eigencontact.model.outlines import outlines as outlines_of
 
         outlines = outlines_of(planned)
     homogeneous = bool(planned.geometries) and not layered_bodies(planned.bodies)

@@ -15,7 +15,7 @@ from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.halfspace.voxels import VoxelisedShape
 from eigencontact.library import installed_plugins
-from eigencontact.planning.cells import installed_cell
+from eigencontact.model.installed import installed_cell
 from eigencontact.plugin import InclusionShape
 
 __all__ = ["inclusion_field"]

@@ -133,7 +133,7 @@ def rectangle_field(
     """
     from eigencontact.core.material import Material
     from eigencontact.core.tensors import to_matrix
-    from eigencontact.planning.kernels import installed_influence
+    from eigencontact.model.installed import installed_influence
 
     load = np.asarray(traction, dtype=float)
     widths = np.asarray(half_widths, dtype=float)

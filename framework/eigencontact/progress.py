@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
-    from eigencontact.execution.history import LoadPoint
+    from eigencontact.execution.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
 __all__ = ["ProgressBars"]

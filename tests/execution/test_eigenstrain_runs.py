@@ -63,12 +63,12 @@ def test_fields_of_a_region_agree_with_the_library_and_with_each_other():
 
 def test_one_inclusion_at_many_centers_is_many_inclusions(monkeypatch):
     """And the compiled sum of a cloud gives what the closed forms give one by one."""
-    from eigencontact.execution import eigenstrain
+    from eigencontact.execution.routes import closed_form
 
     centers = [[2e-6 * i, 3e-6 * j, 2e-6 + 1e-6 * i] for i in (-1, 0, 1) for j in (-1, 1)]
     region = {"shape": "plane", "depth-max": 4e-6, "depth-cells": 5}
     one_by_one = run(inclusions=[{**BALL, "center": [x, y, z + 1e-6]} for x, y, z in centers], stress=region).dataset
-    monkeypatch.setattr(eigenstrain, "CLOUD", 2)
+    monkeypatch.setattr(closed_form, "_CLOUD", 2)
     shape = {name: value for name, value in BALL.items() if name != "center"}
     cloud = run(inclusions={**shape, "centers": [[x, y, z + 1e-6] for x, y, z in centers]}, stress=region).dataset
     for name in ("residual_displacement_z", "residual_displacement_x", "plane_y1_stress"):

@@ -9,7 +9,7 @@ import eigencontact as ec
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.execution.friction_reference import ReferenceShear
-from eigencontact.execution.runners import State
+from eigencontact.execution.step import Step
 from eigencontact.results.cycles import last_cycle
 from eigencontact.results.records import StepRecord
 from eigencontact_plugins.geometries.sphere import Sphere
@@ -87,17 +87,17 @@ def test_the_closed_form_holds_until_the_path_is_left(path):
     points, expected = PATHS[path]
     ball, grid = Sphere(radius=200e-6), Grid(nx=9, ny=9, dx=5e-6, dy=5e-6)
     plan = SimpleNamespace(grid=grid, bodies=(Material(**STEEL), None), geometries=(ball,))
-    runner, last, found = ReferenceShear(plan, None), None, []
+    block, last, found = ReferenceShear(plan, ball), None, []
     y, x = grid.axes()
     for index, point in enumerate(points, 1):
         load, q_x, q_y, twist = (*point, 0.0, 0.0)[:4]
         pressure = ball.reference_pressure(x, y, load, 210e9 / 0.91)
-        state = State(index=index, time=float(index), control=None, previous=last)
-        state.fields |= {"pressure": pressure, "shear_bound": MU * pressure}
-        state.scalars |= {"normal_load": load, X: q_x, Y: q_y, "twist": twist, "tilt_x": 0.0, "tilt_y": 0.0}
-        runner(state)
-        found.append("reference_shear_x" in state.fields)
-        last = StepRecord(index=index, time=float(index), scalars=state.scalars, fields=state.fields)
+        step = Step(index=index, time=float(index), previous=last)
+        step.fields |= {"pressure": pressure, "shear_bound": MU * pressure}
+        step.scalars |= {"normal_load": load, X: q_x, Y: q_y, "twist": twist, "tilt_x": 0.0, "tilt_y": 0.0}
+        block.advance(step)
+        found.append("reference_shear_x" in step.fields)
+        last = StepRecord(index=index, time=float(index), scalars=step.scalars, fields=step.fields)
     assert found == expected
 
 
@@ -143,21 +143,17 @@ def test_the_area_of_a_closed_loop_is_the_local_work_of_friction(coupling):
 
 
 def test_a_resumed_run_knows_whether_the_path_was_kept(tmp_path, monkeypatch):
-    from eigencontact.execution import driver
-    from eigencontact.execution.runners import build_runner
+    from eigencontact.execution.mechanics import Mechanics
 
     steps = [PRESS, {X: 1.0}, {X: 0.5}, {X: 2.0}]
     whole = run(steps, cells=12)
 
-    def stopping(plan, block):
-        runner = build_runner(plan, block)
+    advance = Mechanics.advance
 
-        def call(state):
-            if state.index > 3:
-                raise KeyboardInterrupt
-            runner(state)
-
-        return call
+    def stopping(self, step):
+        if step.index > 3:
+            raise KeyboardInterrupt
+        advance(self, step)
 
     scene = {
         "body1": STEEL, "geometry": {"type": "sphere", "radius": 200e-6},
@@ -165,7 +161,7 @@ def test_a_resumed_run_knows_whether_the_path_was_kept(tmp_path, monkeypatch):
         "steps": steps, "numerics": {"coupling": "partial", "threads": 1}, "output": {"pictures": False},
     }  # fmt: skip
     with monkeypatch.context() as patch:
-        patch.setattr(driver, "build_runner", stopping)
+        patch.setattr(Mechanics, "advance", stopping)
         with pytest.raises(KeyboardInterrupt):
             ec.run(ec.Scene(**scene), tmp_path)
     resumed = ec.run(ec.Scene(**scene), tmp_path, resume=True).dataset

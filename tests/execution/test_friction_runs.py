@@ -8,8 +8,7 @@ import pytest
 import eigencontact as ec
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.errors import NotConverged, ResultsError
-from eigencontact.execution import friction
-from eigencontact.execution.history import control_at, ramps, start_of_ramp, tangential_control_at
+from eigencontact.execution.loading import control_at, ramps, start_of_ramp, tangential_control_at
 from eigencontact.results.layout import SCALARS
 from eigencontact.scene.schema import Step
 from eigencontact.solvers.tangential.contact import FrictionalContact
@@ -303,7 +302,7 @@ def stubborn(monkeypatch):
                 raise NotConverged("too far")
             return original(self, separation, control, tangential, before, **more)
 
-        monkeypatch.setattr(friction.FrictionalContact, "step", step)
+        monkeypatch.setattr(FrictionalContact, "step", step)
         return asked
 
     return limit

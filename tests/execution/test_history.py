@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.execution.history import control_at, load_points
+from eigencontact.execution.loading import control_at, load_points
 from eigencontact.scene.schema import Step
 
 SMALL = ["stress=[]", "grid={cells=16, size=[1.6e-5, 1.6e-5]}"]

@@ -5,7 +5,7 @@ import pytest
 
 import eigencontact as ec
 from eigencontact.execution.driver import drive
-from eigencontact.execution.stress import Stress
+from eigencontact.execution.regions import Region
 from eigencontact.planning.plan import Plan
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 
@@ -146,15 +146,15 @@ def test_extreme_layers(nu):
 def test_a_resumed_run_is_the_whole_run(tmp_path, monkeypatch):
     made = scene(coating(2.0), coupling="full", stress=SECTION)
     whole = ec.run(made).dataset
-    original, calls = Stress.__call__, []
+    original, calls = Region.advance, []
 
-    def cut(self, state):
-        calls.append(state.index)
-        if state.index == 2 and len(calls) == 2:
+    def cut(self, step):
+        calls.append(step.index)
+        if step.index == 2 and len(calls) == 2:
             raise KeyboardInterrupt
-        original(self, state)
+        original(self, step)
 
-    monkeypatch.setattr(Stress, "__call__", cut)
+    monkeypatch.setattr(Region, "advance", cut)
     with pytest.raises(KeyboardInterrupt):
         ec.run(made, tmp_path)
     resumed = ec.run(made, tmp_path, resume=True).dataset

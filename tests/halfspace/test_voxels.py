@@ -10,7 +10,7 @@ from eigencontact.errors import SceneError
 from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.voxels import VoxelisedShape, volume_fractions, voxels_across
 from eigencontact.library import installed_plugins
-from eigencontact.planning.cells import installed_cell
+from eigencontact.model.installed import installed_cell
 from eigencontact.plugin import InclusionShape
 
 

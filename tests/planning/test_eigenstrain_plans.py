@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.planning.cell_groups import cell_groups
-from eigencontact.planning.outlines import border
-from eigencontact.planning.sources import Lattice
+from eigencontact.core.borders import border
+from eigencontact.model.boxes import boxes_of
+from eigencontact.model.sources import Lattice
 
 STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um", "eigenstrain": 1e-3}
@@ -21,28 +21,21 @@ GRADED = {"type": "depth-profile", "depths": [0.0, "4 um"], "values": [1e-3, 0.0
 
 
 def names(planned):
-    return [block.name for block in planned.blocks]
+    return [part.name for part in planned.parts]
 
 
 # scene tables beside SCENE; names of the blocks in order
 BLOCKS = {
     "a ball alone": ({}, ["residual-displacement"]),
-    "with a region": ({"stress": REGION}, ["eigenstrain-cut", "residual-displacement", "stress-cut"]),
-    "under a contact": (CONTACT, ["residual-displacement", "separation", "normal-contact", "homogeneous-pressure"]),
+    "with a region": ({"stress": REGION}, ["residual-displacement", "stress-cut"]),
+    "under a contact": (CONTACT, ["separation", "normal-contact", "residual-displacement", "homogeneous-pressure"]),
     "under a contact, with a region": (
         {**CONTACT, "stress": REGION},
-        [
-            "eigenstrain-cut",
-            "residual-displacement",
-            "separation",
-            "normal-contact",
-            "homogeneous-pressure",
-            "stress-cut",
-        ],
+        ["separation", "normal-contact", "residual-displacement", "homogeneous-pressure", "stress-cut"],
     ),
     "a region of the other body": (
         {**CONTACT, "body2": STEEL, "stress": {**REGION, "body": 2}},
-        ["residual-displacement", "separation", "normal-contact", "homogeneous-pressure", "stress-cut"],
+        ["separation", "normal-contact", "residual-displacement", "homogeneous-pressure", "stress-cut"],
     ),
     "no eigenstrain": ({**CONTACT, "inclusions": []}, ["separation", "normal-contact", "reference-pressure"]),
 }
@@ -128,7 +121,7 @@ def test_near_regions_share_a_box_and_far_ones_do_not():
     def groups(*centers, **changes):
         cube = {"type": "cuboid", "edges": ["2 um", "2 um", "2 um"], "eigenstrain": GRADED | changes}
         tables = [{**cube, "center": center} for center in centers]
-        return cell_groups(ec.plan(SCENE | {"inclusions": tables}).sources)
+        return boxes_of(ec.plan(SCENE | {"inclusions": tables}).sources)
 
     (one,) = groups([-1.5e-6, 0.5e-6, 1e-6], [1.5e-6, 0.5e-6, 1e-6])
     assert [source.name for source in one.sources] == ["cuboid 1", "cuboid 2"]
@@ -222,7 +215,7 @@ def test_a_closed_form_loads_no_contact_and_no_cells():
     modules = loaded(SCENE | {"stress": REGION})
     assert "eigencontact.halfspace.points" in modules
     unwanted = {"solvers.normal", "solvers.subsurface", "solvers.eigenstrain", "convolution.volume", "halfspace.voxels"}
-    unwanted |= {"halfspace.cloud", "execution.contact", "execution.cells", "planning.contact", "planning.window"}
+    unwanted |= {"halfspace.cloud", "execution.normal_contact", "model.contact_window", "model.window"}
     assert not modules & {f"eigencontact.{name}" for name in unwanted}
     assert not modules & {"numba", "matplotlib", "pyvista", "vtk", "meshio", "skfem"}
 
@@ -230,5 +223,6 @@ def test_a_closed_form_loads_no_contact_and_no_cells():
 def test_a_contact_loads_no_eigenstrain():
     modules = loaded({"body1": STEEL, "grid": SCENE["grid"], **CONTACT})
     assert "eigencontact.solvers.normal" in modules
-    unwanted = {"halfspace.points", "halfspace.theorem", "solvers.eigenstrain", "execution.eigenstrain"}
-    assert not modules & {f"eigencontact.{name}" for name in unwanted | {"planning.eigenstrain", "planning.outlines"}}
+    unwanted = {"halfspace.points", "halfspace.theorem", "solvers.eigenstrain", "execution.eigenstrain_field"}
+    unwanted |= {"execution.routes.prescribed", "execution.interiors.prescribed", "model.outlines"}
+    assert not modules & {f"eigencontact.{name}" for name in unwanted}

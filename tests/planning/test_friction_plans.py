@@ -9,7 +9,9 @@ import pytest
 
 import eigencontact as ec
 from eigencontact.core.material import Material
-from eigencontact.planning.cost import friction_cost
+from eigencontact.execution.friction_contact import friction_cost
+from eigencontact.model.coupling import Coupling
+from eigencontact.scene.schema import Numerics
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
 
 STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
@@ -162,7 +164,8 @@ import sys
 import eigencontact as ec
 ec.run(ec.load_scene("hertz", ["stress=[]", "grid.cells-per-contact-radius=8"]))
 loaded = [name for name in sys.modules if name.startswith("eigencontact.")]
-print([name for name in loaded if name.endswith(("tangential.newton", "tangential.contact", "execution.friction"))])
+friction = ("tangential.newton", "tangential.contact", "execution.friction_contact")
+print([name for name in loaded if name.endswith(friction)])
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.strip() == "[]"
@@ -172,8 +175,10 @@ def test_eigenstrain_under_friction_drags_the_surface_along():
     inclusions = [{"type": "sphere", "center": [0, 0, 10e-6], "radius": 5e-6, "eigenstrain": 1e-3}]
     for coupling, components in (("none", "z"), ("partial", "xyz")):
         planned = ec.plan(scene(coupling=coupling, inclusions=inclusions))
-        (contact,) = [block for block in planned.blocks if block.name == "frictional-contact"]
-        assert {name for name in contact.requires if name.startswith("residual")} == {
+        (contact,) = [part for part in planned.parts if part.name == "frictional-contact"]
+        assert contact.directions == components
+        (mechanics,) = [block for block in planned.blocks if contact in block.parts]
+        assert {name for name in mechanics.provides if name.startswith("residual")} == {
             f"residual_displacement_{c}" for c in components
         }
 
@@ -189,7 +194,9 @@ def test_the_law_is_among_the_components_and_its_source_is_cited():
 def test_the_price_rises_with_what_is_coupled():
     def price(*sets):
         found = sorted(set().union(*sets))
-        return friction_cost((64, 64), (40, 40), found, periodic=False, precision="double", threads=1)
+        along = "".join(c for c in "xy" if (c, c) in found)
+        coupling = Coupling(level="full", components=along, pairs=tuple(found), alike=False)
+        return friction_cost((64, 64), (40, 40), coupling, Numerics(threads=1))
 
     prices = [
         price(NORMAL, {("x", "x")}),

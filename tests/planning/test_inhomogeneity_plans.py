@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.execution.runners import build_runner
-from eigencontact.planning.inhomogeneities import boxes_of
+from eigencontact.model.boxes import box_of_inhomogeneities
 
 STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.3}
@@ -22,28 +21,19 @@ FRICTION = {"friction": {"type": "coulomb", "coefficient": 0.3}}
 REGION = {"name": "cut", "shape": "plane", "depth-max": "4 um", "depth-cells": 8}
 LAYER = {"type": "cuboid", "center": [0.0, 0.0, 0.5e-6], "edges": [8e-6, 8e-6, 1e-6], "material": HARD}
 
-TOGETHER = ("inhomogeneities", "normal-contact", "residual-displacement")
-HOMOGENEOUS = ("homogeneous-pressure",)
-# scene tables beside SCENE; groups of blocks in order
+TOGETHER = ("normal-contact", "inhomogeneities")
+# scene tables beside SCENE; blocks in order, and what each solves together
 GROUPS = {
-    "alone": ({}, [("inhomogeneities",), ("residual-displacement",)]),
-    "alone, with a region": (
-        {"stress": REGION},
-        [("inhomogeneities",), ("eigenstrain-cut",), ("residual-displacement",), ("stress-cut",)],
-    ),
-    "under a contact": (CONTACT, [("separation",), TOGETHER, HOMOGENEOUS]),
+    "alone": ({}, [("inhomogeneities",)]),
+    "alone, with a region": ({"stress": REGION}, [("inhomogeneities",), ("stress-cut",)]),
+    "under a contact": (CONTACT, [("separation",), TOGETHER, ("homogeneous-pressure",)]),
     "under a contact, with a region": (
         {**CONTACT, "stress": REGION},
-        [("separation",), TOGETHER, ("eigenstrain-cut",), HOMOGENEOUS, ("stress-cut",)],
+        [("separation",), TOGETHER, ("homogeneous-pressure",), ("stress-cut",)],
     ),
     "with friction": (
         {**CONTACT, **FRICTION},
-        [
-            ("separation",),
-            ("frictional-contact", "inhomogeneities", "residual-displacement"),
-            HOMOGENEOUS,
-            ("shear-bound",),
-        ],
+        [("separation",), ("frictional-contact", "inhomogeneities"), ("homogeneous-pressure",), ("shear-bound",)],
     ),
 }
 
@@ -51,13 +41,18 @@ GROUPS = {
 @pytest.mark.parametrize("case", GROUPS)
 def test_blocks(case):
     changes, expected = GROUPS[case]
-    assert [tuple(block.name for block in group) for group in ec.plan(SCENE | changes).groups] == expected
+    assert [tuple(part.name for part in block.parts) for block in ec.plan(SCENE | changes).blocks] == expected
 
 
 def boxes(*inclusions, grid=GRID, **numerics):
     planned = ec.plan({"body1": STEEL, "body2": STEEL, "inclusions": inclusions, "grid": grid, "numerics": numerics})
-    return {body: (box.lattice.first, box.lattice.shape, box.lattice.edges) for body, box in
-            boxes_of(planned.sources).items()}  # fmt: skip
+    found = {}
+    for body in (1, 2):
+        sources = [source for source in planned.inhomogeneities if source.body == body]
+        if sources:
+            lattice = box_of_inhomogeneities(sources).lattice
+            found[body] = (lattice.first, lattice.shape, lattice.edges)
+    return found
 
 
 def test_all_of_one_body_share_a_box():
@@ -91,7 +86,7 @@ def test_explain_names_what_is_solved_with_what():
     text = planned.explain()
     assert "inhomogeneities of body 1, 1 region in 4 x 4 x 4 cells of 500 nm x 500 nm x 500 nm" in text
     assert "E = 420 GPa, ν = 0.3" in text
-    assert text.count("(solved together)") == 3
+    assert text.count("(solved together)") == 2
     assert "layered" not in text
     assert "it is prescribed" not in text
     assert any("Eshelby" in reference for reference in planned.to_dict()["references"])
@@ -111,12 +106,12 @@ def test_a_uniform_layer_is_recommended_to_the_layered_medium():
 def test_the_prediction_covers_what_is_held():
     """Memory within a factor of two of its peak while the kernels are sampled."""
     planned = ec.plan({**SCENE, **CONTACT, "inclusions": [LAYER], "grid": {"cells": 32, "size": [8e-6, 8e-6]}})
-    block = next(block for block in planned.blocks if block.name == "inhomogeneities")
+    (cells,) = [part for part in planned.parts if part.name == "inhomogeneities"]
     tracemalloc.start()
-    build_runner(planned, block)
+    cells.start()
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert 0.5 < block.cost.peak / peak < 2.0
+    assert 0.5 < cells.cost.peak / peak < 2.0
 
 
 SCRIPT = """
@@ -135,13 +130,13 @@ def test_work_follows_the_scene(more, loaded):
         [sys.executable, "-c", SCRIPT.replace("MORE", more)], capture_output=True, text=True, check=True, timeout=120
     )
     modules = set(json.loads(done.stdout.splitlines()[-1]))
-    new = {"planning.inhomogeneities", "execution.inhomogeneities", "solvers.equivalent_inclusions", "core.elasticity"}
+    new = {"execution.interiors.cells", "execution.material_cells", "solvers.equivalent_inclusions"}
     assert {name for name in new if f"eigencontact.{name}" in modules} == (new if loaded else set())
-    assert "eigencontact.execution.coupled" not in modules
+    assert "eigencontact.solvers.normal" not in modules
 
 
 def test_outlines_are_drawn():
-    from eigencontact.planning.outlines import outlines
+    from eigencontact.model.outlines import outlines
 
     found = outlines(ec.plan({**SCENE, **CONTACT, "stress": REGION}))
     assert set(found) == {"", "cut"}

@@ -7,7 +7,7 @@ import pytest
 import eigencontact as ec
 from eigencontact.errors import EigencontactError
 from eigencontact.hooks.manager import load_plugins
-from eigencontact.planning.bodies import bodies_of
+from eigencontact.model.bodies import bodies_of
 from eigencontact.plugin import KINDS
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material, contact_modulus
-from eigencontact.planning.kernels import PairCoefficients
+from eigencontact.model.kernels import PairCoefficients
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalOptions
 from eigencontact.solvers.tangential.contact import FrictionalContact

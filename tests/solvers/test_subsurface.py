@@ -6,7 +6,7 @@ import pytest
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import COMPONENTS, from_mandel, von_mises
-from eigencontact.planning.kernels import StressCoefficients
+from eigencontact.model.kernels import StressCoefficients
 from eigencontact.solvers.subsurface import SubsurfaceStress, stress_at_points
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
 from eigencontact_verification.oracles import hertz

@@ -3,16 +3,20 @@
 import numpy as np
 import pytest
 
-from eigencontact.core.elasticity import VOID, Cubic, GivenStiffness, Isotropic, IsotropicField
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import to_mandel
 from eigencontact.errors import NotConverged, SceneError
 from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.region_means import RegionMeans, averaging_points
-from eigencontact.planning.kernels import StressCoefficients
+from eigencontact.model.kernels import StressCoefficients
 from eigencontact.solvers.subsurface import stress_at_points
 from eigencontact.solvers.whole_inclusions import WholeInclusions
+from eigencontact_plugins.laws.cubic import Cubic
+from eigencontact_plugins.laws.isotropic import Isotropic
+from eigencontact_plugins.laws.map import IsotropicPoints
+from eigencontact_plugins.laws.stiffness import GivenStiffness
+from eigencontact_plugins.laws.void import Void
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from eigencontact_plugins.shapes.ellipsoid import Ellipsoid
 from eigencontact_plugins.shapes.sphere import SphericalInclusion
@@ -30,6 +34,17 @@ STEEL = Material(young_modulus=210e9, poisson_ratio=0.3)
 LOAD = np.array([[3.0, -1.0, 0.5], [-1.0, 2.0, 0.7], [0.5, 0.7, -4.0]]) * 1e8
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 NICKEL = {"c11": 246.5e9, "c12": 147.3e9, "c44": 124.7e9}
+
+
+class CellMap:
+    """Isotropic constants of every cell of a box."""
+
+    def __init__(self, young_modulus, poisson_ratio):
+        self.constants = [np.ravel(values) for values in (young_modulus, poisson_ratio)]
+
+    def of_cells(self, index):
+        E, nu = (values[index] for values in self.constants)
+        return IsotropicPoints(young_modulus=E, poisson_ratio=nu)
 
 
 def mandel(tensor):
@@ -161,7 +176,7 @@ def test_units_do_not_matter(length, pascal):
     def found(length, pascal):
         matrix = Material(young_modulus=2.1 * pascal, poisson_ratio=0.3)
         shapes = [ball(0, 0, 1.2 * length, length), ball(2.2 * length, 0, 1.5 * length, 0.9 * length)]
-        materials = [Isotropic(young_modulus=9 * pascal, poisson_ratio=0.2), VOID]
+        materials = [Isotropic(young_modulus=9 * pascal, poisson_ratio=0.2), Void()]
         return WholeInclusions(shapes, matrix, materials).solve(columns(LOAD / 1e8, 2) * pascal).eigenstrain
 
     np.testing.assert_allclose(found(length, pascal), found(1.0, 1.0), rtol=1e-7, atol=1e-7)
@@ -169,7 +184,7 @@ def test_units_do_not_matter(length, pascal):
 
 def test_voids_and_rigid_ones_next_to_each_other_and_to_the_surface():
     shapes = [ball(2.05 * i, 2.05 * j, 1.02) for i in range(3) for j in range(3)]
-    materials = [VOID if n % 2 else times_steel(1e6) for n in range(9)]
+    materials = [Void() if n % 2 else times_steel(1e6) for n in range(9)]
     answer = WholeInclusions(shapes, STEEL, materials).solve(columns(LOAD, 9))
     assert answer.report.iterations < 40
     assert answer.report.holds
@@ -183,7 +198,7 @@ def test_the_mean_of_a_load_is_that_over_the_volume():
     """x² over a ball is a²/5, over an ellipsoid likewise along its axes, over a cuboid h²/3."""
     flat = Ellipsoid(center=(0.0, 0.0, 3.0), semi_axes=(1.0, 2.0, 0.5))
     brick = Cuboid(center=(0.0, 0.0, 3.0), edges=(2.0, 1.0, 1.0))
-    whole = WholeInclusions([ball(radius=2.0), flat, brick], STEEL, [VOID] * 3)
+    whole = WholeInclusions([ball(radius=2.0), flat, brick], STEEL, [Void()] * 3)
     x, y, z = whole.points
     squares = np.array([x * x, y * y, (z - 3) ** 2, x, z, x**4 - 6 * x * x * y * y + y**4])
     found = whole.mean(squares)
@@ -224,14 +239,14 @@ def test_a_long_ellipsoid_is_a_bar():
 
 
 def test_refusals_and_what_did_not_converge():
-    one = WholeInclusions([ball(), ball(2.1)], STEEL, [VOID, times_steel(1e4)])
+    one = WholeInclusions([ball(), ball(2.1)], STEEL, [Void(), times_steel(1e4)])
     with pytest.raises(NotConverged, match="after 2 iterations") as caught:
         one.solve(columns(LOAD, 2), max_iterations=2, tolerance=1e-12)
     assert len(caught.value.report.history) == 2
     for make, message in (
         (lambda: WholeInclusions([ball()], STEEL, []), "one for each of 1 inclusions"),
         (lambda: WholeInclusions([], STEEL, []), "at least one"),
-        (lambda: WholeInclusions([ball()], STEEL, [IsotropicField(young_modulus=[1.0], poisson_ratio=[0.3])]), "cells"),
+        (lambda: WholeInclusions([ball()], STEEL, [CellMap(np.ones(1), np.ones(1))]), "cells"),
         (lambda: WholeInclusions([ball()], STEEL, [GivenStiffness(stiffness=np.eye(3))]), "6 x 6"),
         (lambda: one.solve(columns(LOAD)), r"of shape \(6, 2\)"),
         (lambda: one.solve(columns(LOAD, 2) * np.nan), "finite"),

@@ -56,7 +56,7 @@ def test_finished_variants_are_read_again(tmp_path):
 def test_scenes_can_be_planned(name, blocks):
     """One study of a kind; the last of its coarse variants."""
     plan = ec.plan(find(name).variants(coarse=True)[-1].scene)
-    assert blocks <= {block.name for block in plan.blocks}
+    assert blocks <= {part.name for part in plan.parts}
 
 
 def test_thick_coating_against_the_integral_equation(tmp_path):

@@ -1,177 +1,134 @@
-"""Runners of a contact: separation, normal contact, tangential displacement, closed form beside it."""
+"""What a contact is to the body below it: tractions that follow from a load and from an offset of the surface."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.grid import Grid
-from eigencontact.execution.runners import State
-from eigencontact.planning.blocks import Block
-from eigencontact.planning.kernels import PairCoefficients
-from eigencontact.planning.plan import Plan
-from eigencontact.plugin import HasReferencePressure
-from eigencontact.scene.holding import TRAVEL
+from eigencontact.execution.block import Part
+from eigencontact.execution.increment import Increment
+from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
-from eigencontact.solvers.contact_area import contact_area
-from eigencontact.solvers.normal import NormalSolver
-from eigencontact.solvers.solution import NormalOptions, NormalSolution
+from eigencontact.solvers.control import Control
+from eigencontact.solvers.solution import NormalOptions
+from eigencontact.solvers.tangential.control import TangentialControl
 
-__all__ = [
-    "NormalContact",
-    "ReferencePressure",
-    "Separation",
-    "TangentialDisplacement",
-    "normal_options",
-    "normal_scalars",
-]
+__all__ = ["Contact", "ContactAnswer", "Fields", "normal_options", "scaled_forces"]
 
 FloatArray = NDArray[np.float64]
+Fields = Mapping[str, FloatArray]
+_Control = TypeVar("_Control", Control, TangentialControl)
+
+_FORCES = ("normal_load", "moment_x", "moment_y", "tangential_load_x", "tangential_load_y", "torsion_moment")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ContactAnswer:
+    """A solved increment.
+
+    Attributes
+    ----------
+    tractions : mapping of str to (ny, nx)
+        By surface field: ``pressure`` and, with friction, ``shear_x``, ``shear_y`` [Pa].
+    displacement : mapping of str to (ny, nx)
+        What they displace, by direction [m]: along z both bodies summed, along the surface body 1 less body 2.
+    memory : object
+        What the next increment needs of this one.
+    solution : object
+        For the contact itself.
+    spent : mapping of str to float
+        Iterations and convolutions.
+    """
+
+    tractions: Fields
+    displacement: Fields
+    memory: Any
+    solution: Any
+    spent: Mapping[str, float]
+
+
+class Contact(Part):
+    """Two bodies in contact.
+
+    Attributes
+    ----------
+    directions : str
+        Of ``"xyz"``: along which a displacement of the surfaces by anything but the tractions matters.
+    fields : frozenset of str
+        Surface fields that it gives.
+    """
+
+    directions: str = "z"
+    fields: frozenset[str] = frozenset()
+
+    def start(self) -> None:
+        """Build the solver."""
+
+    @abstractmethod
+    def recall(self, last: StepRecord | None, offset: Fields) -> Any:
+        """Memory of the last accepted step, from its stored record alone; of rest, under an offset, before the first.
+
+        `offset` holds what displaced the surfaces besides the tractions at that time, by direction.
+        """
+
+    @abstractmethod
+    def solve(
+        self,
+        increment: Increment,
+        memory: Any,
+        offset: Fields,
+        *,
+        softer: float = 0.0,
+        tolerance: float | None = None,
+        start: ContactAnswer | None = None,
+    ) -> ContactAnswer:
+        """Solve one increment.
+
+        Parameters
+        ----------
+        increment : Increment
+            What is prescribed.
+        memory : object
+            Of the state at its start.
+        offset : mapping of str to (ny, nx)
+            Displacement of the surfaces by anything but the tractions, by direction [m].
+        softer : float
+            The bodies are softer by this part: ``(1 + θ) S`` in place of the compliance S. Since that of tractions t
+            is S of ``(1 + θ) t``, loads and the bound of the shear are scaled, and the solver stays what it is.
+        tolerance : float, optional
+            Instead of that of the numerics.
+        start : ContactAnswer, optional
+            An answer near by.
+
+        Raises
+        ------
+        NotConverged, SceneError
+            No half result is returned.
+        """
+
+    @abstractmethod
+    def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
+        """Fields and scalars of a load step that was solved in one increment or more."""
 
 
 def normal_options(numerics: Numerics) -> NormalOptions:
-    """Options of the normal solver from the numerics of a scene."""
+    """Options of the normal solver from the numerics of a scene; the edge is looked at when a step is accepted."""
     return NormalOptions(
         tolerance=numerics.tolerance,
         max_iterations=numerics.max_iterations,
         precision=numerics.precision,
         threads=numerics.threads,
         periodic=numerics.boundary == "periodic",
-        allow_contact_at_edge=numerics.allow_contact_at_edge,
+        allow_contact_at_edge=True,
     )
 
 
-def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> dict[str, float]:
-    """Numbers of a normal contact, as they are stored."""
-    certificate = solution.report.certificate
-    assert certificate is not None
-    loaded = solution.pressure > 0
-    area = contact_area(loaded, grid, periodic=periodic)
-    return {
-        "normal_load": solution.normal_load,
-        "approach": solution.approach,
-        "tilt_x": solution.tilt_x,
-        "tilt_y": solution.tilt_y,
-        "moment_x": solution.moment_x,
-        "moment_y": solution.moment_y,
-        "contact_area": area,
-        "contact_area_counted": float(np.count_nonzero(loaded)) * grid.cell_area,
-        "contact_radius": float(np.sqrt(area / np.pi)),
-        "max_pressure": float(solution.pressure.max()),
-        "iterations": float(solution.report.iterations),
-        "convolutions": float(solution.report.convolutions),
-        "solve_seconds": solution.report.seconds,
-        "gap_residual": certificate.gap,
-        "penetration_residual": certificate.penetration,
-        "load_residual": certificate.load,
-    }
-
-
-class Separation:
-    """The initial gap; where the geometry rolls, at the place that it has reached, which is stored."""
-
-    def __init__(self, plan: Plan, block: Block) -> None:
-        self._plan, self._rolls = plan, bool(block.settings.get("rolls", False))
-        self._at: tuple[float, float] | None = None
-        self._field = np.empty(0)
-
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        if state.travel != self._at:
-            self._field, self._at = self._plan.separation(state.travel), state.travel
-        state.fields["separation"] = self._field
-        if self._rolls:
-            state.scalars |= dict(zip(TRAVEL, state.travel, strict=True))
-
-
-class NormalContact:
-    """Pressure and gap; eigenstrain that lifts or lowers the surfaces changes the gap before any load."""
-
-    def __init__(self, plan: Plan, _block: Block) -> None:
-        coefficients = PairCoefficients(plan.influences["p"], plan.bodies, "z")
-        self._solver = NormalSolver(plan.grid, coefficients, normal_options(plan.scene.numerics))
-
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        self._solve(state, None, None)
-
-    def attempt(self, state: State, tolerance: float) -> None:
-        """Solve to a tolerance, from the pressure that the state may hold; on the way contact may pass the edge."""
-        given = self._solver.options
-        self._solver.options = replace(given, allow_contact_at_edge=True)
-        try:
-            self._solve(state, tolerance, state.fields.get("pressure"))
-        finally:
-            self._solver.options = given
-
-    def _solve(self, state: State, tolerance: float | None, start: FloatArray | None) -> None:
-        separation, control = state.fields["separation"], state.control
-        assert control is not None
-        residual = state.fields.get("residual_displacement_z")
-        if residual is not None:
-            separation = separation + residual
-        solution = self._solver.solve(separation, control, start=start, tolerance=tolerance, progress=state.progress)
-        state.fields["pressure"] = solution.pressure
-        state.fields["gap"] = solution.gap
-        state.fields["displacement_z"] = solution.displacement
-        state.scalars |= normal_scalars(solution, self._solver.grid, periodic=self._solver.options.periodic)
-
-
-class TangentialDisplacement:
-    """Displacement along the surface under the pressure."""
-
-    def __init__(self, plan: Plan, _block: Block) -> None:
-        from eigencontact.convolution import Convolver, Layout
-
-        grid, numerics = plan.grid, plan.scene.numerics
-        periodic = numerics.boundary == "periodic"
-        layout = Layout(grid.shape, grid.shape, periodic=periodic)
-        self._kernels = []
-        for component in "xy":
-            pair = PairCoefficients(plan.influences["p"], plan.bodies, component)
-            if periodic:
-                ky, kx = layout.wavenumbers(grid.dy, grid.dx)
-                spectrum = layout.spectrum_from_response(
-                    pair.response(kx[None, :], ky[:, None]), pair.parity, precision=numerics.precision
-                )
-            else:
-                table = pair.table(
-                    layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
-                )
-                spectrum = layout.spectrum(table, pair.parity, precision=numerics.precision)
-            self._kernels.append([spectrum])
-        self._convolver = Convolver(layout, precision=numerics.precision, threads=numerics.threads)
-
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        values = self._convolver.apply(state.fields["pressure"][None], self._kernels)
-        state.fields["displacement_x"], state.fields["displacement_y"] = np.asarray(values, dtype=float)
-
-
-class ReferencePressure:
-    """Closed form of the pressure, where the geometry has one that holds for this step.
-
-    For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
-    """
-
-    def __init__(self, plan: Plan, block: Block) -> None:
-        from eigencontact.core.material import contact_modulus
-        from eigencontact.planning.bodies import without_layers
-
-        self._grid = plan.grid
-        self._modulus = contact_modulus(*without_layers(plan.bodies))
-        (self._name,) = block.provides
-        geometry = plan.geometries[0]
-        assert isinstance(geometry, HasReferencePressure)
-        self._geometry = geometry
-
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        if state.scalars["normal_load"] <= 0 or state.scalars["tilt_x"] or state.scalars["tilt_y"]:
-            return
-        y, x = self._grid.axes()
-        x, y = x - state.travel[0], y - state.travel[1]
-        field_ = self._geometry.reference_pressure(x, y, state.scalars["normal_load"], self._modulus)
-        state.fields[self._name] = np.broadcast_to(field_, self._grid.shape)
+def scaled_forces(control: _Control, factor: float) -> _Control:
+    """Control with its forces and moments multiplied; displacements stay."""
+    given = {name: getattr(control, name, None) for name in _FORCES}
+    return replace(control, **{name: factor * value for name, value in given.items() if value is not None})

@@ -1,272 +1,229 @@
-"""Contact and inhomogeneities solved together: each needs what the other does to the surface, or to the inside.
+"""A contact and what lies below it, solved together: each needs what the other does to the surface, or to the inside.
 
 Let S be the compliance of the bodies without inhomogeneities and R what those add. A round solves the contact on bodies
-of the compliance (1 + θ) S under an offset o of the surface, then the inhomogeneities under its tractions t, and gives
-the offset R t - θ S t that would have been right. The share θ is the middle of the values of R relative to S that
+of the compliance (1 + θ) S under an offset o of the surface, then the interiors under its tractions t, and gives the
+offset R t - θ S t that would have been right. The share θ is the middle of the values of R relative to S that
 changes from round to round have shown: errors then shrink by a fixed factor whatever cells are in contact, for stiff
 (-1 < R / S < 0) and for soft inhomogeneities (R / S > 0, up to any size). Between changes of the contact Anderson's
 combination of the last rounds speeds it up. Tolerances of the solves in a round follow the smallest error so far; what
 is accepted is solved to the tolerance of the scene.
+
+An interior that is swept is iterated on with the offset: its eigenstrain is part of what goes in and comes out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from time import perf_counter
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.material import Material
+from eigencontact.core.tractions import ALONG
 from eigencontact.errors import NotConverged
-from eigencontact.execution.contact import NormalContact
-from eigencontact.execution.friction import FrictionalContactRunner
-from eigencontact.execution.inhomogeneities import Inhomogeneities, SolvedResidualDisplacement
-from eigencontact.execution.runners import Runner, State, build_runner
-from eigencontact.planning.blocks import Block
-from eigencontact.planning.plan import Plan
-from eigencontact.results.records import StepRecord
+from eigencontact.execution.contact import Contact, ContactAnswer
+from eigencontact.execution.increment import Increment
+from eigencontact.execution.interiors.interior import Interior
+from eigencontact.results.records import HistoryRecord
+from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson
-from eigencontact.solvers.coarse_to_fine import refuse_edge
-from eigencontact.solvers.control import MODES as NORMAL_MODES
-from eigencontact.solvers.control import Control
-from eigencontact.solvers.tangential.control import MODES, TangentialControl
 
-__all__ = ["CoupledRunner"]
+__all__ = ["Coupled", "Solved"]
 
 FloatArray = NDArray[np.float64]
 
-#: Rounds of one attempt, and times that a load step may be halved.
-_ROUNDS, _HALVINGS = 60, 4
+#: Rounds of one attempt.
+_ROUNDS = 60
 #: Tolerance of the first round, and of later ones as part of the last change; part of the tolerance in the end.
 _LOOSEST, _SHARE, _INNER = 1e-3, 0.01, 0.3
+_TIGHTEST = 1e-13
 #: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
 _DEPTH, _EXTREME = 8, 64.0
-_TRACTIONS = {"x": "shear_x", "y": "shear_y", "z": "pressure"}
 #: Displacements along the surface are measured by their own size, but not by less than this part of the normal one.
 _ALONG = 0.05
-_TIGHTEST = 1e-13
-#: Scalars that are summed over rounds.
-_SPENT = ("iterations", "convolutions", "tangential_convolutions", "solve_seconds")
-_ADDED = ("slip_x", "slip_y")
 
 
-class CoupledRunner:
-    """A contact over inhomogeneities. What a step needs of the last one is taken from its stored record alone."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Solved:
+    """A solved increment.
 
-    def __init__(self, plan: Plan, runners: Sequence[tuple[Block, Runner]]) -> None:
-        self._plan, self._numerics, self._grid = plan, plan.scene.numerics, plan.grid
-        self._contacts: dict[float, NormalContact | FrictionalContactRunner]
-        for block, runner in runners:
-            if isinstance(runner, Inhomogeneities):
-                self._inside = runner
-            elif isinstance(runner, SolvedResidualDisplacement):
-                self._surface = runner
-            else:
-                assert isinstance(runner, NormalContact | FrictionalContactRunner)
-                self._contacts, self._block = {0.0: runner}, block
-                self._names = sorted(name for name in block.requires if name.startswith("residual_displacement"))
-        self._frictional = plan.friction is not None
-        # Bodies can be softened where every displacement that the contact models is offset.
-        elastic = all(body is None or isinstance(body, Material) for body in plan.bodies)
-        self._softens = elastic and (not self._frictional or len(self._names) == 3)
+    Attributes
+    ----------
+    contact : ContactAnswer or None
+        None where the scene has no contact.
+    displacement : mapping of str to (ny, nx)
+        Of the surfaces by the interiors, by direction [m]; all that were asked for.
+    remembered : mapping of str to HistoryRecord
+        What the interiors remember.
+    scalars : mapping of str to float
+        Numbers of the iteration.
+    """
 
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        began = perf_counter()
-        before = state.previous.fields if state.previous is not None else self._at_rest(state)
-        self._advance(state, [before[name] for name in self._names], 0)
-        state.scalars["solve_seconds"] = perf_counter() - began
+    contact: ContactAnswer | None
+    displacement: dict[str, FloatArray]
+    remembered: dict[str, HistoryRecord]
+    scalars: dict[str, float] = field(default_factory=dict)
 
-    def _at_rest(self, state: State) -> dict[str, FloatArray]:
-        """Surface fields before the first step: by prestrain and prescribed eigenstrain alone."""
-        rest = State(index=0, time=0.0, control=None, progress=state.progress)
-        self._inside(rest)
-        self._surface(rest)
-        state.initial = rest.fields
-        return rest.fields
 
-    def _advance(self, state: State, start: list[FloatArray], depth: int) -> None:
-        """One load step, or its halves where it is too large to converge."""
-        given = dict(state.fields), dict(state.scalars)
-        try:
-            self._iterate(state, np.stack(start))
-        except NotConverged:
-            if depth == _HALVINGS:
-                raise
-        else:
-            return
-        state.fields, state.scalars = given
-        half = self._half(state)
-        self._advance(half, start, depth + 1)
-        found = [half.fields[name] for name in self._names]
-        if not self._frictional:  # the way to a load does not matter: the half is but a start
-            state.equivalent = half.equivalent
-            state.fields["pressure"] = half.fields["pressure"]
-            self._advance(state, found, depth + 1)
-            return
-        own, state.previous = state.previous, _record(half)
-        self._advance(state, found, depth + 1)
-        state.previous = own
-        for name in _ADDED:
-            if name in state.fields:
-                state.fields[name] = state.fields[name] + half.fields[name] * (state.fields["pressure"] > 0)
-        state.scalars["substeps"] += half.scalars["substeps"]
+class Coupled:
+    """A contact, if there is one, over interiors.
 
-    def _half(self, state: State) -> State:
-        """State in the middle of a step."""
-        begin = {} if state.previous is None else state.previous.scalars
-        time = 0.0 if state.previous is None else state.previous.time
-        assert state.control is not None
-        control = Control(**_middle(state.control, NORMAL_MODES, begin))
-        tangential = None
-        if state.tangential is not None:
-            tangential = TangentialControl(**_middle(state.tangential, MODES, begin))
-        return replace(
-            state, time=0.5 * (time + state.time), control=control, tangential=tangential, fields=dict(state.fields),
-            scalars=dict(state.scalars), equivalent={},
+    Parameters
+    ----------
+    contact : Contact or None
+    interiors : sequence of Interior
+    numerics : Numerics
+        Tolerance and precision.
+    directions : str
+        Along which the displacement of the surfaces is wanted.
+    """
+
+    def __init__(
+        self, contact: Contact | None, interiors: Sequence[Interior], numerics: Numerics, directions: str
+    ) -> None:
+        self._contact, self._interiors, self._directions = contact, interiors, directions
+        self._tolerance = numerics.tolerance
+        # Single precision has nothing to spare below the tolerance of a scene.
+        share = 1.0 if numerics.precision == "single" else _INNER
+        self._least = max(share * numerics.tolerance, _TIGHTEST)
+        self._responding = [interior for interior in interiors if interior.responds]
+
+    def at_rest(self, increment: Increment) -> Solved:
+        """The interiors without any load, at the start of a first step; nothing where nothing follows from it."""
+        if not self._responding and (self._contact is None or self._contact.directions == "z"):
+            return Solved(contact=None, displacement={}, remembered={})
+        for interior in self._interiors:
+            interior.begin(increment.at_start(), {})
+        return self._alone()
+
+    def solve(self, increment: Increment, memory: Any, before: Solved) -> Solved:
+        """Solve one increment.
+
+        Parameters
+        ----------
+        increment : Increment
+            What is prescribed.
+        memory : object
+            Of the contact.
+        before : Solved
+            The state at the start: what the interiors remember, and what they displace.
+
+        Raises
+        ------
+        NotConverged
+            The increment is too large, or has no answer.
+        """
+        for interior in self._interiors:
+            interior.begin(increment, before.remembered)
+        if self._contact is None:
+            return self._alone()
+        if not self._responding:
+            offset = self._displaced(self._contact.directions)
+            answer = self._contact.solve(increment, memory, offset)
+            return self._solved(answer, dict(answer.spent))
+        return self._iterated(self._contact, increment, memory, before)
+
+    def _alone(self) -> Solved:
+        """Interiors without tractions; bodies do not see each other then."""
+        for interior in self._responding:
+            interior.image({}, self._tolerance)
+        return self._solved(None, {})
+
+    def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
+        for interior in self._interiors:
+            for name, value in interior.scalars().items():
+                known = scalars.get(name, 0.0)
+                scalars[name] = max(known, value) if name.endswith("residual") else known + value
+        remembered = {name: item for interior in self._interiors for name, item in interior.remembered().items()}
+        return Solved(
+            contact=answer, displacement=self._displaced(self._directions), remembered=remembered, scalars=scalars
         )  # fmt: skip
 
-    def _iterate(self, state: State, start: FloatArray) -> None:
-        """Rounds until the displacement that goes in comes out."""
-        tolerance, best = self._numerics.tolerance, np.inf
-        # Single precision has nothing to spare below the tolerance of a scene.
-        least = max(tolerance if self._numerics.precision == "single" else _INNER * tolerance, _TIGHTEST)
-        mixer, spent, seen = Anderson(_DEPTH), dict.fromkeys(_SPENT, 0.0), _Seen()
-        offset, share, last, loaded = start, 0.0, np.inf, None
+    def _displaced(self, directions: str) -> dict[str, FloatArray]:
+        """Displacement of the surfaces by all interiors, by direction."""
+        parts = [interior.displacement(directions) for interior in self._interiors]
+        return {name: np.sum([part[name] for part in parts], axis=0) for name in directions} if parts else {}
+
+    def _iterated(self, contact: Contact, increment: Increment, memory: Any, before: Solved) -> Solved:
+        """Rounds until what goes in comes out."""
+        names, mixer, seen, spent = contact.directions, Anderson(_DEPTH), _Seen(), Counter[str]()
+        offset = np.stack([before.displacement[name] for name in names])
+        share, best, last, loaded = 0.0, np.inf, np.inf, None
+        answer: ContactAnswer | None = None
+        number, residual = 0, np.inf
         for number in range(1, _ROUNDS + 1):
-            inner = float(np.clip(_SHARE * best, least, _LOOSEST))
-            answer = self._round(state, offset, share, inner)
-            for name in _SPENT:
-                spent[name] += state.scalars.get(name, 0.0)
-            image = answer.residual - share * answer.elastic
-            scales = self._scales(answer)
+            inner = float(np.clip(_SHARE * best, self._least, _LOOSEST))
+            fields = dict(zip(names, offset, strict=True))
+            answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
+            spent.update(answer.spent)
+            for interior in self._responding:
+                interior.image(answer.tractions, inner)
+            displaced = self._displaced(names)
+            now = _Round(
+                traction=np.stack([answer.tractions[ALONG[name].field] for name in names]),
+                elastic=np.stack([answer.displacement[name] for name in names]),
+                residual=np.stack([displaced[name] for name in names]),
+            )
+            image, scales = now.residual - share * now.elastic, now.scales(names.index("z"))
             residual = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             best = min(best, residual)
-            if state.progress is not None:
-                state.progress("contact and inhomogeneities", residual, tolerance)
-            if residual <= tolerance and inner <= tolerance:
-                self._accept(state, answer, number, residual, spent)
-                return
+            if increment.progress is not None:
+                increment.progress("contact and inhomogeneities", residual, self._tolerance)
+            if residual <= self._tolerance and inner <= self._tolerance:
+                scalars = dict(spent) | {"coupling_iterations": float(number), "coupling_residual": residual}
+                return self._solved(answer, scalars)
             if not np.isfinite(residual):
                 break
-            now, wanted = state.fields["pressure"] > 0, seen.share(answer) if self._softens else 0.0
-            if wanted != share or residual > last or loaded is None or not np.array_equal(now, loaded):
+            # Bodies can be softened where every displacement by the tractions can be offset.
+            wanted = seen.share(now) if set(names) >= set(answer.displacement) else 0.0
+            pressed = answer.tractions["pressure"] > 0
+            if wanted != share or residual > last or loaded is None or not np.array_equal(pressed, loaded):
                 mixer, share = Anderson(_DEPTH), wanted
-                offset = answer.residual - share * answer.elastic
+                offset = now.residual - share * now.elastic
             else:
                 unit = scales[:, None, None]
                 offset = mixer.next(offset / unit, image / unit) * unit
-            last, loaded = residual, now
+            last, loaded = residual, pressed
         raise NotConverged(
             f"contact and inhomogeneities: residual {residual:.1e} after {number} rounds "
-            f"(tolerance {tolerance:.1e}); use smaller load steps or a larger tolerance"
+            f"(tolerance {self._tolerance:.1e}); use smaller load steps or a larger tolerance"
         )
-
-    def _round(self, state: State, offset: FloatArray, share: float, inner: float) -> _Answer:
-        """Contact on softer bodies with an offset in the gap, and what the inhomogeneities make of it."""
-        trial = self._trial(state, offset, share)
-        contact = self._softened(share)
-        if isinstance(contact, NormalContact):
-            contact.attempt(trial, inner)
-        else:
-            contact(trial)
-        for name, values in trial.fields.items():
-            if name not in self._names:
-                state.fields[name] = values / (1.0 + share) if name.startswith("displacement") else values
-        state.scalars |= trial.scalars
-        self._inside.solve(state, inner)
-        self._surface(state)
-        fields = state.fields
-        return _Answer(
-            traction=np.stack([fields[_TRACTIONS[name[-1]]] for name in self._names]),
-            elastic=np.stack([fields[f"displacement_{name[-1]}"] for name in self._names]),
-            residual=np.stack([fields[name] for name in self._names]),
-        )
-
-    def _trial(self, state: State, offset: FloatArray, share: float) -> State:
-        """The step as it is for softer bodies: what they displace more was offset before, too."""
-        fields = {**state.fields, **dict(zip(self._names, offset, strict=True))}
-        last = state.previous
-        if share and last is not None:
-            moved = dict(last.fields)
-            for name in self._names:
-                elastic = last.fields[f"displacement_{name[-1]}"]
-                moved[name] = last.fields[name] - share * elastic
-                moved[f"displacement_{name[-1]}"] = (1.0 + share) * elastic
-            last = replace(last, fields=moved)
-        return replace(state, fields=fields, previous=last)
-
-    def _softened(self, share: float) -> NormalContact | FrictionalContactRunner:
-        """Contact of bodies that are softer by a share."""
-        if share not in self._contacts:
-            bodies = tuple(
-                replace(body, young_modulus=body.young_modulus / (1.0 + share)) if isinstance(body, Material) else None
-                for body in self._plan.bodies
-            )
-            runner = build_runner(replace(self._plan, bodies=(bodies[0], bodies[1])), self._block)
-            assert isinstance(runner, NormalContact | FrictionalContactRunner)
-            self._contacts[share] = runner
-        return self._contacts[share]
-
-    def _scales(self, answer: _Answer) -> FloatArray:
-        """Size of the total displacement for each component of the residual one [m]."""
-        total = np.abs(answer.elastic + answer.residual).max(axis=(1, 2))
-        sizes = np.maximum(total, np.abs(answer.residual).max(axis=(1, 2)))
-        normal = float(sizes[self._names.index("residual_displacement_z")])
-        return np.asarray(np.maximum(sizes, max(_ALONG * normal, np.finfo(float).tiny)))
-
-    def _accept(self, state: State, answer: _Answer, rounds: int, residual: float, spent: Mapping[str, float]) -> None:
-        """Keep the last round, whose pressure, gap and shear are the contact's under what it causes."""
-        if not self._frictional and not self._numerics.allow_contact_at_edge:
-            refuse_edge(state.fields["pressure"], self._grid)
-        state.fields |= dict(zip(self._names, answer.residual, strict=True))
-        state.scalars |= {name: value for name, value in spent.items() if name in state.scalars}
-        state.scalars["coupling_iterations"] = state.scalars.get("coupling_iterations", 0.0) + rounds
-        state.scalars["coupling_residual"] = max(residual, state.scalars.get("coupling_residual", 0.0))
 
 
 @dataclass(frozen=True, slots=True)
-class _Answer:
-    """Tractions of a round, and the displacement of the surface by them and by the inhomogeneities, ``(k, ny, nx)``."""
+class _Round:
+    """Tractions of a round, and the displacement of the surfaces by them and by the interiors, ``(k, ny, nx)``."""
 
     traction: FloatArray
     elastic: FloatArray
     residual: FloatArray
 
+    def scales(self, normal: int) -> FloatArray:
+        """Size of the total displacement for each component [m]; `normal` is the row of the one along z."""
+        total = np.abs(self.elastic + self.residual).max(axis=(1, 2))
+        sizes = np.maximum(total, np.abs(self.residual).max(axis=(1, 2)))
+        return np.asarray(np.maximum(sizes, max(_ALONG * float(sizes[normal]), np.finfo(float).tiny)))
+
 
 class _Seen:
-    """Compliance of the inhomogeneities relative to that of the bodies, as changes from round to round show it."""
+    """Compliance of the interiors relative to that of the bodies, as changes from round to round show it."""
 
     def __init__(self) -> None:
-        self._last: _Answer | None = None
+        self._last: _Round | None = None
         self._found: list[float] = []
 
-    def share(self, answer: _Answer) -> float:
+    def share(self, now: _Round) -> float:
         """Part of the bodies' compliance to solve the contact with more: the middle of the range, in few steps."""
-        before, self._last = self._last, answer
+        before, self._last = self._last, now
         if before is not None:
-            change = answer.traction - before.traction
-            work = float(np.sum(change * (answer.elastic - before.elastic)))
-            found = float(np.sum(change * (answer.residual - before.residual)))
+            change = now.traction - before.traction
+            work = float(np.sum(change * (now.elastic - before.elastic)))
+            found = float(np.sum(change * (now.residual - before.residual)))
             if work > 0.0 and abs(found) < _EXTREME * work:
                 self._found.append(found / work)
         if not self._found:
             return 0.0
         middle = max(1.0 + 0.5 * (min(self._found) + max(self._found)), 1.0 / _EXTREME)
         return float(2.0 ** (0.5 * round(2.0 * np.log2(middle)))) - 1.0
-
-
-def _middle(
-    end: Control | TangentialControl, modes: tuple[tuple[str, str], ...], begin: Mapping[str, float]
-) -> dict[str, float]:
-    names = [name for pair in modes for name in pair]
-    found = {name: getattr(end, name) for name in names if getattr(end, name) is not None}
-    return {name: 0.5 * (begin.get(name, 0.0) + value) for name, value in found.items()}
-
-
-def _record(state: State) -> StepRecord:
-    """Middle of a step, as the step before that of its second half."""
-    fields = {name: values for name, values in state.fields.items() if name != "separation"}
-    return StepRecord(index=state.index, time=state.time, scalars=state.scalars, fields=fields)

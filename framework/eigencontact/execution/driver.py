@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Protocol
 
-from eigencontact.execution.history import (
+from eigencontact.execution.block import Block
+from eigencontact.execution.loading import (
     LoadPoint,
     control_at,
     load_points,
@@ -14,10 +15,9 @@ from eigencontact.execution.history import (
     tangential_control_at,
     travel_at,
 )
-from eigencontact.execution.runners import Runner, State, build_runner
-from eigencontact.planning.blocks import Block
-from eigencontact.planning.plan import Plan
+from eigencontact.execution.step import Step
 from eigencontact.results.records import StepRecord
+from eigencontact.scene.schema import Scene
 
 __all__ = ["Watcher", "drive"]
 
@@ -38,8 +38,22 @@ class Watcher(Protocol):
         ...
 
 
+class Drivable(Protocol):
+    """What is driven: a plan."""
+
+    @property
+    def scene(self) -> Scene:
+        """With the load history."""
+        ...
+
+    @property
+    def blocks(self) -> Sequence[Block]:
+        """In order of execution."""
+        ...
+
+
 def drive(
-    plan: Plan,
+    plan: Drivable,
     *,
     watcher: Watcher | None = None,
     done: Mapping[int, Callable[[], StepRecord]] | None = None,
@@ -61,9 +75,9 @@ def drive(
         Each newly accepted step.
     """
     done = done or {}
-    steps, friction = ramps(plan.scene), plan.friction is not None
-    points = load_points(steps)
-    runners: list[Runner] | None = None
+    steps, friction = ramps(plan.scene), plan.scene.friction is not None
+    points, contact = load_points(steps), bool(plan.scene.geometry)
+    started = False
     ramp_start: dict[str, float] = {}
     last: StepRecord | None = None
     for point in points:
@@ -72,39 +86,25 @@ def drive(
         if point.index in done:
             last = done[point.index]()
             continue
-        if runners is None:
-            runners = [_runner(plan, group) for group in plan.groups]
+        if not started:
+            for block in plan.blocks:
+                block.start()
+            started = True
         if watcher is not None:
             watcher.step_started(point, len(points))
-        step = steps[point.ramp]
-        state = State(
+        ramp = steps[point.ramp]
+        step = Step(
             index=point.index,
             time=point.time,
-            control=control_at(step, point.fraction, ramp_start) if plan.geometries else None,
-            tangential=tangential_control_at(step, point.fraction, ramp_start) if friction else None,
+            control=control_at(ramp, point.fraction, ramp_start) if contact else None,
+            tangential=tangential_control_at(ramp, point.fraction, ramp_start) if friction else None,
             travel=travel_at(steps, point),
             previous=last,
             progress=None if watcher is None else watcher.iterated,
         )
-        for runner in runners:
-            runner(state)
-        last = StepRecord(
-            index=point.index,
-            time=point.time,
-            scalars=state.scalars,
-            fields={name: values for name, values in state.fields.items() if name != "separation"},
-            regions=state.regions,
-            observed=state.observed,
-        )
+        for block in plan.blocks:
+            block.advance(step)
+        last = step.record()
         yield last
         if watcher is not None:
             watcher.step_finished(last, len(points))
-
-
-def _runner(plan: Plan, group: tuple[Block, ...]) -> Runner:
-    """Runner of one block, or of several that are solved together."""
-    if len(group) == 1:
-        return build_runner(plan, group[0])
-    from eigencontact.execution.coupled import CoupledRunner
-
-    return CoupledRunner(plan, [(block, build_runner(plan, block)) for block in group])

@@ -1,14 +1,16 @@
-"""Runners beside a contact with friction: the bound that the law sets, and the closed form of monotonic loading."""
+"""Blocks beside a contact with friction: the bound that the law sets, and the closed form of monotonic loading."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.runners import State
-from eigencontact.planning.blocks import Block
-from eigencontact.planning.plan import Plan
-from eigencontact.plugin import FrictionLaw, FrictionState, HasReferencePressure
+from eigencontact.core.material import contact_modulus
+from eigencontact.execution.block import Block
+from eigencontact.execution.step import Step
+from eigencontact.model.bodies import without_layers
+from eigencontact.model.model import Model
+from eigencontact.plugin import FrictionState, HasReferencePressure
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 
@@ -24,24 +26,28 @@ _TURN = 1e-4
 _UNIFORM = 1e-9
 
 
-class ShearBound:
+class ShearBound(Block):
     """The largest shear that the friction law allows at each cell, with the pressure of the step."""
 
-    def __init__(self, plan: Plan, _block: Block) -> None:
-        assert plan.friction is not None
-        self._law: FrictionLaw = plan.friction
-        self._axes = plan.grid.axes()
+    name, why = "shear-bound", "what the friction law allows, drawn beside the shear"
+    requires = frozenset({"pressure", "slip_distance"})
+    provides = frozenset({"shear_bound"})
+    wanted = dict.fromkeys(("shear_bound",), "pictures")
 
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
+    def __init__(self, model: Model) -> None:
+        assert model.friction is not None
+        self._law, self._axes = model.friction, model.grid.axes()
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
         y, x = self._axes
-        pressure = state.fields["pressure"]
-        slipped = np.zeros_like(pressure) if state.previous is None else state.previous.fields["slip_distance"]
-        asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=state.time)
-        state.fields["shear_bound"] = checked_shear_bound(self._law, asked)
+        pressure = step.fields["pressure"]
+        slipped = np.zeros_like(pressure) if step.previous is None else step.previous.fields["slip_distance"]
+        asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time)
+        step.fields["shear_bound"] = checked_shear_bound(self._law, asked)
 
 
-class ReferenceShear:
+class ReferenceShear(Block):
     """Closed form of the shear of a geometry whose pressure has one, while it holds.
 
     Under a constant normal load P and a tangential load Q that rises from zero in one direction, and with one
@@ -59,25 +65,26 @@ class ReferenceShear:
     J. Jaeger, A new principle in contact mechanics, ASME J. Tribology 120 (1998) 677-684.
     """
 
-    def __init__(self, plan: Plan, _block: Block) -> None:
-        from eigencontact.core.material import contact_modulus
-        from eigencontact.planning.bodies import without_layers
+    name = "reference-shear"
+    requires = frozenset({"pressure", "shear_bound"})
+    provides = frozenset({"reference_shear_x", "reference_shear_y"})
+    wanted = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
 
-        self._grid = plan.grid
-        self._modulus = contact_modulus(*without_layers(plan.bodies))
-        geometry = plan.geometries[0]
-        assert isinstance(geometry, HasReferencePressure)
-        self._geometry = geometry
+    def __init__(self, model: Model, geometry: HasReferencePressure) -> None:
+        self._grid, self._geometry = model.grid, geometry
+        self._modulus = contact_modulus(*without_layers(model.bodies))
+        key = model.geometries[0].key
+        self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        scalars, pressure = state.scalars, state.fields["pressure"]
-        coefficient = _coefficient(pressure, state.fields["shear_bound"])
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        scalars, pressure = step.scalars, step.fields["pressure"]
+        coefficient = _coefficient(pressure, step.fields["shear_bound"])
         if coefficient is None or any(scalars[name] for name in ("tilt_x", "tilt_y", "twist")):
             return
         load = np.array([scalars["tangential_load_x"], scalars["tangential_load_y"]])
         capacity = coefficient * scalars["normal_load"]
-        if not _path_kept(load, scalars["normal_load"], capacity, state.previous):
+        if not _path_kept(load, scalars["normal_load"], capacity, step.previous):
             return
         size = float(np.hypot(*load))
         shear, along = np.zeros(self._grid.shape), np.zeros(2)
@@ -86,7 +93,7 @@ class ReferenceShear:
             whole, part = (self._pressure(scalars["normal_load"] * (1 - f)) for f in (0.0, size / capacity))
             shear = coefficient * (whole - part)
         for axis, direction in zip("xy", along, strict=True):
-            state.fields[f"reference_shear_{axis}"] = direction * shear
+            step.fields[f"reference_shear_{axis}"] = direction * shear
 
     def _pressure(self, load: float) -> FloatArray:
         if load <= 0:

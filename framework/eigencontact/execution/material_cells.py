@@ -1,4 +1,4 @@
-"""What the cells of a box of inhomogeneities are made of, and the prestrain in them."""
+"""The content of the cells of inhomogeneities: laws, shares of cut cells, normals of boundaries, prestrain."""
 
 from __future__ import annotations
 
@@ -8,20 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.elasticity import Elasticity
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
-from eigencontact.execution.cells import values_of
-from eigencontact.halfspace.voxels import Region, Voxels, volume_fractions
-from eigencontact.planning.cell_groups import CellGroup
-from eigencontact.planning.materials import MaterialMap, elasticity_of
-from eigencontact.planning.sources import Source
+from eigencontact.execution.cell_strain import Place, fractions_in, place_in, values_of
+from eigencontact.halfspace.voxels import Region
+from eigencontact.model.boxes import CellBox
+from eigencontact.model.sources import Inhomogeneity, Source
+from eigencontact.plugin import ConstitutiveLaw
 
 __all__ = ["MaterialCells"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
-Place = tuple[slice, slice, slice]
 
 #: A share of a cell smaller than this is left out.
 _LEAST = 1e-3
@@ -32,10 +30,10 @@ class MaterialCells:
 
     Attributes
     ----------
-    materials : list of Elasticity
+    laws : list of ConstitutiveLaw
         Each once.
     index, beside : (nz, ny, nx) of int
-        Number (from 1; 0 is the matrix) of the material, other than the matrix, that fills most of a cell, and of that
+        Number (from 1; 0 is the matrix) of the law, other than the matrix's, that fills most of a cell, and of that
         beside it.
     fraction : (nz, ny, nx)
         Share of the first.
@@ -43,8 +41,8 @@ class MaterialCells:
         Across the boundary in cut cells.
     """
 
-    def __init__(self, box: CellGroup, grid: Grid) -> None:
-        self._box, self._grid = box, grid
+    def __init__(self, box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid) -> None:
+        self._box, self._sources, self._grid = box, sources, grid
         self.shape = box.lattice.shape
         numbers = self._numbers()
         left = np.ones(self.shape)
@@ -67,36 +65,22 @@ class MaterialCells:
 
     def _share(self, member: int) -> tuple[Place, FloatArray]:
         """Part of the box that an inhomogeneity takes, and its share of those cells, without what later ones take."""
-        source = self._box.sources[member]
-        lattice = source.lattice
-        assert lattice is not None
-        start = np.subtract(lattice.first, self._box.lattice.first)
-        k, j, i = (slice(int(a), int(a) + n) for a, n in zip(start, lattice.shape, strict=True))
-        axes = lattice.axes(self._grid)
-        low = [float(axis[0]) - 0.5 * edge for axis, edge in zip(axes, lattice.edges, strict=True)]
-        voxels = Voxels(low[::-1], lattice.edges[::-1], lattice.shape)
-        later = [other.shape for other in self._box.sources[member + 1 :] if _meet(source, other)]
-        fractions = volume_fractions(_Rest(source.shape, later) if later else source.shape, voxels)
+        source = self._sources[member]
+        assert source.lattice is not None
+        later = [other.shape for other in self._sources[member + 1 :] if _meet(source, other)]
+        fractions = fractions_in(source, _Without(source.shape, later) if later else source.shape, self._grid)
         if not later:
-            require(fractions.any(), source.where, "cells", lattice.shape[::-1], f"fine enough to find {source.name!r}")
-        return (k, j, i), np.minimum(fractions, 1.0)
+            rule = f"fine enough to find {source.name!r}"
+            require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
+        return place_in(self._box, source.lattice), np.minimum(fractions, 1.0)
 
     def _numbers(self) -> list[int]:
-        """Number of the material of each source."""
-        known: dict[str, int] = {}
-        self.materials: list[Elasticity] = []
-        numbers = []
-        for source in self._box.sources:
-            assert source.material is not None
-            name = source.material.model_dump_json()
-            if name not in known:
-                found = elasticity_of(source)
-                if isinstance(found, MaterialMap):
-                    found = found.at(*self._box.lattice.axes(self._grid))
-                self.materials.append(found)
-                known[name] = len(self.materials)
-            numbers.append(known[name])
-        return numbers
+        """Number of the law of each source."""
+        self.laws: list[ConstitutiveLaw] = []
+        for source in self._sources:
+            if source.law not in self.laws:
+                self.laws.append(source.law)
+        return [self.laws.index(source.law) + 1 for source in self._sources]
 
     def _gradient(self, left: FloatArray) -> FloatArray:
         """Gradient of the share of the matrix, which is all there is beyond the box."""
@@ -114,13 +98,13 @@ class MaterialCells:
         """Mandel prestrain ``(6, nz, ny, nx)``, the mean over each cell."""
         out = np.zeros((6, *self.shape))
         z, y, x = self._box.lattice.axes(self._grid)
-        for source, (place, share) in zip(self._box.sources, self._shares, strict=True):
+        for source, (place, share) in zip(self._sources, self._shares, strict=True):
             out[:, *place] += share * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
         return out
 
 
 @dataclass(frozen=True, slots=True)
-class _Rest:
+class _Without:
     """A region without those that come later."""
 
     region: Region

@@ -1,22 +1,25 @@
-"""Fields at the points of a region, and what is read off them, as they are stored."""
+"""Fields at the points of a region, by tractions and by eigenstrain, and what is read off them, as they are stored."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.material import Material
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
-from eigencontact.execution.runners import State
-from eigencontact.planning.blocks import Block
-from eigencontact.planning.plan import Plan
-from eigencontact.planning.regions import RegionLattice
+from eigencontact.errors import SceneError
+from eigencontact.execution.block import Block, Cost
+from eigencontact.execution.step import Step
+from eigencontact.model.kernels import KernelUse
+from eigencontact.model.model import Model
+from eigencontact.model.regions import RegionLattice, region_lattice
 from eigencontact.results.records import RegionRecord
 from eigencontact.scene.schema import StressRequest
 
-__all__ = ["Region", "store_region", "strain_from_stress"]
+__all__ = ["Region", "regions_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -28,31 +31,87 @@ _SCALARS: dict[str, Callable[[FloatArray], FloatArray]] = {
 }
 
 
-class Region:
-    """A region of a scene without contact: the fields of eigenstrain alone."""
+class Region(Block):
+    """Fields wanted at the points of one region: by the tractions of a contact, and by all eigenstrain of its body.
 
-    def __init__(self, _plan: Plan, block: Block) -> None:
-        request, lattice = block.settings["request"], block.settings["lattice"]
-        assert isinstance(request, StressRequest)
-        assert isinstance(lattice, RegionLattice)
-        self._request, self._lattice = request, lattice
+    A step is enough to evaluate it: tractions are its surface fields, the eigenstrain of inhomogeneities its history.
 
-    def __call__(self, state: State) -> None:
-        """Advance one step; see `Runner`."""
-        store_region(state, self._request, self._lattice, state.inner[self._request.label])
+    Parameters
+    ----------
+    model : Model
+    request : StressRequest
+        With the places that it stands for.
+
+    Raises
+    ------
+    SceneError
+        Nothing causes a field there.
+    """
+
+    def __init__(self, model: Model, request: StressRequest) -> None:
+        self._request, self._lattice, label = request, region_lattice(request, model.grid), request.label
+        self.name = f"stress-{label}"
+        self.why = f"[[stress]] asks for {request.shape} {label!r} in body {request.body}"
+        self.provides, self.wanted = frozenset({f"stress:{label}"}), {f"stress:{label}": f"[[stress]] {label!r}"}
+        self._causes = list(_causes(model, request, self._lattice))
+        if not self._causes:
+            raise SceneError(
+                f"stress region {label!r} must lie in a body with eigenstrain (body{request.body} has none, "
+                "and there is no contact); set body"
+            )
+        self.requires = frozenset().union(*(cause.requires for cause in self._causes))
+        self.kernels = [kernel for cause in self._causes for kernel in cause.kernels]
+        self.cost = sum((cause.cost for cause in self._causes), Cost())
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        fields: dict[str, FloatArray] = {}
+        for cause in self._causes:
+            for quantity, values in cause.fields(step).items():
+                fields[quantity] = fields[quantity] + values if quantity in fields else values
+        store_region(step, self._request, self._lattice, fields)
 
 
-def strain_from_stress(stress: FloatArray, body: Material) -> FloatArray:
-    """Elastic Mandel strain of a Mandel stress ``(6, ...)``: Hooke's law, for an incompressible body too."""
-    E, nu = body.young_modulus, body.poisson_ratio
-    strain = (1.0 + nu) / E * stress
-    strain[:3] -= nu / E * stress[:3].sum(axis=0)
-    return np.asarray(strain)
+class Cause(Protocol):
+    """Something that causes a field at the points of a region."""
+
+    @property
+    def requires(self) -> frozenset[str]:
+        """Quantities that it needs of a step."""
+        ...
+
+    @property
+    def kernels(self) -> Sequence[KernelUse]:
+        """Influence coefficients that it builds."""
+        ...
+
+    @property
+    def cost(self) -> Cost:
+        """Price of them, and of a step."""
+        ...
+
+    def fields(self, step: Step) -> dict[str, FloatArray]:
+        """Its fields by quantity, ``(3 or 6, *lattice.shape)``."""
+        ...
 
 
-def store_region(
-    state: State, request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]
-) -> None:
+def _causes(model: Model, request: StressRequest, lattice: RegionLattice) -> Iterator[Cause]:
+    if model.geometries:
+        from eigencontact.execution.traction_field import TractionField
+
+        yield TractionField(model, request, lattice)
+    if any(source.body == request.body for source in model.sources):
+        from eigencontact.execution.eigenstrain_field import EigenstrainField
+
+        yield EigenstrainField(model, request, lattice)
+
+
+def regions_of(model: Model) -> Iterator[Region]:
+    """Every region that the scene asks for."""
+    return map(partial(Region, model), model.requests)
+
+
+def store_region(step: Step, request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]) -> None:
     """Add a region to the results of a step: the fields asked for, and with the stress the numbers read off it.
 
     Parameters
@@ -71,14 +130,14 @@ def store_region(
         mises = stored.get("von_mises")
         mises = von_mises(stress) if mises is None else mises
     record = _record(request, lattice, stored)
-    state.regions[request.label] = record
+    step.regions[request.label] = record
     if mises is None:
         return
     where = int(np.argmax(mises))
     largest = float(mises.flat[where])
-    if largest >= state.scalars.get("max_von_mises", -1.0):
+    if largest >= step.scalars.get("max_von_mises", -1.0):
         depth = np.broadcast_to(_depth_of(record), mises.shape).flat[where]
-        state.scalars["max_von_mises"], state.scalars["max_von_mises_depth"] = largest, float(depth)
+        step.scalars["max_von_mises"], step.scalars["max_von_mises_depth"] = largest, float(depth)
 
 
 def _cut(values: FloatArray, request: StressRequest) -> FloatArray:

@@ -12,6 +12,7 @@ import pluggy
 
 if TYPE_CHECKING:
     from eigencontact.plugin import (
+        ConstitutiveLaw,
         EigenstrainField,
         FrictionLaw,
         Geometry,
@@ -38,6 +39,7 @@ REGISTER_HOOKS = {
     "eigenstrain-field": "eigencontact_register_eigenstrain_fields",
     "friction-law": "eigencontact_register_friction_laws",
     "layered-medium": "eigencontact_register_layered_media",
+    "constitutive-law": "eigencontact_register_constitutive_laws",
 }
 
 
@@ -74,3 +76,8 @@ def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:  # typ
 @hookspec
 def eigencontact_register_layered_media() -> Iterable[type[LayeredMedium]]:  # type: ignore[empty-body]
     """Return the classes of layered medium (constants depend on depth; response to tractions) of this package."""
+
+
+@hookspec
+def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:  # type: ignore[empty-body]
+    """Return the classes of constitutive law (stress of a strain, and what a point remembers) of this package."""

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from eigencontact.core.memory import resident_bytes
 from eigencontact.core.units import readable
-from eigencontact.planning.bodies import body_in_words, layers_in_words
+from eigencontact.model.bodies import body_in_words, layers_in_words
 
 if TYPE_CHECKING:
+    from eigencontact.execution.block import Block
+    from eigencontact.model.sources import Source
     from eigencontact.planning.plan import Plan
-    from eigencontact.planning.sources import Source
 
 __all__ = ["as_data", "explain"]
 
 
 def explain(plan: Plan) -> str:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
-    from eigencontact.planning.cost import resident_bytes
-
     scene, grid = plan.scene, plan.grid
     layers = layers_in_words(plan.bodies, periodic=scene.numerics.boundary == "periodic")
     width, height = grid.size
@@ -36,12 +36,12 @@ def explain(plan: Plan) -> str:
         *_inclusions(plan),
         "blocks, in order",
     ]
-    for group in plan.groups:
-        for block in group:
-            cost = block.cost
-            price = f"{_bytes(cost.peak)}, {_time(cost.seconds_once + plan.steps * cost.seconds_per_step)}"
-            together = " (solved together)" if len(group) > 1 else ""
-            lines.append(f"  {block.name}{together}: {block.why}" + (f"  [{price}]" if cost.peak else ""))
+    for block in plan.blocks:
+        for part in block.parts:
+            seconds = part.cost.seconds_once + plan.steps * part.cost.seconds_per_step
+            price = f"{_bytes(part.cost.peak)}, {_time(seconds)}"
+            together = " (solved together)" if len(block.parts) > 1 else ""
+            lines.append(f"  {part.name}{together}: {part.why}" + (f"  [{price}]" if part.cost.peak else ""))
     lines += ["", f"kernels, {len(plan.kernels)} in all"]
     lines += [f"  {kernel}" for kernel in plan.kernels]
     base = resident_bytes()
@@ -58,8 +58,6 @@ def explain(plan: Plan) -> str:
 
 def as_data(plan: Plan) -> dict[str, object]:
     """Return the plan as plain data."""
-    from eigencontact.planning.cost import resident_bytes
-
     return {
         "name": plan.name,
         "title": plan.scene.title,
@@ -79,21 +77,11 @@ def as_data(plan: Plan) -> dict[str, object]:
                 "exact": source.lattice is None,
                 "how": source.how,
                 "cells": 0 if source.lattice is None else source.lattice.cells,
-                "material": None if source.material is None else source.material.type,
+                "material": source.material,
             }
             for source in plan.sources
         ],
-        "blocks": [
-            {
-                "name": block.name,
-                "why": block.why,
-                "requires": sorted(block.requires),
-                "provides": sorted(block.provides),
-                "memory_bytes": block.cost.peak,
-                "seconds": block.cost.seconds_once + plan.steps * block.cost.seconds_per_step,
-            }
-            for block in plan.blocks
-        ],
+        "blocks": [_block_as_data(block, plan.steps) for block in plan.blocks],
         "kernels": [
             {
                 "response": kernel.response,
@@ -113,6 +101,18 @@ def as_data(plan: Plan) -> dict[str, object]:
     }
 
 
+def _block_as_data(block: Block, steps: int) -> dict[str, object]:
+    return {
+        "name": block.name,
+        "why": block.why,
+        "requires": sorted(block.requires),
+        "provides": sorted(block.provides),
+        "parts": [part.name for part in block.parts],
+        "memory_bytes": block.cost.peak,
+        "seconds": block.cost.seconds_once + steps * block.cost.seconds_per_step,
+    }
+
+
 def references(plan: Plan) -> tuple[str, ...]:
     """Sources to cite for what the plan uses, each once."""
     texts = [text for component in plan.components for text in component.references]
@@ -121,7 +121,7 @@ def references(plan: Plan) -> tuple[str, ...]:
             "R. D. Mindlin, D. H. Cheng, J. Appl. Phys. 21 (1950) 926",
             "S. Liu, X. Jin, Z. Wang et al., Int. J. Plasticity 35 (2012) 135",
         ]
-    if any(source.material is not None for source in plan.sources):
+    if plan.inhomogeneities:
         texts += [
             "J. D. Eshelby, Proc. R. Soc. Lond. A 241 (1957) 376",
             "K. Zhou, W. W. Hoh, X. Wang et al., Mech. Mater. 60 (2013) 144",
@@ -159,22 +159,20 @@ def _inclusions(plan: Plan) -> list[str]:
     """Every region with eigenstrain and how its field is found; like ones on one line."""
     if not plan.sources:
         return []
-    prescribed = [source for source in plan.sources if source.material is None]
-    lines = _alike(prescribed)
-    if prescribed:
-        lines.insert(0, f"eigenstrain, {_counted(prescribed)}")
-    if len(prescribed) < len(plan.sources):
-        from eigencontact.planning.inhomogeneities import boxes_of
+    lines = [f"eigenstrain, {_counted(plan.prescribed)}", *_alike(plan.prescribed)] if plan.prescribed else []
+    for body in (1, 2):
+        sources = [source for source in plan.inhomogeneities if source.body == body]
+        if not sources:
+            continue
+        if sources[0].lattice is None:
+            lines += [f"whole inhomogeneities, {_counted(sources)}", *_alike(sources)]
+            continue
+        from eigencontact.model.boxes import box_of_inhomogeneities
 
-        for body, box in boxes_of(plan.sources).items():
-            (nz, ny, nx), (dz, dy, dx) = box.lattice.shape, box.lattice.edges
-            edges = " x ".join(readable(edge, "m") for edge in (dx, dy, dz))
-            lines.append(
-                f"inhomogeneities of body {body}, {_counted(box.sources)} in {nx} x {ny} x {nz} cells of {edges}"
-            )
-            lines += _alike(box.sources)
-        whole = [source for source in plan.sources if source.material is not None and source.lattice is None]
-        lines += [f"whole inhomogeneities, {_counted(whole)}", *_alike(whole)] if whole else []
+        box = box_of_inhomogeneities(sources)
+        edges = " x ".join(readable(edge, "m") for edge in box.lattice.edges[::-1])
+        lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}")
+        lines += _alike(sources)
     return [*lines, ""]
 
 

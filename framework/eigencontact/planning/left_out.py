@@ -2,89 +2,127 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import numpy as np
 
-from eigencontact.core.grid import Grid
-from eigencontact.planning.bodies import layered_bodies
-from eigencontact.planning.coupling import Coupling
-from eigencontact.planning.kernels import Bodies
-from eigencontact.planning.lower_fidelities import PRICE
+from eigencontact.model.bodies import layered_bodies
+from eigencontact.model.coupling import Coupling
+from eigencontact.model.model import Model
+from eigencontact.model.sources import Inhomogeneity
 from eigencontact.planning.plan import LeftOut
-from eigencontact.planning.sources import Source
-from eigencontact.scene.schema import Scene
 
 __all__ = ["left_out"]
 
+_SNAP = 1e-6
 
-def left_out(
-    scene: Scene,
-    bodies: Bodies,
-    sources: Sequence[Source],
-    coupling: Coupling | None = None,
-    grid: Grid | None = None,
-) -> list[LeftOut]:
-    """Return what is not modelled, each with the reason; `coupling` is that of a contact with friction."""
-    out = _of_the_contact(bodies, coupling) if scene.geometry else [LeftOut("contact", "the scene has no [geometry]")]
+#: What a choice of ``numerics.half-space`` costs in accuracy.
+_PRICE = {
+    "image-pressure": "the traction on the surface is removed at the middles of the window's cells only: stress within "
+    "two cells of the surface may be wrong by half, elsewhere and in the surface displacement by some per cent",
+    "periodic": "the eigenstrain repeats with the window, no mean strain in the plane: a single region is met within "
+    "some per cent if the window is ten times as wide as the region is wide and deep, its mean displacement apart",
+}
+
+
+def left_out(model: Model) -> list[LeftOut]:
+    """Return what is not modelled, each with the reason."""
+    scene, contact = model.scene, bool(model.geometries)
+    out = _of_the_contact(model) if contact else [LeftOut("contact", "the scene has no [geometry]")]
     if not scene.stress:
         asked = "no [[stress]] region asks for it"
-        out.append(LeftOut("sub-surface stress" if scene.geometry else "fields below the surface", asked))
-    if scene.geometry and coupling is None and not scene.output.tangential_displacement:
+        out.append(LeftOut("sub-surface stress" if contact else "fields below the surface", asked))
+    if contact and model.friction is None and not scene.output.tangential_displacement:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
-    if scene.geometry and scene.numerics.boundary == "non-periodic":
+    if contact and not model.periodic:
         out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
-    if sources:
-        prescribed = [source for source in sources if source.material is None]
-        out += _of_the_eigenstrain(scene, sources, prescribed)
-    if grid is not None and any(source.material is not None for source in sources):
-        from eigencontact.planning.inhomogeneities import layer_that_fills
-
-        layer = layer_that_fills(sources, grid)
-        if layer is not None:
-            out.append(
-                LeftOut(
-                    "the exact response of a layered body",
-                    f"{layer.name!r}, a flat layer of one material over the whole window, is cut into cells and ends "
-                    f'with it; body{layer.body}.medium = {{ type = "bonded-layers", ... }} is exact, and faster',
-                )
-            )
+    if model.sources:
+        out += _of_the_eigenstrain(model)
+    layer = _layer_that_fills(model)
+    if layer is not None:
+        why = (
+            f"{layer.name!r}, a flat layer of one material over the whole window, is cut into cells and ends "
+            f'with it; body{layer.body}.medium = {{ type = "bonded-layers", ... }} is exact, and faster'
+        )
+        out.append(LeftOut("the exact response of a layered body", why))
     return out
 
 
-def _of_the_contact(bodies: Bodies, coupling: Coupling | None) -> list[LeftOut]:
-    if coupling is None:
+def _of_the_contact(model: Model) -> list[LeftOut]:
+    assert model.coupling is not None
+    if model.friction is not None:
+        out = _of_the_coupling(model.coupling)
+    else:
         why = "the scene prescribes no tangential load and has no friction"
         out = [LeftOut("shear tractions q_x, q_y and their kernels", why)]
-    else:
-        out = coupling.left_out()
-    elastic = [body for body in bodies if body is not None]
+    elastic = [body for body in model.bodies if body is not None]
     if len(elastic) == 2 and elastic[0] == elastic[1]:
         out.append(
             LeftOut("a second kernel for body 2", "both bodies have the same constants: one kernel, counted twice")
         )
-    if layered_bodies(bodies):
+    if layered_bodies(model.bodies):
         out.append(LeftOut("closed form of the pressure", "a body is layered: none beside that of the bare substrate"))
-    if None in bodies:
-        number = bodies.index(None) + 1
+    if None in model.bodies:
+        number = model.bodies.index(None) + 1
         out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
     return out
 
 
-def _of_the_eigenstrain(scene: Scene, sources: Sequence[Source], prescribed: Sequence[Source]) -> list[LeftOut]:
-    out = []
-    if scene.geometry and prescribed:
+def _of_the_coupling(coupling: Coupling) -> list[LeftOut]:
+    """What the coupling of normal and tangential contact leaves out of the physics."""
+    why = f'numerics.coupling = "{coupling.level}"'
+    unused = f"{why}, and no step prescribes a load or shift there"
+    out = [LeftOut(f"shear and displacement along {c}", unused) for c in "xy" if c not in coupling.components]
+    if coupling.level == "none" and len(coupling.components) > 1:
+        out.append(LeftOut("displacement along y by shear along x, and along x by shear along y", why))
+    if coupling.alike:
+        out.append(
+            LeftOut(
+                "displacement along the surface by pressure, and along its normal by shear",
+                "both bodies move alike (Dundurs' constant is 0): they vanish, and coupling "
+                '"full" and "one-way" are "partial"',
+            )
+        )
+        return out
+    if coupling.level in ("none", "partial"):
+        out.append(LeftOut("displacement along the surface by pressure", f"{why}: loads along z cause no slip"))
+    if coupling.level != "full":
+        goodman = ": the pressure ignores the shear (Goodman's approximation)" if coupling.level == "one-way" else ""
+        out.append(LeftOut("displacement along the normal by shear", why + goodman))
+    return out
+
+
+def _of_the_eigenstrain(model: Model) -> list[LeftOut]:
+    half_space, out = model.numerics.half_space, []
+    if model.geometries and model.prescribed:
         out.append(
             LeftOut(
                 "eigenstrain that follows from the contact",
                 "it is prescribed: its field adds to that of the pressure, and nothing couples back",
             )
         )
-    if all(source.lattice is None for source in sources):
+    if all(source.lattice is None for source in model.sources):
         out.append(LeftOut("cells inside the bodies", "every inclusion has a closed form"))
-    if scene.numerics.half_space == "full-space":
+    if half_space == "full-space":
         out.append(
             LeftOut("the free surface in the fields of eigenstrain", 'numerics.half-space = "full-space": no images')
         )
-    if scene.numerics.half_space in PRICE:
-        price = PRICE[scene.numerics.half_space]
-        out.append(LeftOut("the exact half-space", f'numerics.half-space = "{scene.numerics.half_space}": {price}'))
+    if half_space in _PRICE:
+        out.append(LeftOut("the exact half-space", f'numerics.half-space = "{half_space}": {_PRICE[half_space]}'))
     return out
+
+
+def _layer_that_fills(model: Model) -> Inhomogeneity | None:
+    """Uniform flat layer of one material, from the surface and over the whole window, if there is one."""
+    grid = model.grid
+    x0, y0 = (center - 0.5 * size for center, size in zip(grid.center, grid.size, strict=True))
+    x1, y1 = x0 + grid.size[0], y0 + grid.size[1]
+    for source in model.inhomogeneities:
+        if source.material != "isotropic":
+            continue
+        low, high = source.shape.bounds
+        slack = _SNAP * max(grid.size)
+        fills = low[0] <= x0 + slack and low[1] <= y0 + slack and high[0] >= x1 - slack and high[1] >= y1 - slack
+        z = (np.arange(8) + 0.5) / 8 * high[2]
+        y, x = grid.axes()
+        if fills and low[2] <= slack and bool(source.shape.contains(x[..., None], y[..., None], z).all()):
+            return source
+    return None

@@ -7,11 +7,22 @@ excepted) and never changes the arrays it is given.
 
 from __future__ import annotations
 
+from eigencontact.core.elasticity import (
+    checked_stiffness,
+    factors_of_compliance,
+    factors_of_stiffness,
+    frame_of,
+    isotropic_factors,
+    isotropic_stiffness,
+    mandel_rotation,
+    unit_vector,
+)
 from eigencontact.core.grid import Grid
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
 from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
+from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
 from eigencontact.halfspace.potentials import (
@@ -24,6 +35,7 @@ from eigencontact.halfspace.potentials import (
 )
 from eigencontact.hooks.hookspecs import hookimpl
 from eigencontact.plugin.component import Component
+from eigencontact.plugin.constitutive import ConstitutiveLaw, LawStep, LinearLaw, Response, Variable, VariesInSpace
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
@@ -37,6 +49,7 @@ __all__ = [
     "SQRT2",
     "Angle",
     "Component",
+    "ConstitutiveLaw",
     "CornerInfluence",
     "EigenstrainField",
     "Force",
@@ -53,24 +66,38 @@ __all__ = [
     "HasWavenumberResponse",
     "InclusionShape",
     "Jet",
+    "LawStep",
     "LayeredMedium",
     "Length",
+    "LinearLaw",
     "Material",
     "Moment",
     "Observer",
     "Order",
     "PointSources",
+    "Response",
     "SceneError",
     "StepView",
     "Stress",
     "SurfaceInfluence",
     "Unit",
+    "Variable",
+    "VariesInSpace",
+    "checked_stiffness",
     "derivatives_of",
+    "factors_of_compliance",
+    "factors_of_stiffness",
+    "frame_of",
     "hookimpl",
     "implicit",
     "integrated_chi",
+    "isotropic_factors",
+    "isotropic_stiffness",
+    "mandel_rotation",
+    "readable",
     "require",
     "to_mandel",
+    "unit_vector",
     "variables",
 ]
 
@@ -83,4 +110,5 @@ KINDS: dict[str, type] = {
     EigenstrainField.kind: EigenstrainField,
     FrictionLaw.kind: FrictionLaw,
     LayeredMedium.kind: LayeredMedium,
+    ConstitutiveLaw.kind: ConstitutiveLaw,
 }

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 
-__all__ = ["RegionRecord", "RunInfo", "StepRecord"]
+__all__ = ["HistoryRecord", "RegionRecord", "RunInfo", "StepRecord"]
 
 FloatArray = NDArray[np.float64]
 
@@ -46,6 +46,32 @@ class RegionRecord:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class HistoryRecord:
+    """Something that a body remembers from step to step.
+
+    Attributes
+    ----------
+    name : str
+        Unique; a valid NetCDF name.
+    body : int
+        1 or 2.
+    values : (components, nz, ny, nx) or (components, n)
+        In the cells of a box, or of n inclusions.
+    coords : mapping
+        Centres x, y, z of the cells [m]; empty where the values belong to inclusions.
+    unit, meaning : str
+        SI unit, and in words.
+    """
+
+    name: str
+    body: int
+    values: FloatArray
+    coords: dict[str, FloatArray]
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class StepRecord:
     """One accepted step.
 
@@ -70,6 +96,8 @@ class StepRecord:
         Sub-surface fields by region name.
     observed : mapping of str to float
         What observers returned, as ``"<observer>_<name>"``.
+    history : mapping of str to HistoryRecord
+        What the bodies remember, by name.
     """
 
     index: int
@@ -78,6 +106,7 @@ class StepRecord:
     fields: dict[str, FloatArray]
     regions: dict[str, RegionRecord] = field(default_factory=dict)
     observed: dict[str, float] = field(default_factory=dict)
+    history: dict[str, HistoryRecord] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Field, field_validator, model_validator
 
 from eigencontact.scene.checks import at_least
-from eigencontact.scene.materials import InclusionMaterial
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 
 __all__ = ["EigenstrainPatch", "Inclusion", "eigenstrain_table"]
@@ -45,8 +44,9 @@ class Inclusion(_Component):
     eigenstrain : number, three numbers, 3 x 3 matrix or table
         Expansion positive, tensor components: one number is isotropic, three are (xx, yy, zz). A table names an
         eigenstrain field: ``{ type = "thermal", ... }``. Optional, and zero by default, with a material.
-    material : table, optional
-        Elastic constants; see `InclusionMaterial`.
+    material : table or component, optional
+        Constitutive law; its ``type`` names the plugin, ``"isotropic"`` where it is left out. ``void = true`` is short
+        for ``type = "void"``.
     centers : list of (x, y, z), optional
         For many of a kind: an inclusion at each of these centres [m], in place of ``center``.
     name : str, optional
@@ -56,7 +56,7 @@ class Inclusion(_Component):
     """
 
     eigenstrain: Any = None
-    material: InclusionMaterial | None = None
+    material: dict[str, Any] | None = None
     centers: Annotated[list[tuple[FiniteLength, FiniteLength, FiniteLength]], Field(min_length=1)] | None = None
 
     @property
@@ -74,6 +74,18 @@ class Inclusion(_Component):
         if not good:
             raise ValueError(rule)
         return value
+
+    @field_validator("material", mode="before")
+    @classmethod
+    def _law(cls, value: Any) -> Any:
+        if not isinstance(value, Mapping):
+            return value
+        table = dict(value)
+        if table.pop("void", False) is True:
+            if table.get("type", "void") != "void":
+                raise ValueError("void = true, or of another type: leave one of them out")
+            table["type"] = "void"
+        return {"type": "isotropic", **table}
 
     @model_validator(mode="after")
     def _one_place(self) -> Inclusion:

@@ -353,5 +353,6 @@ def _table(item: Any) -> Any:
         return {"type": getattr(item, "key", ""), **_table(given)}
     if not isinstance(item, dict):
         return item.tolist() if hasattr(item, "tolist") else item
-    out = {key: _table(value) if key in ("type", "eigenstrain", "value") else value for key, value in item.items()}
+    nested = ("type", "eigenstrain", "material", "value")
+    out = {key: _table(value) if key in nested else value for key, value in item.items()}
     return out if not isinstance(out.get("type"), dict) else {**out, **out["type"]}

@@ -29,7 +29,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.core.elasticity import Elasticity, GivenStiffness, Isotropic, IsotropicField, mandel_rotation
+from eigencontact.core.elasticity import (
+    Elasticity,
+    ElasticityOfCells,
+    checked_stiffness,
+    factors_of_stiffness,
+    isotropic_factors,
+    mandel_rotation,
+)
 from eigencontact.core.material import Material
 from eigencontact.errors import require
 
@@ -115,15 +122,8 @@ class Shares:
 class Conditions:
     """Conditions of the cells of one box."""
 
-    def __init__(
-        self, matrix: Material, materials: Sequence[Elasticity | ArrayLike], shape: tuple[int, int, int]
-    ) -> None:
-        self.matrix = matrix
-        self._materials = [item if isinstance(item, Elasticity) else _given(item) for item in materials]
-        for number, item in enumerate(self._materials, start=1):
-            if isinstance(item, IsotropicField):
-                rule = f"of the box's shape {shape}"
-                require(item.shape == shape, "inclusions", f"map of material {number}", item.shape, rule)
+    def __init__(self, matrix: Material, materials: Sequence[Elasticity | ElasticityOfCells | ArrayLike]) -> None:
+        self.matrix, self._materials = matrix, materials
 
     def of(self, cells: NDArray[np.intp], index: IntArray, shares: Shares) -> Iterator[tuple[slice, Condition]]:
         """Runs of cells and their conditions: whole cells by material, then all cut ones.
@@ -140,10 +140,11 @@ class Conditions:
     def _whole(self, name: int, cells: NDArray[np.intp]) -> Condition:
         """Of one material; 0 is the matrix, whose P is zero."""
         if name == 0:
-            stiff = _stiff_factor(self.matrix)
+            matrix = self.matrix
+            stiff = isotropic_factors(matrix.young_modulus, matrix.poisson_ratio, matrix.shear_modulus)[1]
             return Condition(np.zeros((6, 6)), stiff, stiff)
         item = self._materials[name - 1]
-        return condition_of(item.at(cells) if isinstance(item, IsotropicField) else item, self.matrix)
+        return condition_of(item.of_cells(cells) if isinstance(item, ElasticityOfCells) else item, self.matrix)
 
     def _by_cell(self, names: IntArray, cells: NDArray[np.intp]) -> Condition:
         stress, strain = np.empty((2, cells.size, 6, 6))
@@ -165,9 +166,11 @@ class Conditions:
 
 
 def condition_of(material: Elasticity | ArrayLike, matrix: Material) -> Condition:
-    """Condition of a material, or of a map of materials, in a matrix."""
-    item = material if isinstance(material, Elasticity) else _given(material)
-    soft, stiff = item.factors(matrix.shear_modulus)
+    """Condition of a material in a matrix."""
+    if isinstance(material, Elasticity):
+        soft, stiff = material.factors(matrix.shear_modulus)
+    else:
+        soft, stiff = factors_of_stiffness(checked_stiffness("inclusions", "material", material), matrix.shear_modulus)
     return Condition(stiff @ compliance(matrix) - soft, stiff, stiff)
 
 
@@ -216,15 +219,6 @@ def compliance(material: Material) -> FloatArray:
     out = (1.0 + nu) * np.eye(6)
     out[:3, :3] -= nu
     return out / material.young_modulus
-
-
-def _stiff_factor(matrix: Material) -> FloatArray:
-    constants = Isotropic(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
-    return constants.factors(matrix.shear_modulus)[1]
-
-
-def _given(stiffness: ArrayLike) -> GivenStiffness:
-    return GivenStiffness(stiffness=np.asarray(stiffness, dtype=float))
 
 
 def _right_divided(a: FloatArray, b: FloatArray) -> FloatArray:

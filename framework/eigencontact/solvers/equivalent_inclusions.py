@@ -22,13 +22,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from time import perf_counter
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.core.elasticity import Elasticity
+from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged, require
 from eigencontact.solvers.cell_conditions import Conditions, Shares
@@ -128,9 +129,9 @@ class InhomogeneousCells:
         the matrix's stiffness may need a thousand iterations, and voids have no answer.
     matrix : Material
         The material around; ν up to 0.5.
-    materials : sequence of Elasticity or of (6, 6)
-        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`) or a Mandel stiffness [Pa]. An
-        `IsotropicField` of the shape of the box gives every cell its own.
+    materials : sequence of Elasticity, ElasticityOfCells or (6, 6)
+        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`), the same in all its cells or not, or a
+        Mandel stiffness [Pa].
     material_index : (nz, ny, nx) of int
         Material of each cell, 0 is the matrix.
     fraction : (nz, ny, nx), optional
@@ -151,7 +152,7 @@ class InhomogeneousCells:
         self,
         operator: StressOperator,
         matrix: Material,
-        materials: Sequence[Elasticity | ArrayLike],
+        materials: Sequence[Elasticity | ElasticityOfCells | ArrayLike],
         material_index: ArrayLike,
         *,
         fraction: ArrayLike | None = None,
@@ -169,19 +170,17 @@ class InhomogeneousCells:
         self._report = InclusionReport()
         self._parts: list[tuple[slice, FloatArray]] = []
         self._offset: FloatArray | None = None
-        self._alone = np.zeros((6, 6))
-        conditions = Conditions(matrix, materials, self.shape)
         if self._cells.size == 0:
             return
-        self._alone = self._answer_of_one_cell()
-        for cells, (stress, strain, prestrain) in conditions.of(self._cells, flat, shares):
-            alone = stress @ self._alone + strain
+        for cells, (stress, strain, prestrain) in Conditions(matrix, materials).of(self._cells, flat, shares):
+            alone = stress @ self.alone + strain
             self._parts.append((cells, _by_component(np.linalg.solve(alone, stress))))
             if prestrain is not strain:  # cut cells, one run at the end
                 self._offset = _by_component(np.linalg.solve(alone, prestrain - strain))
 
-    def _answer_of_one_cell(self) -> FloatArray:
-        """Stress in a cell by its own eigenstrain, ``(6, 6)``."""
+    @cached_property
+    def alone(self) -> FloatArray:
+        """Stress in a cell by its own eigenstrain, ``(6, 6)`` [Pa]."""
         k, j, i = (n // 2 for n in self.shape)
         out = np.empty((6, 6))
         for component in range(6):
@@ -265,12 +264,29 @@ class InhomogeneousCells:
             )
         return EquivalentInclusions(eigenstrain, stress, report)
 
+    @property
+    def cells(self) -> NDArray[np.intp]:
+        """Cells of other constants, by flat index."""
+        return self._cells
+
+    def answer(self, eigenstrain: FloatArray, stress: FloatArray, prestrain: FloatArray) -> FloatArray:
+        """What each cell would take for its eigenstrain, the others as they are: ``(6, n)`` of the `cells`.
+
+        Parameters
+        ----------
+        eigenstrain, stress, prestrain : (6, nz, ny, nx)
+            The eigenstrain as it is, the total stress [Pa] under it, and the cells' own.
+        """
+        flat = [values.reshape(6, -1)[:, self._cells] for values in (eigenstrain, stress, prestrain)]
+        found = flat[0] - flat[2]
+        return flat[0] + self._residual(found, flat[1]) + self._shift(prestrain)
+
     def _row(self, x: FloatArray) -> FloatArray:
         return -self._residual(x, self._caused(x))
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
         """What is missing in each cell's condition, as the eigenstrain it would add by itself."""
-        foreign = stress - self._alone @ x
+        foreign = stress - self.alone @ x
         out = np.empty_like(x)
         for cells, answer in self._parts:
             out[:, cells] = _product(answer, foreign[:, cells])

@@ -20,11 +20,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.convolution import Convolver, Layout
 from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.grid import Grid
 from eigencontact.core.tensors import COMPONENTS
@@ -32,7 +33,7 @@ from eigencontact.errors import require
 from eigencontact.solvers.cells import Cells, snapped
 from eigencontact.solvers.subsurface import StressKernel
 
-__all__ = ["MeanStressKernel", "MeanSurfaceDisplacement"]
+__all__ = ["MeanStressKernel", "SurfaceAndCells"]
 
 FloatArray = NDArray[np.float64]
 
@@ -77,8 +78,10 @@ class MeanStressKernel:
         return self.kernel.response(components, kx, ky, z)
 
 
-class MeanSurfaceDisplacement:
-    """Mean displacement of the cells of the surface by the eigenstrain in a box of cells below, spectra made once.
+class SurfaceAndCells:
+    """The cells of the surface and a box of cells below, on its columns: either in the mean by the other.
+
+    Both ways share one table of coefficients, and one set of spectra where the box lies near the middle of the grid.
 
     Parameters
     ----------
@@ -86,8 +89,10 @@ class MeanSurfaceDisplacement:
         Cells of the surface.
     kernels : sequence of MeanStressKernel
         One for each traction, whose direction is that of the displacement.
-    source : Cells
-        Cells that carry the eigenstrain, on columns of the grid.
+    directions : str
+        Direction of each, of ``"xyz"``.
+    cells : Cells
+        Cells of the box.
     precision, threads
         See `eigencontact.convolution.Convolver`.
     """
@@ -96,49 +101,76 @@ class MeanSurfaceDisplacement:
         self,
         grid: Grid,
         kernels: Sequence[MeanStressKernel],
-        source: Cells,
+        directions: str,
+        cells: Cells,
         *,
         precision: str = "double",
         threads: int | None = None,
     ) -> None:
-        same = np.allclose(source.pitch[:2], (grid.dx, grid.dy), rtol=1e-9, atol=0.0)
-        require(same, "surface", "pitch of the cells", source.pitch[:2], f"that of the grid, {(grid.dx, grid.dy)} [m]")
-        self.grid, self.source = grid, source
+        same = np.allclose(cells.pitch[:2], (grid.dx, grid.dy), rtol=1e-9, atol=0.0)
+        require(same, "surface", "pitch of the cells", cells.pitch[:2], f"that of the grid, {(grid.dx, grid.dy)} [m]")
+        self.grid, self.cells, self._directions, self._precision = grid, cells, directions, precision
         origin = (
-            snapped(float((grid.y[0] - source.first[1]) / grid.dy)),
-            snapped(float((grid.x[0] - source.first[0]) / grid.dx)),
+            snapped(float((cells.first[1] - grid.y[0]) / grid.dy)),
+            snapped(float((cells.first[0] - grid.x[0]) / grid.dx)),
         )
-        self._layout = Layout(source.shape[1:], grid.shape, origin)
-        self._convolver = Convolver(self._layout, precision=precision, threads=threads)
-        self._precision = precision
-        nz = source.shape[0]
-        #: Spectra ``[traction][layer][strain component]``.
-        self._spectra: list[list[list[Spectrum]]] = [[[] for _ in range(nz)] for _ in kernels]
-        tasks = [partial(self._fill, t, k, kernel) for t, kernel in enumerate(kernels) for k in range(nz)]
+        self._down = Layout(grid.shape, cells.shape[1:], origin)
+        self._up = Layout(cells.shape[1:], grid.shape, (-origin[0], -origin[1]))
+        axes = ((self._down.y, self._up.y), (self._down.x, self._up.x))
+        self._shared = all(down.symmetric and up.symmetric and down.length == up.length for down, up in axes)
+        ways = (self._down, self._up)
+        self._convolvers = [Convolver(layout, precision=precision, threads=threads) for layout in ways]
+        #: Spectra ``[layer][strain component][traction]`` of either way.
+        self._spectra: tuple[list[Any], list[Any]] = tuple(  # type: ignore[assignment]
+            [[[None] * len(kernels) for _ in COMPONENTS] for _ in range(cells.shape[0])] for _ in "du"
+        )
+        tasks = [partial(self._fill, t, k, kernel) for t, kernel in enumerate(kernels) for k in range(cells.shape[0])]
         in_parallel(threads or available_threads(), tasks)
 
     def _fill(self, traction: int, layer: int, kernel: MeanStressKernel) -> None:
-        layout, (dx, dy, dz) = self._layout, self.source.pitch
-        x, y, z = layout.lattice_x * dx, layout.lattice_y * dy, float(self.source.centres(2)[layer])
+        (dx, dy, _), z = self.cells.pitch, float(self.cells.centres(2)[layer])
+        x, y = self._down.lattice_x * dx, self._down.lattice_y * dy
         tables = kernel.table(list(COMPONENTS), x, y, z, (0.5 * dx, 0.5 * dy))
-        spectra = []
-        for name, table in zip(COMPONENTS, tables, strict=True):
-            even_y, even_x = kernel.parity(name)
-            # Seen from the cell the surface lies the other way: minus the offset. V / A is the height.
-            spectra.append(layout.spectrum(dz * even_y * even_x * table, (even_y, even_x), precision=self._precision))
-        self._spectra[traction][layer] = spectra
+        for row, (name, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
+            parity = kernel.parity(name)
+            down = self._down.spectrum(table, parity, precision=self._precision)
+            self._spectra[0][layer][row][traction] = self._spectra[1][layer][row][traction] = down
+            if not self._shared:
+                # Seen from the cell the surface lies the other way: offsets are reversed, or mirrored by parity.
+                turned = table if self._up.y.symmetric else parity[0] * table[::-1]
+                turned = turned if self._up.x.symmetric else parity[1] * turned[:, ::-1]
+                self._spectra[1][layer][row][traction] = self._up.spectrum(turned, parity, precision=self._precision)
 
     @property
     def nbytes(self) -> int:
         """Memory of the stored spectra."""
-        return sum(s.nbytes for rows in self._spectra for row in rows for s in row)
+        ways = self._spectra[:1] if self._shared else self._spectra
+        return sum(s.nbytes for way in ways for layer in way for row in layer for s in row)
 
-    def apply(self, eigenstrain: ArrayLike) -> FloatArray:
-        """Displacement [m] along the tractions from the Mandel eigenstrain ``(6, nz, ny, nx)``, ``(n, gy, gx)``."""
-        strain = np.asarray(eigenstrain)
-        expected = (6, *self.source.shape)
+    def stress(self, tractions: Sequence[FloatArray]) -> FloatArray:
+        """Mean Mandel stress [Pa] in the cells, ``(6, nz, ny, nx)``, by tractions on the grid, in their order."""
+        rows = [row for layer in self._spectra[0] for row in layer]
+        values = self._convolvers[0].apply(np.asarray(tractions), rows)
+        stacked = values.reshape(self.cells.shape[0], len(COMPONENTS), *values.shape[1:])
+        return np.asarray(np.moveaxis(stacked, 1, 0), dtype=float)
+
+    def displacement(self, eigenstrain: ArrayLike) -> FloatArray:
+        """Mean displacement [m] along the tractions by the Mandel eigenstrain ``(6, nz, ny, nx)``, ``(n, gy, gx)``."""
+        strain = np.asarray(eigenstrain, dtype=float)
+        expected = (6, *self.cells.shape)
         require(strain.shape == expected, "surface", "eigenstrain", strain.shape, f"of shape {expected}")
-        planes = strain.reshape(-1, *self.source.shape[1:])
-        nz = self.source.shape[0]
-        rows = [[row[n % nz][n // nz] for n in range(len(planes))] for row in self._spectra]
-        return np.asarray(self._convolver.apply(planes, rows), dtype=float)
+        signs = np.array([_mirrored(name) for name in COMPONENTS])[:, None, None, None]
+        planes, nz = (signs * strain).reshape(-1, *self.cells.shape[1:]), self.cells.shape[0]
+        rows = [
+            [self._spectra[1][n % nz][n // nz][traction] for n in range(len(planes))]
+            for traction in range(len(self._directions))
+        ]
+        values = np.asarray(self._convolvers[1].apply(planes, rows), dtype=float)
+        # V / A is the height of the cells.
+        height = self.cells.pitch[2] * np.array([_mirrored(direction) for direction in self._directions])
+        return np.asarray(height[:, None, None] * values)
+
+
+def _mirrored(indices: str) -> float:
+    """Sign of a component seen from the other side, by a half turn about z."""
+    return (-1.0) ** (indices.count("x") + indices.count("y"))

@@ -21,7 +21,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.core.elasticity import Elasticity, IsotropicField
+from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.potentials import HasPotentials
@@ -84,7 +84,7 @@ class WholeInclusions:
     ) -> None:
         where, count = "inclusions", len(shapes)
         require(len(materials) == count, where, "materials", len(materials), f"one for each of {count} inclusions")
-        maps = any(isinstance(item, IsotropicField) for item in materials)
+        maps = any(isinstance(item, ElasticityOfCells) for item in materials)
         require(not maps, where, "materials", "a map", "uniform in each inclusion; resolve maps by cells")
         self.matrix = matrix
         self._means = RegionMeans(shapes, poisson_ratio=matrix.poisson_ratio, space=space, threads=threads)

@@ -67,7 +67,7 @@ class Code:
 def solve_eigencontact(n: int, threads: int, precision: str) -> Solution:
     """Solve with this package, as a library user would; single precision is asked for 1e-5, which it can reach."""
     from eigencontact.core.grid import Grid
-    from eigencontact.planning.kernels import PairCoefficients
+    from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
     from eigencontact.solvers.normal import NormalOptions, solve_normal
     from eigencontact_plugins.surface_loads import PressureLoad
@@ -89,7 +89,7 @@ def stress_eigencontact(n: int, depths: FloatArray, threads: int, precision: str
     """Sub-surface stress operator of this package, every cell loaded, every cell a target."""
     from eigencontact.core.grid import Box, Grid
     from eigencontact.core.tensors import from_mandel
-    from eigencontact.planning.kernels import StressCoefficients
+    from eigencontact.model.kernels import StressCoefficients
     from eigencontact.solvers.subsurface import SubsurfaceStress
     from eigencontact_plugins.surface_loads import PressureLoad
 
@@ -197,7 +197,7 @@ CODES = {
                 "scipy.fft",
                 "eigencontact.solvers.normal",
                 "eigencontact.solvers.subsurface",
-                "eigencontact.planning.kernels",
+                "eigencontact.model.kernels",
                 "eigencontact_plugins.surface_loads",
             ),
             settings="solve_normal, tolerance 1e-6",

@@ -74,7 +74,7 @@ def _coated(task: Task) -> Sample:
     """Solve on the coating and on the substrate alone by turns."""
     from eigencontact.app import load_scene, plan
     from eigencontact.execution.contact import normal_options
-    from eigencontact.planning.kernels import PairCoefficients
+    from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
     from eigencontact.solvers.normal import NormalSolver
 
@@ -113,11 +113,11 @@ def _coated(task: Task) -> Sample:
 
 
 def _ratio(task: Task, ratio: float) -> Sample:
-    from eigencontact.core.elasticity import Isotropic
     from eigencontact.core.material import Material
     from eigencontact.solvers.cells import Cells
     from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
     from eigencontact.solvers.mean_stress import MeanVolumeField
+    from eigencontact_plugins.laws.isotropic import Isotropic
     from eigencontact_plugins.shapes.cuboid import Cuboid
 
     matrix = Material(young_modulus=1.0, poisson_ratio=0.3)

@@ -80,7 +80,7 @@ def prepare_eigencontact(problem: SlidingProblem, threads: int) -> Prepared:
     """Solve with this package, as a library user would."""
     from eigencontact.core.grid import Grid
     from eigencontact.core.material import Material
-    from eigencontact.planning.kernels import PairCoefficients
+    from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
     from eigencontact.solvers.normal import NormalOptions
     from eigencontact.solvers.tangential.contact import FrictionalContact
@@ -264,7 +264,7 @@ METHODS = {
                 "pyfftw",
                 "scipy.fft",
                 "eigencontact.solvers.tangential.contact",
-                "eigencontact.planning.kernels",
+                "eigencontact.model.kernels",
                 "eigencontact_plugins.surface_loads",
             ),
             settings="FrictionalContact, x with y coupled, tolerance 1e-6",

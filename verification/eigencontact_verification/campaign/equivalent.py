@@ -102,7 +102,7 @@ class Cellwise:
         """
         from eigencontact.core.tensors import to_matrix
         from eigencontact.library import installed_plugins
-        from eigencontact.planning.cells import installed_cell
+        from eigencontact.model.installed import installed_cell
         from eigencontact.solvers.cells import Cells
         from eigencontact.solvers.eigenstrain import VolumeField
         from eigencontact.solvers.eigenstrain_planes import SurfaceDisplacement
@@ -210,7 +210,8 @@ def _pressure(problem: Sphere, pitch: float, count: int) -> tuple[Any, FloatArra
 
 def _kernel(problem: Sphere) -> Any:
     from eigencontact.library import installed_plugins
-    from eigencontact.planning.kernels import StressCoefficients, installed_influence
+    from eigencontact.model.installed import installed_influence
+    from eigencontact.model.kernels import StressCoefficients
 
     return StressCoefficients(installed_influence(installed_plugins(), "p"), problem.matrix)
 
@@ -230,7 +231,7 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
     """Solve for the eigenstrain of the cells whose centre lies in the sphere, `across` of them along a diameter."""
     from eigencontact.core.grid import Box
     from eigencontact.library import installed_plugins
-    from eigencontact.planning.cells import installed_cell
+    from eigencontact.model.installed import installed_cell
     from eigencontact.solvers.equivalent_inclusions import solve_equivalent_inclusions
     from eigencontact.solvers.mean_stress import MeanVolumeField
     from eigencontact.solvers.subsurface import SubsurfaceStress

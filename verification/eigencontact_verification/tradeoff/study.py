@@ -74,8 +74,8 @@ class Study:
 def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Prediction]:
     """Plan each variant without solving."""
     from eigencontact import app
+    from eigencontact.core.memory import resident_bytes
     from eigencontact.errors import EigencontactError
-    from eigencontact.planning.cost import resident_bytes
 
     found = []
     cuts = None

@@ -71,7 +71,7 @@ def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
     """What can be varied in a scene."""
-    from eigencontact.planning.sources import Patch
+    from eigencontact.model.sources import Patch
 
     scene, numerics = plan.scene, plan.scene.numerics
     contact, strained, half_space = bool(plan.geometries), bool(plan.sources), numerics.half_space

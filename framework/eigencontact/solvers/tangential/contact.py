@@ -110,6 +110,7 @@ class _Increment:
     tangential: TangentialControl
     before: Sliding
     offset: FloatArray | None
+    tolerance: float | None
     progress: Progress | None
 
 
@@ -185,6 +186,8 @@ class FrictionalContact:
         before: Sliding | None = None,
         *,
         offset: FloatArray | None = None,
+        tolerance: float | None = None,
+        start: FrictionalSolution | None = None,
         progress: Progress | None = None,
     ) -> FrictionalSolution:
         """Solve one increment.
@@ -199,6 +202,10 @@ class FrictionalContact:
             End of the last increment; at rest by default.
         offset : (k, ny, nx) float64, optional
             Tangential displacement by anything but pressure and shear, body 1 less body 2 [m].
+        tolerance : float, optional
+            Instead of that of the options: an outer iteration need not solve to the end at once.
+        start : FrictionalSolution, optional
+            An answer near by: that of the same increment under another offset.
         progress : callable, optional
             Told the residual of each iteration.
 
@@ -207,18 +214,22 @@ class FrictionalContact:
         NotConverged, SceneError, DomainTooSmall
             See `NormalSolver` and `TangentialSolver`.
         """
-        asked = _Increment(
-            separation, control, tangential, before or Sliding.at_rest(self.grid, self.components), offset, progress
-        )
+        before = before or Sliding.at_rest(self.grid, self.components)
+        asked = _Increment(separation, control, tangential, before, offset, tolerance, progress)
+        last = None if start is None else self._as_round(start, before)
         if self._by_shear is None:
-            return self._solution(asked, self._round(asked, None, asked.before.lift, None), asked.before.lift, 1, 0.0)
-        return self._agreed(asked)
+            return self._solution(asked, self._round(asked, last, before.lift, tolerance), before.lift, 1, 0.0)
+        return self._agreed(asked, last, before.lift if start is None else start.sliding.lift)
 
-    def _agreed(self, asked: _Increment) -> FrictionalSolution:
+    def _as_round(self, start: FrictionalSolution, before: Sliding) -> _Round:
+        bound = self.bound(start.normal.pressure, before)
+        return _Round(start.normal, start.tangential, start.tangential_by_pressure, bound, (0, 0))
+
+    def _agreed(self, asked: _Increment, last: _Round | None, lift: FloatArray) -> FrictionalSolution:
         """Rounds of normal and tangential contact until the normal displacement by the shear does not change."""
-        lift, tolerance, finest = asked.before.lift, self.options.tolerance, _INNER * self.options.tolerance
-        mixer, inner, change = Anderson(), _LOOSEST, 0.0
-        last: _Round | None = None
+        tolerance = asked.tolerance or self.options.tolerance
+        finest, mixer, change = _INNER * tolerance, Anderson(), 0.0
+        inner = _LOOSEST if last is None else finest
         for rounds in range(1, _ROUNDS + 1):
             try:
                 last = self._round(asked, last, lift, inner)

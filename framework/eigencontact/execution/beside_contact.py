@@ -1,0 +1,146 @@
+"""Blocks beside the mechanics of a contact: initial gap, displacement along the surface, closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Layout
+from eigencontact.core.grid import Grid
+from eigencontact.execution.block import Block
+from eigencontact.execution.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.step import Step
+from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
+from eigencontact.model.kernels import KernelUse, PairCoefficients
+from eigencontact.model.model import Model
+from eigencontact.model.separation import sum_separations
+from eigencontact.plugin import HasReferencePressure
+from eigencontact.scene.holding import TRAVEL
+
+__all__ = ["ReferencePressure", "Separation", "TangentialDisplacement", "blocks_beside_contact"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Separation(Block):
+    """The initial gap; where the geometry rolls, at the place that it has reached, which is stored."""
+
+    name = "separation"
+    provides = frozenset({"separation"})
+
+    def __init__(self, model: Model) -> None:
+        self._geometries, self._grid = model.geometries, model.grid
+        self._rolls = any(getattr(step, name) is not None for step in model.scene.steps for name in TRAVEL)
+        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in model.geometries)
+        self.why += ", which rolls along the surface" if self._rolls else ""
+        self._at: tuple[float, float] | None = None
+        self._field = np.empty(0)
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        if step.travel != self._at:
+            y, x = self._grid.axes()
+            self._field = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
+            self._at = step.travel
+        step.fields["separation"] = self._field
+        if self._rolls:
+            step.scalars |= dict(zip(TRAVEL, step.travel, strict=True))
+
+
+class TangentialDisplacement(Block):
+    """Displacement along the surface under the pressure."""
+
+    name, why = "tangential-displacement", "output.tangential-displacement = true"
+    requires = frozenset({"pressure"})
+    provides = frozenset({"displacement_x", "displacement_y"})
+    wanted = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
+
+    def __init__(self, model: Model) -> None:
+        grid, influence = model.grid, model.influences["p"]
+        self._grid, self._numerics = grid, model.numerics
+        self._pairs = [PairCoefficients(influence, model.bodies, component) for component in "xy"]
+        self._layout = Layout(grid.shape, grid.shape, periodic=model.periodic)
+        key = kernel_key(influence, model.bodies)
+        self.kernels = tuple(KernelUse(f"displacement {c}", "pressure p", key, "surface, whole window") for c in "xy")
+        bodies = [body for body in model.bodies if body is not None]
+        sampling = max(sampling_seconds(influence, body, periodic=model.periodic) for body in bodies)
+        self.cost = spectra_cost(self._layout, 1, sampling, model.numerics, kernels=2)
+
+    def start(self) -> None:
+        """See `Block.start`."""
+        from eigencontact.convolution import Convolver
+
+        layout, grid, precision = self._layout, self._grid, self._numerics.precision
+        self._kernels = []
+        for pair in self._pairs:
+            if layout.periodic:
+                ky, kx = layout.wavenumbers(grid.dy, grid.dx)
+                response = pair.response(kx[None, :], ky[:, None])
+                spectrum = layout.spectrum_from_response(response, pair.parity, precision=precision)
+            else:
+                half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
+                table = pair.table(layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, half_widths)
+                spectrum = layout.spectrum(table, pair.parity, precision=precision)
+            self._kernels.append([spectrum])
+        self._convolver = Convolver(layout, precision=precision, threads=self._numerics.threads)
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        values = self._convolver.apply(step.fields["pressure"][None], self._kernels)
+        step.fields["displacement_x"], step.fields["displacement_y"] = np.asarray(values, dtype=float)
+
+
+class ReferencePressure(Block):
+    """Closed form of the pressure, where the geometry has one that holds for this step.
+
+    For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
+    """
+
+    requires = frozenset({"pressure"})
+
+    def __init__(self, model: Model, geometry: HasReferencePressure) -> None:
+        from eigencontact.core.material import contact_modulus
+
+        what = "without inclusions and eigenstrain" if model.sources else ""
+        what = "on the bare substrate" if layered_bodies(model.bodies) else what
+        self.name = "homogeneous-pressure" if what else "reference-pressure"
+        self.why = " ".join(
+            [f"geometry {model.geometries[0].key!r} has a closed form", *([what] if what else [])]
+        ) + ", drawn beside the result"  # fmt: skip
+        self._field = self.name.replace("-", "_")
+        self.provides, self.wanted = frozenset({self._field}), {self._field: "pictures"}
+        self._grid: Grid = model.grid
+        self._modulus = contact_modulus(*without_layers(model.bodies))
+        self._geometry = geometry
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        if step.scalars["normal_load"] <= 0 or step.scalars["tilt_x"] or step.scalars["tilt_y"]:
+            return
+        y, x = self._grid.axes()
+        x, y = x - step.travel[0], y - step.travel[1]
+        field = self._geometry.reference_pressure(x, y, step.scalars["normal_load"], self._modulus)
+        step.fields[self._field] = np.broadcast_to(field, self._grid.shape)
+
+
+def blocks_beside_contact(model: Model) -> Iterator[Block]:
+    """What a contact has besides its mechanics."""
+    if not model.geometries:
+        return
+    yield Separation(model)
+    if model.scene.output.tangential_displacement and model.friction is None:
+        yield TangentialDisplacement(model)
+    geometry = model.geometries[0]
+    alone = len(model.geometries) == 1 and not model.periodic and isinstance(geometry, HasReferencePressure)
+    reference = ReferencePressure(model, geometry) if alone else None  # type: ignore[arg-type]
+    if reference is not None:
+        yield reference
+    if model.friction is not None:
+        from eigencontact.execution.friction_reference import ReferenceShear, ShearBound
+
+        yield ShearBound(model)
+        assert model.coupling is not None
+        if reference is not None and reference.name == "reference-pressure" and not model.coupling.joins_normal:
+            yield ReferenceShear(model, geometry)  # type: ignore[arg-type]

@@ -1,0 +1,110 @@
+"""Blocks: pieces of a computation that say what they need, give and cost, and that advance a load step."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from eigencontact.execution.step import Step
+from eigencontact.model.kernels import KernelUse
+
+__all__ = ["Block", "Cost", "Part"]
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """Predicted price of a piece of work.
+
+    Attributes
+    ----------
+    memory : float
+        Held as long as the run [bytes].
+    seconds_once, seconds_per_step : float
+        Wall time per run and per step [s].
+    transient : float
+        Held only while the work is done [bytes]: of several pieces the largest counts.
+    """
+
+    memory: float = 0.0
+    seconds_once: float = 0.0
+    seconds_per_step: float = 0.0
+    transient: float = 0.0
+
+    @property
+    def peak(self) -> float:
+        """Memory at its peak [bytes]."""
+        return self.memory + self.transient
+
+    def __add__(self, other: Cost) -> Cost:
+        return Cost(
+            self.memory + other.memory,
+            self.seconds_once + other.seconds_once,
+            self.seconds_per_step + other.seconds_per_step,
+            max(self.transient, other.transient),
+        )
+
+    def times(self, count: float) -> Cost:
+        """Price of the same work so many times."""
+        return Cost(count * self.memory, count * self.seconds_once, count * self.seconds_per_step, self.transient)
+
+    @property
+    def once(self) -> Cost:
+        """Price of work that is done once, for all steps, and then forgotten."""
+        return Cost(seconds_once=self.seconds_once + self.seconds_per_step, transient=self.peak)
+
+    @property
+    def anew(self) -> Cost:
+        """Price of work that starts anew in each step, and is forgotten after it."""
+        return Cost(seconds_per_step=self.seconds_once + self.seconds_per_step, transient=self.peak)
+
+
+class Part:
+    """What `explain` says of a block, or of one of several things that a block solves together.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the plan.
+    why : str
+        What asked for it, in words.
+    kernels : sequence of KernelUse
+        Influence coefficients that it builds.
+    cost : Cost
+        Prediction.
+    """
+
+    name: str
+    why: str
+    kernels: Sequence[KernelUse] = ()
+    cost: Cost = Cost()
+
+
+class Block(Part, ABC):
+    """One piece of work: declared when a scene is planned, started when it is run, called once a load step.
+
+    Attributes
+    ----------
+    requires, provides : frozenset of str
+        Quantities, by name.
+    wanted : mapping of str to str
+        Those among `provides` that are results by themselves, and who asked for them; the others are computed where
+        another block requires them.
+    """
+
+    requires: frozenset[str] = frozenset()
+    provides: frozenset[str] = frozenset()
+    wanted: Mapping[str, str] = MappingProxyType({})
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """What is solved together in it."""
+        return (self,)
+
+    def start(self) -> None:
+        """Build what the steps need; nothing is built, and no solver imported, before."""
+
+    @abstractmethod
+    def advance(self, step: Step) -> None:
+        """Read what the block requires from the step, and add what it provides."""

@@ -1,0 +1,85 @@
+"""The prescribed eigenstrain of regions that are cut into cells, in every cell at any time."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import EigencontactError, PluginError, require
+from eigencontact.model.boxes import CellBox
+from eigencontact.model.sources import Lattice, Patch, Source
+
+if TYPE_CHECKING:
+    from eigencontact.halfspace.voxels import Region
+
+__all__ = ["CellStrain", "fractions_in", "place_in", "values_of"]
+
+FloatArray = NDArray[np.float64]
+Place = tuple[slice, slice, slice]
+
+
+class CellStrain:
+    """Mandel eigenstrain of a group of sources in its cells: the value at the middle times the fraction inside."""
+
+    def __init__(self, box: CellBox, grid: Grid) -> None:
+        self._box, self._grid = box, grid
+
+    def __call__(self, time: float) -> FloatArray:
+        """``(6, nz, ny, nx)`` at one time [-]."""
+        total = np.zeros((6, *self._box.lattice.shape))
+        z, y, x = self._box.lattice.axes(self._grid)
+        for source, (place, fractions) in zip(self._box.sources, self._fractions, strict=True):
+            part = total[:, *place]
+            part += fractions * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
+        return total
+
+    @cached_property
+    def _fractions(self) -> list[tuple[Place, FloatArray]]:
+        """Part of the box that a source takes, and the fraction of each of its cells inside."""
+        found = []
+        for source in self._box.sources:
+            assert source.lattice is not None
+            whole = np.ones(source.lattice.shape)
+            inside = whole if isinstance(source.shape, Patch) else fractions_in(source, source.shape, self._grid)
+            rule = f"fine enough to find {source.name!r}"
+            require(inside.any(), source.where, "cells", source.lattice.shape[::-1], rule)
+            found.append((place_in(self._box, source.lattice), inside))
+        return found
+
+
+def place_in(box: CellBox, lattice: Lattice) -> Place:
+    """Part of a box that the cells of a region take, along (z, y, x)."""
+    start = np.subtract(lattice.first, box.lattice.first)
+    k, j, i = (slice(int(first), int(first) + count) for first, count in zip(start, lattice.shape, strict=True))
+    return k, j, i
+
+
+def fractions_in(source: Source, region: Region, grid: Grid) -> FloatArray:
+    """Fraction of each cell of a source that lies in a region, ``(nz, ny, nx)``."""
+    from eigencontact.halfspace.voxels import Voxels, volume_fractions
+
+    lattice = source.lattice
+    assert lattice is not None
+    low = [float(axis[0]) - 0.5 * edge for axis, edge in zip(lattice.axes(grid), lattice.edges, strict=True)]
+    return volume_fractions(region, Voxels(low[::-1], lattice.edges[::-1], lattice.shape))
+
+
+def values_of(source: Source, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:
+    """Mandel eigenstrain of a source's field at the points of three axes, ``(6, nz, ny, nx)``."""
+    shape = (6, z.size, y.size, x.size)
+    try:
+        values = source.field.eigenstrain(x[None, None, :], y[None, :, None], z[:, None, None], time)
+        values = np.broadcast_to(np.asarray(values, dtype=float), shape)
+    except EigencontactError:
+        raise
+    except Exception as problem:
+        raise PluginError(
+            f"{source.where}: eigenstrain field {source.field.key!r} must return numbers of shape {shape} "
+            f"(got {type(problem).__name__}: {problem})"
+        ) from problem
+    require(np.all(np.isfinite(values)), source.where, "eigenstrain", "NaN or infinity", "finite in every cell")
+    return np.asarray(values)

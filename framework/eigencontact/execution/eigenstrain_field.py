@@ -1,0 +1,59 @@
+"""Fields that all eigenstrain of a body causes at the points of a region, prescribed or found."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.execution.block import Cost
+from eigencontact.execution.interiors.interior import eigenstrain_name
+from eigencontact.execution.interiors.responding import solved_route
+from eigencontact.execution.routes.prescribed import PrescribedField
+from eigencontact.execution.routes.route import HalfSpace, Route
+from eigencontact.execution.step import Step
+from eigencontact.model.kernels import KernelUse
+from eigencontact.model.model import Model
+from eigencontact.model.regions import RegionLattice
+from eigencontact.scene.schema import StressRequest
+
+__all__ = ["EigenstrainField"]
+
+FloatArray = NDArray[np.float64]
+
+_WORDS = {"displacement": "displacement x, y, z", "strain": "strain (6 components)", "stress": "stress (6 components)"}
+
+
+class EigenstrainField:
+    """Fields of one body; the eigenstrain of inhomogeneities is what the step remembers."""
+
+    def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
+        body, where = request.body, lattice.words
+        self._name = eigenstrain_name(body)
+        prescribed = [source for source in model.prescribed if source.body == body]
+        solved = [source for source in model.inhomogeneities if source.body == body]
+        self.requires = frozenset({self._name} if solved else ())
+        self.kernels: list[KernelUse] = []
+        self.cost = Cost()
+        self._prescribed: dict[str, PrescribedField] = {}
+        self._solved: dict[str, Route] = {}
+        for quantity in request.fields:
+            if prescribed:
+                field = PrescribedField(HalfSpace.of(model, body), prescribed, quantity, lattice)
+                self.kernels += field.uses(_WORDS[quantity], where)
+                self._prescribed[quantity] = field
+                self.cost += field.cost
+            if solved:
+                route = solved_route(model, body, quantity, lattice)
+                who = repr(solved[0].name) if len(solved) == 1 else f"{len(solved)} inhomogeneities"
+                uses = KernelUse(_WORDS[quantity], f"eigenstrain of {who}", solved[0].key, f"{where}, {route.words}")
+                self.kernels.append(uses)
+                self._solved[quantity] = route
+                self.cost += route.cost
+
+    def fields(self, step: Step) -> dict[str, FloatArray]:
+        """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
+        found = {quantity: field.at(step.time) for quantity, field in self._prescribed.items()}
+        for quantity, route in self._solved.items():
+            values = route.field(step.history[self._name].values)
+            found[quantity] = found[quantity] + values if quantity in found else values
+        return found

@@ -1,0 +1,285 @@
+"""Contact with friction: pressure and shear, stick and slip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.layout import fast_even
+from eigencontact.convolution.pace import speed
+from eigencontact.core.tractions import ALONG
+from eigencontact.execution.block import Cost
+from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
+from eigencontact.execution.increment import Increment
+from eigencontact.execution.normal_contact import NORMAL_FIELDS, normal_cost, normal_scalars, normal_work, scaled_normal
+from eigencontact.execution.sampling import layered_surface_cost
+from eigencontact.model.bodies import kernel_key
+from eigencontact.model.coupling import Coupling
+from eigencontact.model.kernels import KernelUse, PairCoefficients
+from eigencontact.model.model import Model
+from eigencontact.plugin import FrictionState
+from eigencontact.plugin.friction import checked_shear_bound
+from eigencontact.results.records import StepRecord
+from eigencontact.scene.schema import Numerics
+from eigencontact.solvers.contact_area import contact_area
+from eigencontact.solvers.tangential.control import MODES, mode_fields
+
+if TYPE_CHECKING:
+    from eigencontact.solvers.tangential.contact import FrictionalSolution, Sliding
+
+__all__ = ["ContactWithFriction", "friction_cost", "friction_fields"]
+
+FloatArray = NDArray[np.float64]
+
+#: Values of the stored field ``contact_zone``.
+_SLIP, _STICK = 1.0, 2.0
+#: Applications of the tangential kernels that one solve takes, and rounds of normal and tangential solves, typically.
+_APPLICATIONS, _ROUNDS = 40, 6
+
+
+def friction_fields(components: str) -> frozenset[str]:
+    """Surface fields that a contact with shear along some directions has besides those of every contact."""
+    if not components:
+        return frozenset()
+    vectors = {f"{name}_{c}" for name in ("displacement", "shear", "slip") for c in components}
+    return frozenset(vectors | {"slip_distance", "dissipated_energy_density", "contact_zone"})
+
+
+class ContactWithFriction(Contact):
+    """Pressure, shear, stick and slip. What a step needs of the last one is taken from its stored record alone."""
+
+    name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
+
+    def __init__(self, model: Model) -> None:
+        assert model.coupling is not None
+        assert model.friction is not None
+        grid, box, coupling = model.grid, model.contact_box, model.coupling
+        self._law, self._grid, self._numerics = model.friction, grid, model.numerics
+        self._components, self._periodic, self._drags = coupling.components, model.periodic, coupling.drags
+        self.directions = f"{coupling.components}z" if coupling.drags else "z"
+        self.fields = NORMAL_FIELDS | friction_fields(coupling.components)
+        self._coefficients = {
+            (i, j): PairCoefficients(model.influences[ALONG[j].name], model.bodies, i) for i, j in coupling.pairs
+        }
+        text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
+        keys = {j: kernel_key(model.influences[ALONG[j].name], model.bodies) for _, j in coupling.pairs}
+        self.kernels = tuple(
+            KernelUse(f"displacement {i}", ALONG[j].words, keys[j], text) for i, j in coupling.pairs
+        )  # fmt: skip
+        self.cost = friction_cost(grid.shape, box, coupling, model.numerics)
+        self.cost += layered_surface_cost(model, [ALONG[j].name for _, j in coupling.pairs])
+
+    def start(self) -> None:
+        """See `Contact.start`."""
+        from eigencontact.solvers.tangential.contact import FrictionalContact
+        from eigencontact.solvers.tangential.solver import TangentialOptions
+
+        numerics = self._numerics
+        options = TangentialOptions(
+            tolerance=numerics.tolerance,
+            max_iterations=numerics.max_iterations,
+            precision=numerics.precision,
+            threads=numerics.threads,
+            periodic=self._periodic,
+        )
+        self._contact = FrictionalContact(
+            self._grid, self._coefficients, self._bound, normal_options(numerics), options
+        )  # fmt: skip
+        self._time, self._scale = 0.0, 1.0
+
+    def _bound(self, pressure: FloatArray, before: Sliding) -> FloatArray:
+        """Bound of the law, for tractions that are scaled."""
+        y, x = self._grid.axes()
+        state = FrictionState(
+            pressure=pressure / self._scale if self._scale != 1.0 else pressure,
+            x=x, y=y, slip_distance=before.slip_distance, time=self._time,
+        )  # fmt: skip
+        return self._scale * checked_shear_bound(self._law, state)
+
+    def recall(self, last: StepRecord | None, offset: Fields) -> Sliding:
+        """See `Contact.recall`; before the first step the surfaces are where eigenstrain has put them."""
+        from eigencontact.solvers.tangential.contact import Sliding
+
+        dragged = self._rows(offset) if self._drags and offset else 0.0
+        if last is None:
+            rest = Sliding.at_rest(self._grid, self._components)
+            return replace(rest, position=rest.position + dragged)
+        rigid = np.array([last.scalars[displacement] for displacement, _ in MODES])
+        position = self._vector(last.fields, "displacement")
+        position -= np.einsum("m,mkij->kij", rigid, mode_fields(self._grid, self._components))
+        shear = self._vector(last.fields, "shear")
+        return Sliding(
+            pressure=last.fields["pressure"],
+            shear=shear,
+            position=position + dragged,
+            lift=self._contact.lift(shear),
+            rigid=rigid,
+            slip_distance=last.fields["slip_distance"],
+            dissipated=last.fields["dissipated_energy_density"],
+        )
+
+    def _vector(self, fields: Mapping[str, FloatArray], name: str) -> FloatArray:
+        return np.stack([fields[f"{name}_{c}"] for c in self._components])
+
+    def _rows(self, offset: Fields) -> FloatArray:
+        return np.stack([offset[c] for c in self._components])
+
+    def solve(
+        self,
+        increment: Increment,
+        memory: Any,
+        offset: Fields,
+        *,
+        softer: float = 0.0,
+        tolerance: float | None = None,
+        start: ContactAnswer | None = None,
+    ) -> ContactAnswer:
+        """See `Contact.solve`."""
+        assert increment.control is not None
+        assert increment.tangential is not None
+        assert increment.separation is not None
+        self._time, self._scale = increment.times[1], 1.0 + softer
+        found = self._contact.step(
+            increment.separation + offset["z"] if "z" in offset else increment.separation,
+            scaled_forces(increment.control, self._scale),
+            scaled_forces(increment.tangential, self._scale),
+            _scaled_sliding(memory, self._scale) if softer else memory,
+            offset=self._rows(offset) if self._drags and offset else None,
+            tolerance=tolerance,
+            start=None if start is None else _scaled(start.solution, self._scale),
+            progress=increment.progress,
+        )
+        solution = _scaled(found, 1.0 / self._scale)
+        along = solution.tangential.displacement + solution.tangential_by_pressure
+        rows = dict(zip(self._components, range(len(self._components)), strict=True))
+        return ContactAnswer(
+            tractions={
+                "pressure": solution.normal.pressure,
+                **{ALONG[c].field: solution.tangential.shear[k] for c, k in rows.items()},
+            },
+            displacement={
+                "z": solution.normal.displacement + solution.sliding.lift,
+                **{c: along[k] for c, k in rows.items()},
+            },
+            memory=solution.sliding,
+            solution=solution,
+            spent={
+                "iterations": normal_work(solution.normal)["iterations"],
+                "convolutions": float(solution.normal_convolutions),
+                "tangential_convolutions": float(solution.tangential_convolutions),
+            },
+        )
+
+    def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
+        """See `Contact.results`; slip and what has slipped add up over the increments."""
+        found: list[FrictionalSolution] = [answer.solution for answer in answers]
+        last = found[-1]
+        normal, tangential, sliding = last.normal, last.tangential, last.sliding
+        loaded = normal.pressure > 0
+        slipping = [(one.normal.pressure > 0) & ~one.tangential.stick for one in found]
+        moved = [one.tangential.slip * where for one, where in zip(found, slipping, strict=True)]
+        stick = loaded & ~np.any(slipping, axis=0)
+        vectors = {
+            "displacement": tangential.displacement + last.tangential_by_pressure,
+            "shear": tangential.shear,
+            "slip": np.sum(moved, axis=0) * loaded,
+        }
+        fields = {
+            "pressure": normal.pressure,
+            "gap": normal.gap,
+            "displacement_z": normal.displacement + sliding.lift,
+            **{f"{name}_{c}": rows[k] for name, rows in vectors.items() for k, c in enumerate(self._components)},
+            "slip_distance": sliding.slip_distance,
+            "dissipated_energy_density": sliding.dissipated,
+            "contact_zone": np.where(stick, _STICK, np.where(loaded, _SLIP, 0.0)),
+        }
+        scalars = normal_scalars(normal, self._grid, periodic=self._periodic)
+        return fields, scalars | self._scalars(found) | self._zones(loaded, stick)
+
+    def _scalars(self, found: list[FrictionalSolution]) -> dict[str, float]:
+        last = found[-1]
+        forces, rigid = last.tangential.forces, last.tangential.rigid
+        certificates = [one.tangential.report.certificate for one in found]
+        normals = [one.normal.report.certificate for one in found]
+        worst = {
+            name: max(getattr(certificate, name) for certificate in certificates)
+            for name in ("bound", "stick", "alignment", "load")
+        }
+        return {
+            "gap_residual": max(certificate.gap for certificate in normals if certificate is not None),
+            "penetration_residual": max(certificate.penetration for certificate in normals if certificate is not None),
+            "load_residual": max(worst["load"], *(one.load for one in normals if one is not None)),
+            "tangential_load_x": float(forces[0]),
+            "tangential_load_y": float(forces[1]),
+            "tangential_load": float(np.hypot(forces[0], forces[1])),
+            "shift_x": float(rigid[0]),
+            "shift_y": float(rigid[1]),
+            "shift": float(np.hypot(rigid[0], rigid[1])),
+            "torsion_moment": float(forces[2]),
+            "twist": float(rigid[2]),
+            "dissipated_energy": float(last.sliding.dissipated.sum()) * self._grid.cell_area,
+            "bound_residual": worst["bound"],
+            "stick_residual": worst["stick"],
+            "alignment_residual": worst["alignment"],
+            "coupling_residual": max(one.coupling_residual for one in found),
+            "coupling_rounds": float(sum(one.rounds for one in found)),
+        }
+
+    def _zones(self, loaded: NDArray[np.bool_], stick: NDArray[np.bool_]) -> dict[str, float]:
+        whole = contact_area(loaded, self._grid, periodic=self._periodic)
+        inner = contact_area(stick, self._grid, periodic=self._periodic)
+        return {
+            "stick_radius": float(np.sqrt(max(inner, 0.0) / np.pi)),
+            "slip_fraction": float(np.clip(1.0 - inner / whole, 0.0, 1.0)) if whole > 0 else 0.0,
+        }
+
+
+def _scaled_sliding(sliding: Sliding, factor: float) -> Sliding:
+    """State of a contact whose tractions are multiplied; what has moved stays."""
+    names = ("pressure", "shear", "lift", "dissipated")
+    return replace(sliding, **{name: factor * getattr(sliding, name) for name in names})
+
+
+def _scaled(solution: FrictionalSolution, factor: float) -> FrictionalSolution:
+    """Solution with its tractions, forces and what they displace multiplied; motions, gap and slip stay."""
+    if factor == 1.0:
+        return solution
+    tangential = solution.tangential
+    names = ("shear", "displacement", "forces")
+    return replace(
+        solution,
+        normal=scaled_normal(solution.normal, factor),
+        tangential=replace(tangential, **{name: factor * getattr(tangential, name) for name in names}),
+        sliding=_scaled_sliding(solution.sliding, factor),
+        tangential_by_pressure=factor * solution.tangential_by_pressure,
+    )
+
+
+def friction_cost(shape: tuple[int, int], box: tuple[int, int], coupling: Coupling, numerics: Numerics) -> Cost:
+    """Normal and tangential contact together, by the directions of displacement and traction that have a kernel.
+
+    The counts are those of smooth contacts: `_APPLICATIONS` of the tangential kernels and half as many of their rough
+    inverse per round, and `_ROUNDS` rounds where the pressure feels the shear; rough contacts take about twice as many.
+    """
+    pace, periodic, pairs = speed(numerics.precision, numerics.threads), numerics.boundary == "periodic", coupling.pairs
+    normal = normal_cost(shape, box, numerics)
+    (ny, nx), (by, bx) = shape, (shape if periodic else box)
+    fy, fx = (by, bx) if periodic else (fast_even(2 * by), fast_even(2 * bx))
+    count, cross = len(coupling.components), sum((i == "z") != (j == "z") for i, j in pairs)
+    coupled = any(i == "z" and j != "z" for i, j in pairs)
+    rounds = _ROUNDS if coupled else 1
+    one = count * (pace.convolution(fy, fx) + 0.5 * pace.convolution(fast_even(by), fast_even(bx)))
+    one += 1.2e-7 * count * by * bx + 5e-4  # the vectors of the iteration, cell by cell
+    whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx))
+    once = len(pairs) * 3e-7 * (ny + by) * (nx + bx) / 4  # coefficients of the cross terms cost more than those of p
+    solve = rounds * (_APPLICATIONS * one + (count + cross) * whole) + (rounds - 1) * normal.seconds_per_step
+    real = 8 if numerics.precision == "double" else 4
+    padded = real * (ny + by) * (nx + bx)
+    kept = 3 if coupled else 1  # the contact changes from round to round, and each box has spectra of its own
+    held = 8.0 * ny * nx * (8 + 10 * count) + real * by * bx * 24 * count
+    held += padded * (kept * len(pairs) + 2 * count) + 2.0 * len(pairs) * (ny + by) * (nx + bx)
+    return Cost(memory=normal.memory + held, seconds_once=once, seconds_per_step=normal.seconds_per_step + solve)

@@ -1,0 +1,150 @@
+"""Inhomogeneities of one body in cells: each with an eigenstrain of its own, found by a Krylov solve or by sweeps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Layout
+from eigencontact.execution.block import Cost
+from eigencontact.execution.contact import Fields
+from eigencontact.execution.interiors.interior import loads
+from eigencontact.execution.interiors.responding import Responding
+from eigencontact.execution.material_cells import MaterialCells
+from eigencontact.execution.routes.route import Pace
+from eigencontact.execution.sampling import sampling_seconds, spectra_cost
+from eigencontact.model.boxes import box_of_inhomogeneities
+from eigencontact.model.kernels import KernelUse, StressCoefficients
+from eigencontact.model.model import Model
+from eigencontact.plugin import VariesInSpace
+
+__all__ = ["Cells"]
+
+FloatArray = NDArray[np.float64]
+
+#: Krylov iterations of one solve and rounds between it and the contact, typically, for the cost.
+_ITERATIONS, _ROUNDS = 15, 8
+
+
+class Cells(Responding):
+    """Equivalent eigenstrain of the cells of one box.
+
+    Parameters
+    ----------
+    model : Model
+        With inhomogeneities, cut into cells, in that body.
+    body : int
+        1 or 2.
+    directions : str
+        Of ``"xyz"``: along which the displacement of the surface is wanted.
+    """
+
+    def __init__(self, model: Model, body: int, directions: str) -> None:
+        sources = [source for source in model.inhomogeneities if source.body == body]
+        self._box, self._grid = box_of_inhomogeneities(sources), model.grid
+        super().__init__(model, body, directions, self._box.centres(model.grid))
+        self._kernels = [StressCoefficients(model.influences[t.name], model.half_space(body)) for t in model.tractions]
+        count = len(sources)
+        self.why = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
+        self._declare(model)
+
+    def _declare(self, model: Model) -> None:
+        """Price and kernels."""
+        (nz, ny, nx), (_, row, column) = self._box.lattice.shape, self._box.lattice.first
+        key = str(getattr(self._half_space.cell, "key", "cell"))
+        who = f"eigenstrain of {self._box.names}"
+        uses = [KernelUse("mean stress (6 components)", who, key, self._box.words, 58)]
+        one = Pace.of(self._half_space, "stress").volume(self._box.lattice, (ny, nx), (0.0, 0.0), nz)
+        applications = _ITERATIONS if not self._kernels else (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
+        # Eight Gauss points make the means; the solver keeps two vectors of six components an iteration.
+        cost = Cost(
+            memory=one.memory + 8.0 * 12 * self._box.lattice.cells * _ITERATIONS,
+            seconds_once=8.0 * one.seconds_once,
+            seconds_per_step=one.seconds_per_step * applications,
+        )
+        layout = Layout(self._grid.shape, (ny, nx), (row, column))
+        for item in model.tractions:
+            influence = model.influences[item.name]
+            seconds = 8.0 * sampling_seconds(influence, self._half_space.material)
+            cost += spectra_cost(layout, nz, seconds, model.numerics)
+            uses.append(
+                KernelUse("mean stress (6 components)", f"traction {item.name}", influence.key, self._box.words, nz)
+            )
+            uses.append(KernelUse(f"mean displacement {item.direction}", who, influence.key, "surface", nz))
+        if self._surface is not None:
+            cost += self._surface.cost
+            words = f"displacement {', '.join(self._centres)}"
+            uses.append(KernelUse(words, who, key, f"surface, {self._surface.words}"))
+        self.kernels = tuple(uses)
+        self.cost = cost if self._prescribed is None else cost + self._prescribed.cost
+
+    def start(self) -> None:
+        """See `Interior.start`."""
+        from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
+        from eigencontact.solvers.mean_stress import MeanVolumeField
+        from eigencontact.solvers.mean_surface import MeanStressKernel, SurfaceAndCells
+
+        precision, threads = self._numerics.precision, self._numerics.threads
+        cells, grid = self._box.cells(self._grid), self._grid
+        self._content = content = MaterialCells(self._box, self.sources, grid)
+        operator = MeanVolumeField(
+            self._half_space.cell, cells, cells, precision=precision, **self._half_space.options("stress")
+        )
+        self._system = InhomogeneousCells(
+            operator,
+            self._half_space.material,
+            [_of_box(law, self._box.centres(grid).flat_points()) for law in content.laws],
+            content.index,
+            fraction=content.fraction,
+            beside=content.beside,
+            normal=content.normal,
+        )
+        self._joint = None
+        if self._kernels:
+            kernels = [MeanStressKernel(kernel, cells.pitch[2]) for kernel in self._kernels]
+            directions = "".join(item.direction for item in self._tractions)
+            self._joint = SurfaceAndCells(grid, kernels, directions, cells, precision=precision, threads=threads)
+
+    def prestrain(self, time: float) -> FloatArray:
+        """See `Responding.prestrain`."""
+        return self._content.prestrain(time)
+
+    def applied(self, tractions: Fields) -> FloatArray:
+        """See `Responding.applied`."""
+        total = np.zeros((6, *self._content.shape))
+        if self._prescribed is not None:
+            total += self._prescribed.at(self._time)
+        if self._joint is not None and tractions and any(field.any() for field in tractions.values()):
+            total += self._joint.stress(loads(self.body, self._tractions, tractions))
+        return total
+
+    def solve(self, applied: FloatArray, prestrain: FloatArray, tolerance: float) -> Any:
+        """See `Responding.solve`."""
+        return self._system.solve(
+            applied, prestrain, start=self.eigenstrain, tolerance=tolerance,
+            max_iterations=self._numerics.max_iterations, progress=self.progress,
+        )  # fmt: skip
+
+    def mean_displacement(self, eigenstrain: FloatArray) -> FloatArray:
+        """See `Responding.mean_displacement`."""
+        assert self._joint is not None
+        return self._joint.displacement(eigenstrain)
+
+
+class _OfCells:
+    """Law whose constants depend on the place, in the cells of a box."""
+
+    def __init__(self, law: VariesInSpace, places: tuple[FloatArray, FloatArray, FloatArray]) -> None:
+        self._law, self._places = law, places
+
+    def of_cells(self, index: NDArray[np.intp]) -> Any:
+        """See `ElasticityOfCells`."""
+        x, y, z = (axis[index] for axis in self._places)
+        return self._law.at(x, y, z)
+
+
+def _of_box(law: Any, places: tuple[FloatArray, FloatArray, FloatArray]) -> Any:
+    """Elastic constants of a law in a box, by the centres of its cells."""
+    return _OfCells(law, places) if isinstance(law, VariesInSpace) else law

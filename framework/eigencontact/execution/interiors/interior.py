@@ -1,0 +1,84 @@
+"""What an interior is to the contact above it, and to the regions that look at it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.tractions import Traction, side
+from eigencontact.execution.block import Part
+from eigencontact.execution.contact import Fields
+from eigencontact.execution.increment import Increment
+from eigencontact.results.records import HistoryRecord
+
+__all__ = ["Interior", "by_direction", "eigenstrain_name", "loads"]
+
+FloatArray = NDArray[np.float64]
+Remembered = Mapping[str, HistoryRecord]
+
+
+class Interior(Part):
+    """Something below the surface of one body.
+
+    Attributes
+    ----------
+    body : int
+        1 or 2.
+    responds : bool
+        Whether it answers the tractions.
+    """
+
+    body: int = 1
+    responds: bool = True
+
+    def start(self) -> None:
+        """Build the operators."""
+
+    @abstractmethod
+    def begin(self, increment: Increment, last: Remembered) -> None:
+        """Take up the state of the last accepted increment, as it was stored; at rest `last` is empty."""
+
+    @property
+    def unknown(self) -> FloatArray:
+        """What is iterated on from outside; empty where an image is the whole answer to the tractions."""
+        return np.zeros(0)
+
+    @unknown.setter
+    def unknown(self, values: FloatArray) -> None: ...
+
+    @abstractmethod
+    def displacement(self, directions: str) -> dict[str, FloatArray]:
+        """Displacement of the surfaces by the present state, by direction [m]; along them body 1 less body 2."""
+
+    def image(self, tractions: Fields, tolerance: float) -> tuple[FloatArray, float]:
+        """Where these tractions would put the unknown, and the relative residual of the present one.
+
+        Without an unknown the interior answers here, to the tolerance, and what it displaces follows.
+        """
+        raise NotImplementedError
+
+    def remembered(self) -> dict[str, HistoryRecord]:
+        """What must be stored of the present state, for the next increment and for other regions."""
+        return {}
+
+    def scalars(self) -> dict[str, float]:
+        """Numbers of the work since `begin`; those of several interiors are summed, residuals compared."""
+        return {}
+
+
+def eigenstrain_name(body: int) -> str:
+    """Name under which the equivalent eigenstrain of a body is remembered."""
+    return f"equivalent_eigenstrain_{body}"
+
+
+def by_direction(body: int, directions: Sequence[str], rows: FloatArray) -> dict[str, FloatArray]:
+    """Displacement of one body ``(n, ny, nx)`` as its share in that of both, by direction."""
+    return {name: side(body, name) * row for name, row in zip(directions, rows, strict=True)}
+
+
+def loads(body: int, tractions: Sequence[Traction], fields: Fields) -> list[FloatArray]:
+    """Tractions on one body, in their order, from surface fields of both."""
+    return [side(body, item.direction) * fields[item.field] for item in tractions]

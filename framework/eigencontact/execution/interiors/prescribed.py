@@ -1,0 +1,62 @@
+"""Prescribed eigenstrain: displaces the surface whatever the tractions are."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.execution.increment import Increment
+from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction
+from eigencontact.execution.routes.prescribed import PrescribedField
+from eigencontact.execution.routes.route import HalfSpace
+from eigencontact.model.model import Model
+from eigencontact.model.regions import surface_lattice
+
+__all__ = ["PrescribedEigenstrain", "names_of"]
+
+FloatArray = NDArray[np.float64]
+
+
+class PrescribedEigenstrain(Interior):
+    """The regions of one body with prescribed eigenstrain.
+
+    Parameters
+    ----------
+    model : Model
+        With regions in that body.
+    body : int
+        1 or 2.
+    directions : str
+        Of ``"xyz"``: along which the displacement of the surface is wanted.
+    """
+
+    responds = False
+
+    def __init__(self, model: Model, body: int, directions: str) -> None:
+        sources = [source for source in model.prescribed if source.body == body]
+        self.body, self._directions = body, directions
+        self.name = "residual-displacement" if body == 1 else f"residual-displacement-{body}"
+        self.why = "displacement of the surface by " + names_of([source.name for source in sources])
+        rows = tuple("xyz".index(name) for name in directions)
+        self._field = PrescribedField(
+            HalfSpace.of(model, body), sources, "displacement", surface_lattice(model.grid), rows
+        )  # fmt: skip
+        self.cost = self._field.cost
+        points = f"{model.grid.nx} x {model.grid.ny} points of the surface"
+        self.kernels = self._field.uses(f"displacement {', '.join(directions)}", points)
+        self._time = 0.0
+
+    def begin(self, increment: Increment, last: Remembered) -> None:  # noqa: ARG002
+        """See `Interior.begin`."""
+        self._time = increment.times[1]
+
+    def displacement(self, directions: str) -> dict[str, FloatArray]:
+        """See `Interior.displacement`."""
+        found = by_direction(self.body, self._directions, self._field.at(self._time)[:, 0])
+        return {name: found[name] for name in directions}
+
+
+def names_of(names: list[str]) -> str:
+    """Names of regions for people, the first four of many."""
+    shown = ", ".join(map(repr, names[:4]))
+    return shown if len(names) <= 4 else f"{shown} and {len(names) - 4} more"

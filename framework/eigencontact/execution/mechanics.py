@@ -1,0 +1,170 @@
+"""The mechanics of a load step: the contact, the interiors below it, and the halving of steps that are too large."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from time import perf_counter
+from typing import Any
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import NotConverged
+from eigencontact.execution.block import Block, Cost, Part
+from eigencontact.execution.contact import Contact, ContactAnswer
+from eigencontact.execution.coupled import Coupled, Solved
+from eigencontact.execution.increment import Increment
+from eigencontact.execution.interiors.interior import Interior, eigenstrain_name
+from eigencontact.execution.step import Step
+from eigencontact.model.model import Model
+from eigencontact.scene.schema import Numerics
+
+__all__ = ["Mechanics", "mechanics_of"]
+
+#: Times that a load step may be halved.
+_HALVINGS = 5
+
+
+class Mechanics(Block):
+    """A contact, interiors, or both together.
+
+    An increment that does not converge is halved; what the first half leaves behind is the start of the second.
+
+    Parameters
+    ----------
+    contact : Contact or None
+    interiors : sequence of Interior
+        Some, where there is no contact.
+    grid : Grid
+        The window.
+    numerics : Numerics
+        Tolerance, and whether contact may reach the edge.
+    directions : str
+        Of ``"xyz"``: along which the displacement of the surfaces by the interiors is wanted.
+    """
+
+    def __init__(
+        self, contact: Contact | None, interiors: Sequence[Interior], grid: Grid, numerics: Numerics, directions: str
+    ) -> None:
+        self._contact, self._interiors, self._grid, self._numerics = contact, tuple(interiors), grid, numerics
+        self._directions = directions if interiors else ""
+        self._coupled = Coupled(contact, self._interiors, numerics, self._directions)
+        parts: list[Part] = [*([] if contact is None else [contact]), *interiors]
+        self._parts = tuple(parts)
+        self.name, self.why = parts[0].name, parts[0].why
+        self.kernels = [kernel for part in parts for kernel in part.kernels]
+        self.cost = sum((part.cost for part in parts), Cost())
+        self.requires = frozenset() if contact is None else frozenset({"separation"})
+        lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in self._directions}
+        own = frozenset() if contact is None else contact.fields
+        self.wanted = {**dict.fromkeys(sorted(own), "every run"), **lifts}
+        solved = {eigenstrain_name(interior.body) for interior in interiors if interior.responds}
+        self.provides = own | frozenset(lifts) | solved
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """See `Block.parts`."""
+        return self._parts
+
+    def start(self) -> None:
+        """See `Block.start`."""
+        for part in (self._contact, *self._interiors):
+            if part is not None:
+                part.start()
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        began, increment = perf_counter(), Increment.of(step)
+        before = self._before(step, increment)
+        memory = None
+        if self._contact is not None:
+            memory = self._contact.recall(step.previous, before.displacement)
+        found = self._solved(increment, memory, before, 0)
+        last = found[-1]
+        step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
+        step.history |= last.remembered
+        spent: dict[str, float] = defaultdict(float)
+        for one in found:
+            for name, value in one.scalars.items():
+                spent[name] += value
+        for name in [name for name in spent if name.endswith("residual")]:
+            spent[name] = max(one.scalars[name] for one in found)
+        answers = [one.contact for one in found if one.contact is not None]
+        if self._contact is not None:
+            self._store(step, self._contact, answers)
+            spent["solve_seconds"] = perf_counter() - began
+            spent["substeps"] = len(found)
+        step.scalars |= spent
+        if "z" in last.displacement:
+            sunk = last.displacement["z"]
+            step.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
+            step.scalars["max_sink"] = max(0.0, float(sunk.max()))
+
+    def _store(self, step: Step, contact: Contact, answers: Sequence[ContactAnswer]) -> None:
+        """Fields and scalars of the contact; at the edge of the window it is refused."""
+        from eigencontact.solvers.coarse_to_fine import refuse_edge
+
+        fields, scalars = contact.results(answers)
+        if self._numerics.boundary != "periodic" and not self._numerics.allow_contact_at_edge:
+            refuse_edge(fields["pressure"], self._grid)
+        step.fields |= fields
+        step.scalars |= scalars
+
+    def _before(self, step: Step, increment: Increment) -> Solved:
+        """State of the interiors before the step, from what is stored of the last one alone."""
+        if step.previous is None:
+            return self._coupled.at_rest(increment)
+        fields, history = step.previous.fields, step.previous.history
+        displaced = {name: fields[f"residual_displacement_{name}"] for name in self._directions}
+        return Solved(contact=None, displacement=displaced, remembered=dict(history))
+
+    def _solved(self, increment: Increment, memory: Any, before: Solved, depth: int) -> list[Solved]:
+        """The increments that one is solved in: itself, or its halves where it is too large to converge."""
+        try:
+            return [self._coupled.solve(increment, memory, before)]
+        except NotConverged:
+            if depth == _HALVINGS:
+                raise
+        first, second = increment.halves()
+        found = self._solved(first, memory, before, depth + 1)
+        reached = found[-1]
+        memory = None if reached.contact is None else reached.contact.memory
+        return found + self._solved(second, memory, reached, depth + 1)
+
+
+def mechanics_of(model: Model) -> Mechanics | None:
+    """The mechanics of a scene; None where it has neither contact nor eigenstrain."""
+    contact: Contact | None = None
+    if model.friction is not None:
+        from eigencontact.execution.friction_contact import ContactWithFriction
+
+        contact = ContactWithFriction(model)
+    elif model.geometries:
+        from eigencontact.execution.normal_contact import NormalContact
+
+        contact = NormalContact(model)
+    dragged = model.coupling is not None and model.coupling.drags
+    everything = contact is None or model.scene.output.tangential_displacement or dragged
+    directions = "xyz" if everything else "z"
+    interiors = interiors_of(model, directions)
+    if contact is None and not interiors:
+        return None
+    return Mechanics(contact, interiors, model.grid, model.numerics, directions)
+
+
+def interiors_of(model: Model, directions: str) -> list[Interior]:
+    """What lies below the surface of both bodies."""
+    found: list[Interior] = []
+    for body in sorted({source.body for source in model.prescribed}):
+        from eigencontact.execution.interiors.prescribed import PrescribedEigenstrain
+
+        found.append(PrescribedEigenstrain(model, body, directions))
+    for body in sorted({source.body for source in model.inhomogeneities}):
+        if model.numerics.inclusion_resolution == "whole":
+            from eigencontact.execution.interiors.wholes import Wholes
+
+            found.append(Wholes(model, body, directions))
+        else:
+            from eigencontact.execution.interiors.cells import Cells
+
+            found.append(Cells(model, body, directions))
+    return found

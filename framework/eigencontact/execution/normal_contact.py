@@ -1,0 +1,151 @@
+"""Frictionless contact: pressure and gap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import log2
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.layout import fast_even
+from eigencontact.convolution.pace import speed
+from eigencontact.core.grid import Grid
+from eigencontact.execution.block import Cost
+from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
+from eigencontact.execution.increment import Increment
+from eigencontact.execution.sampling import layered_surface_cost
+from eigencontact.model.bodies import kernel_key
+from eigencontact.model.kernels import KernelUse, PairCoefficients
+from eigencontact.model.model import Model
+from eigencontact.results.records import StepRecord
+from eigencontact.scene.schema import Numerics
+from eigencontact.solvers.contact_area import contact_area
+from eigencontact.solvers.normal import NormalSolver
+from eigencontact.solvers.solution import NormalSolution
+
+__all__ = ["NORMAL_FIELDS", "NormalContact", "normal_cost", "normal_scalars", "normal_work", "scaled_normal"]
+
+FloatArray = NDArray[np.float64]
+
+#: Surface fields of every contact.
+NORMAL_FIELDS = frozenset({"pressure", "gap", "displacement_z"})
+
+
+class NormalContact(Contact):
+    """Pressure and gap; eigenstrain that lifts or lowers the surfaces changes the gap before any load."""
+
+    name, why = "normal-contact", "pressure, contact area, approach"
+    fields = NORMAL_FIELDS
+
+    def __init__(self, model: Model) -> None:
+        grid, box = model.grid, model.contact_box
+        self._grid, self._numerics = grid, model.numerics
+        self._coefficients = PairCoefficients(model.influences["p"], model.bodies, "z")
+        text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
+        key = kernel_key(model.influences["p"], model.bodies)
+        self.kernels = (KernelUse("displacement z", "pressure p", key, text),)
+        self.cost = normal_cost(grid.shape, box, model.numerics) + layered_surface_cost(model, ["p"])
+
+    def start(self) -> None:
+        """See `Contact.start`."""
+        self._solver = NormalSolver(self._grid, self._coefficients, normal_options(self._numerics))
+
+    def recall(self, last: StepRecord | None, offset: Fields) -> None:
+        """Nothing; see `Contact.recall`."""
+
+    def solve(
+        self,
+        increment: Increment,
+        memory: Any,
+        offset: Fields,
+        *,
+        softer: float = 0.0,
+        tolerance: float | None = None,
+        start: ContactAnswer | None = None,
+    ) -> ContactAnswer:
+        """See `Contact.solve`."""
+        assert increment.control is not None
+        assert increment.separation is not None
+        scale = 1.0 + softer
+        solution = self._solver.solve(
+            increment.separation + offset["z"] if "z" in offset else increment.separation,
+            scaled_forces(increment.control, scale),
+            start=None if start is None else scale * start.tractions["pressure"],
+            tolerance=tolerance,
+            progress=increment.progress,
+        )
+        solution = scaled_normal(solution, 1.0 / scale) if softer else solution
+        return ContactAnswer(
+            tractions={"pressure": solution.pressure},
+            displacement={"z": solution.displacement},
+            memory=memory,
+            solution=solution,
+            spent=normal_work(solution),
+        )
+
+    def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
+        """See `Contact.results`; the way to a load does not matter."""
+        solution: NormalSolution = answers[-1].solution
+        fields = {"pressure": solution.pressure, "gap": solution.gap, "displacement_z": solution.displacement}
+        scalars = normal_scalars(solution, self._grid, periodic=self._numerics.boundary == "periodic")
+        return fields, scalars
+
+
+def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:
+    """Solution with its tractions, forces and what they displace multiplied; motions and gap stay."""
+    names = ("pressure", "displacement", "normal_load", "moment_x", "moment_y")
+    return replace(solution, **{name: factor * getattr(solution, name) for name in names})
+
+
+def normal_work(solution: NormalSolution) -> dict[str, float]:
+    """Iterations and convolutions."""
+    report = solution.report
+    return {"iterations": float(report.iterations), "convolutions": float(report.convolutions)}
+
+
+def normal_scalars(solution: NormalSolution, grid: Grid, *, periodic: bool) -> dict[str, float]:
+    """Numbers of a normal contact, as they are stored."""
+    certificate = solution.report.certificate
+    assert certificate is not None
+    loaded = solution.pressure > 0
+    area = contact_area(loaded, grid, periodic=periodic)
+    return {
+        "normal_load": solution.normal_load,
+        "approach": solution.approach,
+        "tilt_x": solution.tilt_x,
+        "tilt_y": solution.tilt_y,
+        "moment_x": solution.moment_x,
+        "moment_y": solution.moment_y,
+        "contact_area": area,
+        "contact_area_counted": float(np.count_nonzero(loaded)) * grid.cell_area,
+        "contact_radius": float(np.sqrt(area / np.pi)),
+        "max_pressure": float(solution.pressure.max()),
+        "gap_residual": certificate.gap,
+        "penetration_residual": certificate.penetration,
+        "load_residual": certificate.load,
+    }
+
+
+def normal_cost(shape: tuple[int, int], box: tuple[int, int], numerics: Numerics) -> Cost:
+    """Normal contact on a box of the window: the finest grid, the coarser ones, the certificate, the coefficients.
+
+    The counts are those of smooth contacts (8 iterations of two convolutions and one preconditioner, each grid a
+    quarter of the next); rough contacts take up to three times as many.
+    """
+    pace, periodic = speed(numerics.precision, numerics.threads), numerics.boundary == "periodic"
+    ny, nx = shape
+    by, bx = (ny, nx) if periodic and 2 * max(box[0] / ny, box[1] / nx) > 1 else box
+    fy, fx = (by, bx) if periodic else (fast_even(2 * by), fast_even(2 * bx))
+    levels = max(1.0, log2(max(2, min(ny, nx) / 16)))
+    iteration = 2.0 * pace.convolution(fy, fx) + pace.convolution(fast_even(by), fast_even(bx))
+    iteration += 1.5e-8 * by * bx + 4e-4  # the vectors of the conjugate gradients
+    whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx)) + 3e-8 * ny * nx
+    solve = 8.5 * iteration * 1.25 + levels * 2.5e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
+    if periodic:
+        solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
+    real = 8 if numerics.precision == "double" else 4
+    held = 8.0 * ny * nx * 8 + real * by * bx * 12 + real * (fy * fx / 4 + 3 * by * fx) + 8 * (ny + by) * (nx + bx)
+    return Cost(memory=held, seconds_per_step=solve)

@@ -1,0 +1,108 @@
+"""Route for shapes with potentials: closed forms at the points, many shapes summed as a cloud of point sources."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.pace import timed
+from eigencontact.execution.block import Cost
+from eigencontact.execution.routes.route import Route
+from eigencontact.halfspace.potentials import HasFarField, HasPotentials
+from eigencontact.model.sources import Source
+
+__all__ = ["ClosedForms"]
+
+FloatArray = NDArray[np.float64]
+
+#: From so many closed forms on they are summed as a cloud of point sources where that is exact.
+_CLOUD = 16
+#: Points on which the closed form of a shape is timed, spread over those wanted.
+_SAMPLE = 1024
+#: Seconds of one pair of a point source and a field point on one thread; and once, to load the compiled loop.
+_PAIR, _LOAD = 2e-8, 0.5
+
+_KNOWN: dict[tuple[object, ...], float] = {}
+
+
+class ClosedForms(Route):
+    """Field of a uniform eigenstrain in each of some shapes, ``(6, n)``."""
+
+    @property
+    def words(self) -> str:
+        """See `Route.words`."""
+        return self.sources[0].how
+
+    @property
+    def cost(self) -> Cost:
+        """See `Route.cost`; nothing is kept but the field itself, so all of it is the price of a step."""
+        count, workers = int(np.prod(self.lattice.shape)), 0.8 * self.half_space.threads
+        held = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
+        if len(self.sources) >= _CLOUD:
+            seconds = sum(self._cloud_pace(source) for source in self.sources)
+            return Cost(memory=held, seconds_per_step=_LOAD + count * seconds / workers)
+        seconds = sum(self._point_pace(source) for source in self.sources)
+        return Cost(memory=held, seconds_per_step=count * seconds / workers + 1e-3 * len(self.sources))
+
+    def _cloud_pace(self, source: Source) -> float:
+        """Time of one point on one thread [s], for one shape of many: by its distance, near by its potentials."""
+        from eigencontact.halfspace.cloud import uses_point_sources
+
+        shape = cast("HasPotentials", source.shape)
+        if not uses_point_sources(shape):
+            return self._point_pace(source)
+        finest = cast("HasFarField", shape).far_field()
+        points = self._some_points()
+        distance, above = (
+            np.linalg.norm([x - c for x, c in zip(points, finest.center * (1.0, 1.0, side), strict=True)], axis=0)
+            for side in (1.0, -1.0)
+        )
+        used = np.full(distance.size, len(finest.volumes))
+        for far in reversed(finest.levels):
+            used[distance >= far.distance] = len(far.volumes)
+        images = 0.0 if self.half_space.full else 2.0 * float(np.mean(above < finest.distance))
+        near = float(np.mean(distance < finest.distance)) + images
+        return float(used.mean()) * _PAIR + (near * self._point_pace(source) if near else 0.0)
+
+    def _point_pace(self, source: Source) -> float:
+        """Measured time of one point on one thread [s]; like shapes of a scene at like points are timed once."""
+        mandel = source.uniform_eigenstrain(1.0)
+        key = (type(source.shape), self.quantity, self.half_space.space, tuple(mandel != 0), self.lattice.shape)
+        if key not in _KNOWN:
+            points, strain = self._some_points(), mandel if mandel.any() else np.ones(6)
+            _KNOWN[key] = timed(lambda: self._at(source, strain, points, threads=1)) / points[0].size
+        return _KNOWN[key]
+
+    def _some_points(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return self.lattice.flat_points(every=max(1, int(np.prod(self.lattice.shape)) // _SAMPLE))
+
+    def _at(
+        self, source: Source, strain: FloatArray, points: tuple[FloatArray, FloatArray, FloatArray], threads: int | None
+    ) -> FloatArray:
+        from eigencontact.halfspace.points import field_at_points
+
+        return field_at_points(
+            cast("HasPotentials", source.shape), strain, points, poisson_ratio=self.half_space.material.poisson_ratio,
+            quantity=self.quantity, space=self.half_space.space, threads=threads,
+        )  # fmt: skip
+
+    def field(self, eigenstrain: FloatArray) -> FloatArray:
+        """See `Route.field`."""
+        points, threads = self.lattice.flat_points(), self.half_space.numerics.threads
+        if len(self.sources) >= _CLOUD:
+            from eigencontact.halfspace.cloud import field_of_cloud
+
+            values = field_of_cloud(
+                [cast("HasPotentials", source.shape) for source in self.sources], eigenstrain.T, points,
+                poisson_ratio=self.half_space.material.poisson_ratio, quantity=self.quantity,
+                space=self.half_space.space, threads=threads,
+            )  # fmt: skip
+        else:
+            values = np.zeros((3 if self.quantity == "displacement" else 6, points[0].size))
+            for source, strain in zip(self.sources, eigenstrain.T, strict=True):
+                values += self._at(source, strain, points, threads)
+        if self.quantity == "stress":
+            values *= self.half_space.material.shear_modulus
+        return values[list(self.rows)].reshape(self.shape)

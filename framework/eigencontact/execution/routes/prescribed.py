@@ -1,0 +1,184 @@
+"""Fields of prescribed eigenstrain at any time: the regions of one body, each by its cheapest route."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.execution.block import Cost
+from eigencontact.execution.cell_strain import CellStrain
+from eigencontact.execution.routes.cells import Planes, cheapest
+from eigencontact.execution.routes.closed_form import ClosedForms
+from eigencontact.execution.routes.route import CellRoute, HalfSpace
+from eigencontact.model.boxes import CellBox, boxes_of
+from eigencontact.model.kernels import KernelUse
+from eigencontact.model.regions import RegionLattice
+from eigencontact.model.sources import Source
+
+__all__ = ["PrescribedField", "cell_route"]
+
+FloatArray = NDArray[np.float64]
+Rows = tuple[int, ...] | None
+
+
+class PrescribedField:
+    """Field of the prescribed eigenstrain of one body at the points of a lattice.
+
+    What does not change with time is evaluated once, and the operators that it took are forgotten.
+    """
+
+    def __init__(
+        self, half_space: HalfSpace, sources: Sequence[Source], quantity: str, lattice: RegionLattice, rows: Rows = None
+    ) -> None:
+        self.quantity, self._rows = quantity, rows
+        self._shape = (len(rows) if rows is not None else 3 if quantity == "displacement" else 6, *lattice.shape)
+        still, moving = ([s for s in sources if bool(s.field.varies) is varies] for varies in (False, True))
+        find = partial(_terms, half_space, quantity=quantity, lattice=lattice, rows=rows)
+        self._still, self._moving = find(still), find(moving)
+        #: Price of all steps.
+        self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
+        self._told = [told for term in (*self._still, *self._moving) for told in term.told()]
+        self._once: FloatArray | None = None
+
+    def uses(self, what: str, where: str) -> list[KernelUse]:
+        """Influence coefficients; those of like regions are counted together.
+
+        Parameters
+        ----------
+        what : str
+            The field in words: ``"stress (6 components)"``.
+        where : str
+            The points in words.
+        """
+        found: dict[tuple[str, str], KernelUse] = {}
+        for source, who, how in self._told:
+            like = (source.key, how)
+            if like in found:
+                found[like] = replace(found[like], count=found[like].count + 1)
+            else:
+                found[like] = KernelUse(what, f"eigenstrain of {who}", source.key, f"{where}, {how}")
+        return list(found.values())
+
+    def at(self, time: float) -> FloatArray:
+        """Field at one time, ``(rows, *lattice.shape)``."""
+        if self._once is None:
+            self._once = np.zeros(self._shape)
+            while self._still:
+                self._once += self._still.pop().at(time)
+        total = self._once
+        for term in self._moving:
+            total = total + term.at(time)
+        return total
+
+
+class _Term(ABC):
+    """Field of some regions, and what `explain` says of it."""
+
+    cost: Cost
+
+    @abstractmethod
+    def told(self) -> list[tuple[Source, str, str]]:
+        """Region, its name in words, and how its field is found."""
+
+    @abstractmethod
+    def at(self, time: float) -> FloatArray:
+        """Field at one time."""
+
+
+def _terms(
+    half_space: HalfSpace, sources: Sequence[Source], quantity: str, lattice: RegionLattice, rows: Rows
+) -> list[_Term]:
+    if not sources:
+        return []
+    if half_space.numerics.half_space == "image-pressure":
+        return [_ByImage(half_space, sources, quantity, lattice, rows)]
+    exact = [source for source in sources if source.lattice is None]
+    found: list[_Term] = [_Uniform(ClosedForms(half_space, exact, quantity, lattice, rows))] if exact else []
+    return found + [
+        _InCells(cell_route(half_space, box, quantity, lattice, rows)) for box in boxes_of(sources)
+    ]  # fmt: skip
+
+
+def cell_route(
+    half_space: HalfSpace, box: CellBox, quantity: str, lattice: RegionLattice, rows: Rows = None
+) -> CellRoute:
+    """Route from the eigenstrain in a box of cells: that of the numerics, or the cheapest exact one."""
+    if half_space.numerics.half_space == "periodic":
+        from eigencontact.execution.routes.lower_fidelities import Periodic
+
+        return Periodic(half_space, box, quantity, lattice, rows)
+
+    def make(kind: type[Planes]) -> Planes:
+        return kind(half_space, box, quantity, lattice, rows)
+
+    return cheapest(make, lattice, box.lattice.edges[0])
+
+
+class _InCells(_Term):
+    """Regions that are cut into cells."""
+
+    def __init__(self, route: CellRoute) -> None:
+        self._route, self._strain = route, CellStrain(route.box, route.half_space.grid)
+        self.cost = route.cost
+
+    def told(self) -> list[tuple[Source, str, str]]:
+        return [(self._route.sources[0], self._route.box.names, self._route.words)]
+
+    def at(self, time: float) -> FloatArray:
+        return self._route.field(self._strain(time))
+
+
+class _Uniform(_Term):
+    """Shapes with uniform eigenstrain.
+
+    Their field is linear in the eigenstrain: where all of it only changes by one factor, the field at the end of the
+    first step is scaled (always that one, so that a resumed run gives the same numbers to the last digit).
+    """
+
+    def __init__(self, route: ClosedForms) -> None:
+        self._route = route
+        self._end = self._strain(1.0)
+        self._at_end: FloatArray | None = None
+        self.cost = route.cost.once
+
+    def told(self) -> list[tuple[Source, str, str]]:
+        return [(source, repr(source.name), source.how) for source in self._route.sources]
+
+    def _strain(self, time: float) -> FloatArray:
+        return np.array([source.uniform_eigenstrain(time) for source in self._route.sources]).T
+
+    def at(self, time: float) -> FloatArray:
+        eigenstrain, size = self._strain(time), float(np.sum(self._end * self._end))
+        factor = float(np.sum(eigenstrain * self._end)) / size if size else 0.0
+        if not np.allclose(factor * self._end, eigenstrain, rtol=1e-14, atol=0.0):
+            return self._route.field(eigenstrain)
+        if self._at_end is None:
+            self._at_end = self._route.field(self._end)
+        return factor * self._at_end
+
+
+class _ByImage(_Term):
+    """Regions in a half-space of image and pressure."""
+
+    def __init__(
+        self, half_space: HalfSpace, sources: Sequence[Source], quantity: str, lattice: RegionLattice, rows: Rows
+    ) -> None:
+        from eigencontact.execution.routes.lower_fidelities import ImagePressureField
+
+        exact = replace(half_space, numerics=half_space.numerics.model_copy(update={"half_space": "full-space"}))
+        self._field = ImagePressureField(
+            half_space, sources, quantity, lattice, lambda name, points: PrescribedField(exact, sources, name, points)
+        )
+        self._rows, self._sources = slice(None) if rows is None else list(rows), sources
+        self.cost = self._field.cost
+
+    def told(self) -> list[tuple[Source, str, str]]:
+        return [(source, repr(source.name), self._field.words) for source in self._sources]
+
+    def at(self, time: float) -> FloatArray:
+        return self._field.at(time)[self._rows]

@@ -1,0 +1,65 @@
+"""A load step while it is computed: what is prescribed, the step before, and what the blocks have found so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.results.records import HistoryRecord, RegionRecord, StepRecord
+from eigencontact.solvers.control import Control
+from eigencontact.solvers.report import Progress
+from eigencontact.solvers.tangential.control import TangentialControl
+
+__all__ = ["Step"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class Step:
+    """What one load step has produced so far.
+
+    Attributes
+    ----------
+    index, time : int, float
+        Number of the step from 1, and its place in the load history: 1 ends the first table of steps.
+    control : Control or None
+        What is prescribed of the contact; None without one.
+    tangential : TangentialControl or None
+        What is prescribed along the surface; None without friction.
+    travel : (float, float)
+        Place (x, y) of the geometry [m].
+    previous : StepRecord or None
+        The last accepted step, as it is stored; None in the first.
+    fields, scalars, regions, observed, history
+        Results, by name.
+    progress : callable or None
+        Told the residual of each iteration.
+    """
+
+    index: int
+    time: float
+    control: Control | None = None
+    tangential: TangentialControl | None = None
+    travel: tuple[float, float] = (0.0, 0.0)
+    previous: StepRecord | None = None
+    fields: dict[str, FloatArray] = field(default_factory=dict)
+    scalars: dict[str, float] = field(default_factory=dict)
+    regions: dict[str, RegionRecord] = field(default_factory=dict)
+    observed: dict[str, float] = field(default_factory=dict)
+    history: dict[str, HistoryRecord] = field(default_factory=dict)
+    progress: Progress | None = None
+
+    def record(self) -> StepRecord:
+        """The step as it is handed on and stored."""
+        return StepRecord(
+            index=self.index,
+            time=self.time,
+            scalars=self.scalars,
+            fields={name: values for name, values in self.fields.items() if name != "separation"},
+            regions=self.regions,
+            observed=self.observed,
+            history=self.history,
+        )

@@ -1,0 +1,165 @@
+"""Stress and strain that the tractions of a contact cause at the points of a region."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution import Layout
+from eigencontact.core.grid import Box
+from eigencontact.core.material import Material
+from eigencontact.core.parallel import available_threads
+from eigencontact.execution.block import Cost
+from eigencontact.execution.interiors.interior import loads
+from eigencontact.execution.sampling import layered_tables_cost, sampling_seconds, spectra_cost
+from eigencontact.execution.step import Step
+from eigencontact.model.bodies import kernel_key
+from eigencontact.model.kernels import KernelUse, Solid, StressCoefficients
+from eigencontact.model.model import Model
+from eigencontact.model.regions import RegionLattice
+from eigencontact.scene.schema import StressRequest
+
+__all__ = ["TractionField"]
+
+FloatArray = NDArray[np.float64]
+
+#: Depths of a close-up whose coefficients are held at once.
+_AT_ONCE = 16
+
+
+class TractionField:
+    """Field of one body; the spectra are kept as long as the contact stays in the box that they were made for.
+
+    Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
+    stress is that of body 1 under those.
+    """
+
+    def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
+        body = model.bodies[request.body - 1]
+        assert body is not None
+        self._body: Solid = body
+        self._number, self._wanted, self._lattice = request.body, request.fields, lattice
+        self._grid, self._numerics, self._periodic = model.grid, model.numerics, model.periodic
+        self._tractions = model.tractions
+        self._kernels = [StressCoefficients(model.influences[item.name], body) for item in model.tractions]
+        self.requires = frozenset(item.field for item in model.tractions)
+        self._operator: Any = None
+        self._declare(model)
+
+    def _declare(self, model: Model) -> None:
+        """Price and kernels."""
+        lattice, numerics, pressure = self._lattice, self._numerics, model.influences["p"]
+        sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
+        if lattice.points is not None:
+            tables, text = len(lattice.points), f"{len(lattice.points)} points, superposed directly"
+            cells, workers = model.contact_box[0] * model.contact_box[1], numerics.threads or available_threads()
+            seconds = tables * (sampling * count * cells + 1e-4) / (0.75 * workers)
+            cost = Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
+            layered = layered_tables_cost(pressure, self._body, tables * count, numerics).anew
+        else:
+            tables, text = lattice.depths.size * lattice.finer[0] * lattice.finer[1], lattice.words
+            cost = spectra_cost(self._layout(model), tables, sampling, numerics, tractions=count)
+            if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
+                cost = Cost(
+                    seconds_per_step=cost.seconds_once + cost.seconds_per_step,
+                    transient=cost.memory * min(1.0, _AT_ONCE / tables),
+                )
+            layered = layered_tables_cost(pressure, self._body, tables * count, numerics)
+        self.cost = cost + layered
+        self.kernels = tuple(
+            KernelUse(
+                "stress (6 components)", item.words, kernel_key(model.influences[item.name], [self._body]), text,
+                1 if lattice.points is not None else tables,
+            )
+            for item in self._tractions
+        )  # fmt: skip
+
+    def _layout(self, model: Model) -> Layout:
+        """Transform from a contact in the middle of the window to the lattice."""
+        shape, lattice = model.grid.shape, self._lattice
+        if self._periodic:
+            return Layout(shape, shape, periodic=True)
+        first = [(n - b) // 2 for n, b in zip(shape, model.contact_box, strict=True)]
+        target = tuple(-(-n // m) for n, m in zip(lattice.target, lattice.finer, strict=True))
+        origin = (lattice.origin[0] - first[0], lattice.origin[1] - first[1])
+        return Layout(model.contact_box, (target[0], target[1]), origin)
+
+    def fields(self, step: Step) -> dict[str, FloatArray]:
+        """Stress, and strain where it is wanted, ``(6, *lattice.shape)``."""
+        tractions = loads(self._number, self._tractions, step.fields)
+        stress = self._on_lattice(tractions) if self._lattice.points is None else self._at_points(tractions)
+        return {"stress": stress, "strain": self._strain(stress)} if "strain" in self._wanted else {"stress": stress}
+
+    def _strain(self, stress: FloatArray) -> FloatArray:
+        """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""
+        if isinstance(self._body, Material):
+            return _hooke(stress, self._body)
+        depths = self._lattice.depths if self._lattice.points is None else self._lattice.points[:, 2]
+        strain = np.empty_like(stress)
+        for depth in np.unique(depths):
+            there = depths == depth
+            strain[:, there] = _hooke(stress[:, there], self._body.material_at(float(depth) + 0.0))
+        return strain
+
+    def _at_points(self, tractions: list[FloatArray]) -> FloatArray:
+        from eigencontact.solvers.subsurface import stress_at_points
+
+        assert self._lattice.points is not None
+        return stress_at_points(
+            self._grid, self._kernels, tractions, self._lattice.points, threads=self._numerics.threads
+        )  # fmt: skip
+
+    def _on_lattice(self, tractions: list[FloatArray]) -> FloatArray:
+        from eigencontact.solvers.subsurface import SubsurfaceStress
+
+        lattice, numerics = self._lattice, self._numerics
+        box = Box.around(tractions[0] > 0)
+        if box is None:
+            return np.zeros((6, *lattice.shape))
+        if lattice.finer != (1, 1):
+            return self._close_up(tractions, box)
+        if self._operator is None or not self._operator.covers(box):
+            margin = 0 if self._operator is None else max(2, max(box.shape) // 6)
+            self._operator = None  # its memory goes before the next is made
+            self._operator = SubsurfaceStress(
+                self._grid,
+                self._kernels,
+                source=box.grown(margin, margin, self._grid.shape),
+                target=lattice.target,
+                origin=lattice.origin,
+                depths=lattice.depths,
+                periodic=self._periodic,
+                precision=numerics.precision,
+                threads=numerics.threads,
+            )
+        return np.asarray(self._operator.apply(tractions), dtype=float)
+
+    def _close_up(self, tractions: list[FloatArray], box: Box) -> FloatArray:
+        """Stress on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
+        from eigencontact.solvers.subsurface import SubsurfaceStress
+
+        out = np.empty((6, *self._lattice.shape))
+        for begin in range(0, self._lattice.depths.size, _AT_ONCE):
+            layers = slice(begin, begin + _AT_ONCE)
+            for (rows, columns), lattice in self._lattice.shifted:
+                operator = SubsurfaceStress(
+                    self._grid,
+                    self._kernels,
+                    source=box,
+                    target=lattice.target,
+                    origin=lattice.origin,
+                    depths=lattice.depths[layers],
+                    threads=self._numerics.threads,
+                )
+                out[:, layers, rows, columns] = operator.apply(tractions)
+        return out
+
+
+def _hooke(stress: FloatArray, body: Material) -> FloatArray:
+    """Elastic Mandel strain of a Mandel stress ``(6, ...)``: Hooke's law, for an incompressible body too."""
+    E, nu = body.young_modulus, body.poisson_ratio
+    strain = (1.0 + nu) / E * stress
+    strain[:3] -= nu / E * stress[:3].sum(axis=0)
+    return np.asarray(strain)

@@ -1,0 +1,197 @@
+"""Cells: which regions are cut into them, how high they are, and which regions share a box of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil, floor
+
+import numpy as np
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import SceneError
+from eigencontact.model.regions import RegionLattice
+from eigencontact.model.sources import Inhomogeneity, Lattice, Patch, Source
+from eigencontact.scene.schema import Scene
+from eigencontact.solvers.cells import Cells
+
+__all__ = ["CellBox", "box_of_inhomogeneities", "boxes_of", "with_cells", "with_lattices"]
+
+#: Layers of a patch, by default, and at least and at most where they follow a region of stress.
+_LAYERS, _FEWEST, _MOST = 32, 16, 64
+#: Cells across the thickness of a flat inhomogeneity, at least; flat is thinner than this part of its width.
+_ACROSS, _FLAT = 4, 0.5
+#: Regions with prescribed eigenstrain share a box as long as it has at most this many times their own cells.
+_SPARSE = 3.0
+_SNAP = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class CellBox:
+    """Regions of one body that share a box of cells."""
+
+    sources: tuple[Source, ...]
+    lattice: Lattice
+
+    @property
+    def body(self) -> int:
+        """The body that they lie in."""
+        return self.sources[0].body
+
+    @property
+    def names(self) -> str:
+        """Names of the regions, for people."""
+        shown = [repr(source.name) for source in self.sources[:4]]
+        return ", ".join(shown) + (f" and {len(self.sources) - 4} more" if len(self.sources) > 4 else "")
+
+    @property
+    def varies(self) -> bool:
+        """Whether the prescribed eigenstrain in it changes with time."""
+        return any(source.field.varies for source in self.sources)
+
+    @property
+    def words(self) -> str:
+        """Its size in words."""
+        nz, ny, nx = self.lattice.shape
+        return f"{nx} x {ny} x {nz} cells"
+
+    def cells(self, grid: Grid) -> Cells:
+        """The box as the solvers know it."""
+        z, y, x = self.lattice.axes(grid)
+        dz, dy, dx = self.lattice.edges
+        return Cells(first=(float(x[0]), float(y[0]), float(z[0])), pitch=(dx, dy, dz), shape=self.lattice.shape)
+
+    def centres(self, grid: Grid) -> RegionLattice:
+        """Centres of its cells as points of other fields."""
+        z, y, x = self.lattice.axes(grid)
+        origin = (float(self.lattice.first[1]), float(self.lattice.first[2]))
+        return RegionLattice(target=self.lattice.shape[1:], origin=origin, x=x, y=y, depths=z)
+
+
+def with_lattices(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[Source, ...]:
+    """Regions with prescribed eigenstrain, those without a closed form with their cells; patches rounded to cells."""
+    fitted = []
+    for given in sources:
+        shape = _whole_cells(given.shape, grid) if isinstance(given.shape, Patch) else given.shape
+        source = replace(given, shape=shape)
+        whole = source.exact and scene.numerics.half_space != "periodic"
+        fitted.append(source if whole else replace(source, lattice=_cells_of_source(source, scene, grid)))
+    return tuple(fitted)
+
+
+def with_cells(sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid) -> tuple[Inhomogeneity, ...]:
+    """Inhomogeneities with their cells: columns of the grid, layers of one height in each body."""
+    members = {body: [source for source in sources if source.body == body] for body in (1, 2)}
+    heights = {body: _layer_height(some, scene, grid) for body, some in members.items() if some}
+    return tuple(replace(source, lattice=_around(source, heights[source.body], grid)) for source in sources)
+
+
+def boxes_of(sources: Sequence[Source]) -> list[CellBox]:
+    """Boxes of the regions of one body that have cells: equal cells, equally still or moving, and not far apart."""
+    boxes: list[CellBox] = []
+    for source in sources:
+        if source.lattice is None:
+            continue
+        for number, box in enumerate(boxes):
+            joined = _join(box, source, source.lattice)
+            if joined is not None:
+                boxes[number] = joined
+                break
+        else:
+            boxes.append(CellBox((source,), source.lattice))
+    return boxes
+
+
+def box_of_inhomogeneities(sources: Sequence[Inhomogeneity]) -> CellBox:
+    """The one box that all inhomogeneities of a body share."""
+    lattices = [source.lattice for source in sources if source.lattice is not None]
+    return CellBox(tuple(sources), _union(lattices))
+
+
+def _union(lattices: Sequence[Lattice]) -> Lattice:
+    starts = np.min([lattice.first for lattice in lattices], axis=0)
+    stops = np.max([np.add(lattice.first, lattice.shape) for lattice in lattices], axis=0)
+    (k, j, i), (nz, ny, nx) = starts.tolist(), (stops - starts).tolist()
+    return Lattice((k, j, i), (nz, ny, nx), lattices[0].edges)
+
+
+def _join(box: CellBox, source: Source, lattice: Lattice) -> CellBox | None:
+    alike = np.allclose(box.lattice.edges, lattice.edges, rtol=1e-12, atol=0.0)
+    if not alike or box.varies != bool(source.field.varies):
+        return None
+    union = _union([box.lattice, lattice])
+    own = sum(member.lattice.cells for member in box.sources if member.lattice is not None) + lattice.cells
+    return CellBox((*box.sources, source), union) if union.cells <= _SPARSE * own else None
+
+
+def _whole_cells(patch: Patch, grid: Grid) -> Patch:
+    """Patch moved to the nearest edges of cells, at least one cell each way."""
+    low, high = patch.bounds
+    spans = []
+    for axis, pitch in enumerate((grid.dx, grid.dy)):
+        start = grid.center[axis] - 0.5 * grid.size[axis]
+        first = round((low[axis] - start) / pitch)
+        last = max(first + 1, round((high[axis] - start) / pitch))
+        spans.append((start + first * pitch, start + last * pitch))
+    return Patch(((spans[0][0], spans[1][0], 0.0), (spans[0][1], spans[1][1], high[2])))
+
+
+def _cells_of_source(source: Source, scene: Scene, grid: Grid) -> Lattice:
+    """Cells of a region with prescribed eigenstrain; whole layers of an inclusion keep its faces."""
+    low, high = source.shape.bounds
+    extents = [hi - lo for lo, hi in zip(low, high, strict=True)]
+    patch = isinstance(source.shape, Patch)
+    layers = source.layers or (_layers_of_patch(extents[2], scene, source.body) if patch else None)
+    height = extents[2] / layers if layers else min(extents) / scene.numerics.inclusion_cells
+    return _around(source, extents[2] / max(1, round(extents[2] / height)), grid)
+
+
+def _layers_of_patch(depth: float, scene: Scene, body: int) -> int:
+    """Layers of a patch that are the steps of depth of a region of stress, where some are of a sensible size."""
+    for region in scene.stress:
+        if region.depth_max is not None and region.body == body:
+            count = depth * region.depth_cells / region.depth_max
+            if _FEWEST <= round(count) <= _MOST and abs(count - round(count)) < 1e-6 * count:
+                return round(count)
+    return _LAYERS
+
+
+def _layer_height(sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid) -> float:
+    """Height of the cells of one body.
+
+    That of the scene; or near the smaller pitch of the grid, at most a quarter of the thinnest flat one, and such that
+    their upper and lower ends fall on faces of cells, where a height of at least half that does it.
+    """
+    if scene.numerics.inclusion_pitch is not None:
+        return scene.numerics.inclusion_pitch
+    spans = [(source.shape.bounds[0][2], source.shape.bounds[1][2]) for source in sources]
+    most, thinnest = min(grid.dx, grid.dy), min(high - low for low, high in spans)
+    for source, (low, high) in zip(sources, spans, strict=True):
+        width = min(hi - lo for lo, hi in zip(source.shape.bounds[0][:2], source.shape.bounds[1][:2], strict=True))
+        if high - low < _FLAT * width:
+            most = min(most, (high - low) / _ACROSS)
+    fewest = max(1, ceil(thinnest / most - _SNAP))
+    ends = np.unique(np.array(spans).ravel())
+    for count in range(fewest, 2 * fewest + 1):
+        places = ends / (thinnest / count)
+        if np.all(np.abs(places - np.round(places)) < _SNAP * np.maximum(1.0, places)):
+            return thinnest / count
+    return min(most, thinnest / fewest) if thinnest > most else most
+
+
+def _around(source: Source, height: float, grid: Grid) -> Lattice:
+    """Whole cells around a region: columns of the grid, layers counted from the surface."""
+    low, high = source.shape.bounds
+    if low[2] < -_SNAP * height:
+        raise SceneError(
+            f"{source.where} ({source.name!r}) must lie in z >= 0 to be cut into cells (got z from {low[2]:g} m); "
+            "move it down: in a full space only the place of the points beside it matters"
+        )
+    edges = (height, grid.dy, grid.dx)
+    starts = (0.0, float(grid.y[0]) - 0.5 * grid.dy, float(grid.x[0]) - 0.5 * grid.dx)
+    spans = []
+    for start, edge, lo, hi in zip(starts, edges, low[::-1], high[::-1], strict=True):
+        first = floor((lo - start) / edge + _SNAP)
+        spans.append((first, max(first + 1, ceil((hi - start) / edge - _SNAP))))
+    (k, stop_k), (j, stop_j), (i, stop_i) = spans
+    return Lattice((max(k, 0), j, i), (stop_k - max(k, 0), stop_j - j, stop_i - i), edges)

@@ -1,0 +1,116 @@
+"""Close-ups: stress regions around one inclusion, on points much finer than the cells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, floor
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import SceneError, nearest
+from eigencontact.model.sources import Inhomogeneity, Source
+from eigencontact.scene.schema import StressRequest
+
+__all__ = ["resolved"]
+
+#: Points to an edge of a cell, where the scene does not say.
+_REFINEMENT = 8
+#: Points of one region.
+_MOST = 4_000_000
+_SNAP = 1e-6
+
+
+def resolved(requests: Sequence[StressRequest], sources: Sequence[Source], grid: Grid) -> list[StressRequest]:
+    """Requests, those around an inclusion with the limits and depths that they stand for.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        With their cells, whose height sets the distance of the points along z.
+    grid : Grid
+        Window, to which the inclusion is cut first.
+
+    Raises
+    ------
+    SceneError
+        No inclusion of that name in the body; a plane that misses the box; too many points.
+    """
+    return [request if request.around is None else _around(request, sources, grid) for request in requests]
+
+
+def _around(request: StressRequest, sources: Sequence[Source], grid: Grid) -> StressRequest:
+    source = _named(request, sources)
+    finer = request.refinement or _REFINEMENT
+    pitch = (grid.dx, grid.dy, _height(source, sources, grid))
+    bounds = _in_window(source, grid)
+    middle = [0.5 * (low + high) for low, high in bounds]
+    box = [(low - request.room * (high - low), high + request.room * (high - low)) for low, high in bounds]
+    normal = "xyz".index(request.normal) if request.shape == "plane" else None
+    at = None if normal is None else _place(request, source, middle[normal], box[normal])
+    # The middles of the cells' parts, as along x and y.
+    low, high = (end / pitch[2] * finer - 0.5 for end in box[2])
+    depths = [(number + 0.5) / finer * pitch[2] for number in range(max(ceil(low - _SNAP), 0), floor(high + _SNAP) + 1)]
+    if normal == 2 and at is not None:
+        depths = [at]
+    count = len(depths)
+    for axis in (0, 1):
+        count *= 1 if axis == normal else int((box[axis][1] - box[axis][0]) / pitch[axis] * finer) + 1
+    if count > _MOST:
+        raise SceneError(
+            f"stress region {request.label!r} must have at most {_MOST} points (got {count}); lower refinement or room"
+        )
+    return request.model_copy(
+        update={
+            "around": None,
+            "refinement": finer,
+            "position": at,
+            "start": (box[0][0], box[1][0], 0.0),
+            "end": (box[0][1], box[1][1], 0.0),
+            "depths": depths,
+        }
+    )
+
+
+def _place(request: StressRequest, source: Source, middle: float, box: tuple[float, float]) -> float:
+    """Place of a plane along its normal [m]."""
+    at = middle if request.position is None else request.position
+    if not box[0] <= at <= box[1]:
+        raise SceneError(
+            f"stress region {request.label!r} must cut the box around {source.name!r}, {request.normal} from "
+            f"{box[0]:g} m to {box[1]:g} m (got position {at:g} m); leave position out, or give more room"
+        )
+    return at
+
+
+def _named(request: StressRequest, sources: Sequence[Source]) -> Source:
+    names = [source.name for source in sources if source.body == request.body]
+    for source in sources:
+        if source.body == request.body and source.name == request.around:
+            return source
+    listed = ", ".join(repr(name) for name in names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
+    raise SceneError(
+        f"stress region {request.label!r} must be around an inclusion of body{request.body} (got {request.around!r}); "
+        f"there are {listed or 'none'}{nearest(str(request.around), names)}"
+    )
+
+
+def _height(source: Source, sources: Sequence[Source], grid: Grid) -> float:
+    """Height of the cells that are solved for in this body, or of those of the inclusion; else the finer pitch [m]."""
+    solved = [one for one in sources if one.body == source.body and isinstance(one, Inhomogeneity)]
+    for one in (*solved, source):
+        if one.lattice is not None:
+            return one.lattice.edges[0]
+    return min(grid.dx, grid.dy)
+
+
+def _in_window(source: Source, grid: Grid) -> list[tuple[float, float]]:
+    """Bounds of an inclusion along x, y, z; along x and y those of the part in the window."""
+    low, high = source.shape.bounds
+    found = []
+    for axis in range(3):
+        ends = (float(low[axis]), float(high[axis]))
+        if axis < 2:
+            side = (grid.center[axis] - 0.5 * grid.size[axis], grid.center[axis] + 0.5 * grid.size[axis])
+            cut = (max(ends[0], side[0]), min(ends[1], side[1]))
+            ends = cut if cut[0] < cut[1] else ends
+        found.append(ends)
+    return found

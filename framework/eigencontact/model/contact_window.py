@@ -1,0 +1,137 @@
+"""The window of a contact, and how much of it the contact will fill."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import SceneError
+from eigencontact.model.bodies import without_layers
+from eigencontact.model.grids import given_grid
+from eigencontact.model.kernels import Bodies, PairCoefficients
+from eigencontact.model.separation import sum_separations
+from eigencontact.model.window import ContactEstimate, automatic_grid, estimate_contact
+from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
+from eigencontact.scene.holding import held_steps, held_travel
+from eigencontact.scene.schema import Scene, Step
+from eigencontact.solvers.control import Control
+
+__all__ = ["ContactWindow", "contact_window"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ContactWindow:
+    """Window of a contact.
+
+    Attributes
+    ----------
+    grid : Grid
+        Its cells.
+    reason : str
+        Where they came from.
+    box : (int, int)
+        Cells along (y, x) that the contact will occupy, by estimate.
+    """
+
+    grid: Grid
+    reason: str
+    box: tuple[int, int]
+
+
+def contact_window(
+    scene: Scene, bodies: Bodies, geometries: tuple[Geometry, ...], pressure: SurfaceInfluence
+) -> ContactWindow:
+    """Choose window and box of the contact of a scene by coarse solves; eigenstrain is not looked at here."""
+    normal = PairCoefficients(pressure, bodies, "z")
+    grid, reason = _grid(scene, geometries, normal)
+    whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
+    touched = _largest_contact(scene, grid, geometries, normal) or whole
+    box = (
+        min(grid.ny, int(np.ceil(touched.extent[1] / grid.dy * 1.05)) + 4),
+        min(grid.nx, int(np.ceil(touched.extent[0] / grid.dx * 1.05)) + 4),
+    )
+    return ContactWindow(grid=grid, reason=reason, box=box)
+
+
+def _controls(scene: Scene) -> list[Control]:
+    steps = held_steps(scene.steps) if scene.friction is not None else scene.steps
+    return [step_control(step) for step in steps]
+
+
+def step_control(step: Step) -> Control:
+    """Control at the end of one ramp."""
+    names = ("normal_load", "approach", "moment_x", "tilt_x", "moment_y", "tilt_y")
+    return Control(**{name: getattr(step, name) for name in names})
+
+
+def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficients) -> tuple[Grid, str]:
+    spec = scene.grid
+    given = given_grid(spec)
+    if given is not None:
+        return given, "given in the scene"
+    native = [geometry.native_grid() for geometry in geometries if isinstance(geometry, HasNativeGrid)]
+    if native:
+        return native[0], "the grid of the measured topography"
+    if scene.numerics.boundary == "periodic":
+        raise SceneError(
+            "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
+        )
+    pairs = zip(_controls(scene), held_travel(scene.steps), strict=True)
+    controls = [(control, travel) for control, travel in pairs if control.normal_load != 0.0]
+    separation = partial(sum_separations, geometries)
+    # A first guess needs no layers, and asks for cells of a hundred sizes.
+    bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
+    start = max((_first_window(separation, bare, control) for control, _ in controls), default=1.0)
+    grid = automatic_grid(spec, separation, normal, controls, start)
+    return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
+
+
+def _first_window(separation: Any, normal: PairCoefficients, control: Control) -> float:
+    """Side of a square window in which load and separation balance [m].
+
+    Found to round-off, so that a scene scaled in length gets the same grid scaled.
+    """
+
+    def rises(side: float) -> bool:
+        ring = np.array([0.5, -0.5, 0.0, 0.0]) * side
+        h = separation(ring, ring[::-1].copy())
+        if control.normal_load is not None:
+            lift = (
+                normal.table(np.zeros(1), np.zeros(1), (0.5 * side, 0.5 * side))[0, 0] * control.normal_load / side**2
+            )
+        else:
+            lift = abs(control.approach or 0.0)
+        rise = float(np.min(h)) - float(separation(np.zeros(1), np.zeros(1))[0])
+        return rise > float(lift) > 0.0
+
+    low = next((2.0**exponent for exponent in range(-41, 15) if rises(2.0 ** (exponent + 1))), None)
+    if low is None:
+        return 1.0
+    high = 2.0 * low
+    while high - low > 1e-14 * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if rises(middle) else (middle, high)
+    return 2.0 * high
+
+
+def _largest_contact(
+    scene: Scene, grid: Grid, geometries: tuple[Geometry, ...], normal: PairCoefficients
+) -> ContactEstimate | None:
+    periodic = scene.numerics.boundary == "periodic"
+    found: ContactEstimate | None = None
+    for control, (x0, y0) in zip(_controls(scene), held_travel(scene.steps), strict=True):
+
+        def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
+            return sum_separations(geometries, x - x0, y - y0)
+
+        estimate = estimate_contact(grid, separation, normal, control, periodic=periodic)
+        if estimate is not None:
+            found = estimate if found is None else found.join(estimate)
+    return found

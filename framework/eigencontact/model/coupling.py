@@ -1,0 +1,94 @@
+"""Which directions of traction and displacement a contact models, and which kernels join them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from eigencontact.core.material import Material, dundurs_constant
+from eigencontact.core.tractions import ALONG, Traction
+from eigencontact.model.kernels import Bodies
+from eigencontact.scene.schema import Scene
+
+__all__ = ["Coupling", "coupling_of"]
+
+Pair = tuple[str, str]
+
+#: Dundurs constants below this are zero: constants given with round-off.
+_ROUND_OFF = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Coupling:
+    """Directions and kernels of a contact.
+
+    Attributes
+    ----------
+    level : str
+        ``numerics.coupling`` of the scene; ``"none"`` without friction.
+    components : str
+        Directions in which there may be shear, of ``"xy"``; none without friction.
+    pairs : tuple of (str, str)
+        Directions of displacement and of traction that have a kernel.
+    alike : bool
+        Whether normal and tangential contact have nothing to do with each other, because both bodies move alike under
+        either traction (Dundurs' constant β is zero).
+    """
+
+    level: str
+    components: str
+    pairs: tuple[Pair, ...]
+    alike: bool
+
+    @property
+    def tractions(self) -> tuple[Traction, ...]:
+        """Traction components, the pressure first."""
+        return tuple(ALONG[c] for c in f"z{self.components}")
+
+    @property
+    def drags(self) -> bool:
+        """Whether what eigenstrain displaces along the surface makes the surfaces slip."""
+        return bool(self.components) and self.level != "none"
+
+    @property
+    def joins_normal(self) -> bool:
+        """Whether pressure moves the surfaces along themselves, or shear moves them along their normal."""
+        return any((i == "z") != (j == "z") for i, j in self.pairs)
+
+
+def coupling_of(scene: Scene, bodies: Bodies) -> Coupling:
+    """Coupling of a scene with a contact."""
+    if scene.friction is None:
+        return Coupling(level="none", components="", pairs=(("z", "z"),), alike=False)
+    level = scene.numerics.coupling
+    alike = _alike(bodies)
+    components = _components(scene) if level == "none" else "xy"
+    pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
+    if level != "none":
+        pairs += [("x", "y"), ("y", "x")]
+    if level in ("one-way", "full") and not alike:
+        pairs += [(c, "z") for c in components]
+    if level == "full" and not alike:
+        pairs += [("z", c) for c in components]
+    return Coupling(level=level, components=components, pairs=tuple(pairs), alike=alike)
+
+
+def _alike(bodies: Bodies) -> bool:
+    """Whether both bodies move alike; a layered one moves, from wave to wave, like no other than itself."""
+    first, second = bodies
+    if isinstance(first, Material | None) and isinstance(second, Material | None):
+        return abs(dundurs_constant(first, second)) < _ROUND_OFF
+    return first == second
+
+
+def _components(scene: Scene) -> str:
+    """Directions that some step pulls along; without any, x alone stands for the shear that stays zero."""
+    if scene.output.tangential_displacement:
+        return "xy"
+    names = {"x": ("tangential_load_x", "shift_x"), "y": ("tangential_load_y", "shift_y")}
+    turned = any(_given(scene, name) for name in ("torsion_moment", "twist"))
+    found = "".join(c for c in "xy" if turned or any(_given(scene, name) for name in names[c]))
+    return found or "x"
+
+
+def _given(scene: Scene, name: str) -> bool:
+    return any(getattr(step, name) is not None for step in scene.steps)

@@ -1,0 +1,56 @@
+"""Plugins of which exactly one must be installed: the influence of each traction, and the shape of cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from eigencontact.errors import PlanError
+from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.plugin import HasCornerPotentials, SurfaceInfluence
+
+__all__ = ["CellMaker", "installed_cell", "installed_influence"]
+
+Point = tuple[float, float, float]
+CellMaker = Callable[[Point, Point], Any]
+
+
+def installed_influence(registry: Registry, traction: str) -> SurfaceInfluence:
+    """Return the installed influence of one traction component.
+
+    Raises
+    ------
+    PlanError
+        None is installed, or more than one; broken plugins are named.
+    """
+    found = [entry for entry in registry.of_kind("surface-influence") if entry.component.traction == traction]  # type: ignore[attr-defined]
+    rule = f"traction {traction!r} must have one installed surface influence"
+    component: SurfaceInfluence = _only(registry, found, rule)()
+    return component
+
+
+def installed_cell(registry: Registry) -> CellMaker:
+    """Maker of cells, ``cell(centre, edges)``, from the one installed shape that offers ``corner``.
+
+    Raises
+    ------
+    PlanError
+        None is installed, or more than one; broken plugins are named.
+    """
+    found = [entry for entry in registry.of_kind("inclusion-shape") if hasattr(entry.component, "corner")]
+    component = _only(registry, found, "one installed inclusion shape must offer corner potentials, for cells")
+    assert issubclass(component, HasCornerPotentials)
+    make: Any = component
+
+    def cell(centre: Point, edges: Point) -> Any:
+        return make(center=centre, edges=edges)
+
+    return cell
+
+
+def _only(registry: Registry, found: Sequence[Entry], rule: str) -> Any:
+    if len(found) != 1:
+        names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in found) or "none"
+        broken = "".join(f"; {item}" for item in registry.broken)
+        raise PlanError(f"{rule} (got {names}){broken}")
+    return found[0].component

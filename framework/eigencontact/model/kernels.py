@@ -1,0 +1,115 @@
+"""Influence coefficients as the solvers want them, from the influence plugins and the two bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.core.symmetry import parity
+from eigencontact.core.tractions import TRACTIONS, side
+from eigencontact.errors import PlanError
+from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
+
+__all__ = ["Bodies", "KernelUse", "PairCoefficients", "Solid", "StressCoefficients"]
+
+#: What a body that is not rigid is made of. A layered one goes with the influence that knows layers
+#: (`eigencontact.model.bodies.influence_for`), which takes it where others take a Material.
+Solid = Material | LayeredMedium
+Bodies = tuple[Solid | None, Solid | None]
+
+FloatArray = NDArray[np.float64]
+
+@dataclass(frozen=True, slots=True)
+class KernelUse:
+    """One influence coefficient that a plan needs, for `explain` and for the cost."""
+
+    response: str
+    traction: str
+    influence: str
+    layout: str
+    count: int = 1
+
+    def __str__(self) -> str:
+        times = f" x {self.count}" if self.count > 1 else ""
+        return f"{self.response} <- {self.traction} (plugin {self.influence!r}), {self.layout}{times}"
+
+
+@dataclass(frozen=True, slots=True)
+class PairCoefficients:
+    """Relative surface displacement of two bodies under one traction component.
+
+    Normal response to normal traction (and tangential to tangential) adds up over the bodies; the cross terms of
+    body 2 count negative (thesis eqs 2.63, 2.64). A rigid body is None and costs nothing; like bodies are
+    evaluated once.
+    """
+
+    influence: SurfaceInfluence
+    bodies: Bodies
+    component: str
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Parity (in y, in x)."""
+        return parity(self.component, TRACTIONS[self.influence.traction].direction)
+
+    def _weights(self) -> dict[Any, float]:
+        weights: dict[Solid, float] = {}
+        for number, body in enumerate(self.bodies, 1):
+            if body is not None:
+                sign = side(number, self.component) * side(number, TRACTIONS[self.influence.traction].direction)
+                weights[body] = weights.get(body, 0.0) + sign
+        return weights
+
+    def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
+        """Response at offsets x, y [m] of a rectangle under unit traction, ``(ny, nx)`` [m/Pa]."""
+        total: FloatArray | None = None
+        for body, weight in self._weights().items():
+            values = self.influence.sample("displacement", [self.component], x, y, 0.0, half_widths, body)[0]
+            values = weight * values if weight != 1.0 else values
+            total = values if total is None else total + values
+        assert total is not None
+        return total
+
+    def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
+        """Amplitude of the response to a unit traction wave [m/Pa]."""
+        influence = _with_waves(self.influence)
+        total = sum(
+            weight * influence.wavenumber_response("displacement", [self.component], kx, ky, 0.0, body)[0]
+            for body, weight in self._weights().items()
+        )
+        return np.asarray(total, dtype=complex)
+
+
+@dataclass(frozen=True, slots=True)
+class StressCoefficients:
+    """Mandel stress in one body under one traction component."""
+
+    influence: SurfaceInfluence
+    body: Any
+
+    def parity(self, component: str) -> tuple[int, int]:
+        """Parity (in y, in x) of one stress component."""
+        return parity(component, TRACTIONS[self.influence.traction].direction)
+
+    def table(
+        self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
+    ) -> FloatArray:
+        """Stress at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)`` [-]."""
+        return self.influence.sample("stress", components, x, y, z, half_widths, self.body)
+
+    def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
+        """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
+        return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)
+
+
+def _with_waves(influence: SurfaceInfluence) -> HasWavenumberResponse:
+    if not isinstance(influence, HasWavenumberResponse):
+        raise PlanError(
+            f"numerics.boundary must be 'non-periodic' with surface influence {influence.key!r} (got 'periodic'); "
+            "it offers no wavenumber_response"
+        )
+    return influence

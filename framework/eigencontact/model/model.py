@@ -1,0 +1,180 @@
+"""The model of a scene: its components built, its window chosen, its regions cut into cells where they have to be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.core.tractions import Traction
+from eigencontact.hooks.registry import Registry
+from eigencontact.model.bodies import bodies_of, influence_for
+from eigencontact.model.boxes import with_cells, with_lattices
+from eigencontact.model.close_up import resolved
+from eigencontact.model.coupling import Coupling, coupling_of
+from eigencontact.model.grids import given_grid, grid_around
+from eigencontact.model.kernels import Bodies
+from eigencontact.model.separation import sum_separations
+from eigencontact.model.sources import Inhomogeneity, Source, build_sources
+from eigencontact.plugin import Component, FrictionLaw, Geometry, Observer, SurfaceInfluence
+from eigencontact.scene.components import build_component
+from eigencontact.scene.schema import Numerics, Scene, StressRequest
+
+__all__ = ["Model", "build_model"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """What a scene stands for, before it is decided how it is computed.
+
+    Attributes
+    ----------
+    scene : Scene
+        As it was given.
+    registry : Registry
+        Where its components came from.
+    grid, grid_reason : Grid, str
+        The window, and where it came from.
+    contact_box : (int, int)
+        Cells along (y, x) that the contact will occupy, by estimate; the window where there is none.
+    bodies : two of Material, LayeredMedium or None
+        Elastic constants, the same everywhere or layered; None is rigid.
+    geometries, observers : tuple
+        Components; without geometries there is no contact.
+    friction : FrictionLaw or None
+        Bound of the shear; None where the contact has no friction.
+    coupling : Coupling or None
+        Tractions of the contact and the kernels that join them; None without a contact.
+    influences : mapping of str to SurfaceInfluence
+        By traction.
+    prescribed, inhomogeneities : tuple of Source
+        Regions with eigenstrain, and those with a law of their own.
+    requests : tuple of StressRequest
+        Regions of results, those around inclusions with the places that they stand for.
+    """
+
+    scene: Scene
+    registry: Registry
+    grid: Grid
+    grid_reason: str
+    contact_box: tuple[int, int]
+    bodies: Bodies
+    geometries: tuple[Geometry, ...]
+    observers: tuple[tuple[str, Observer], ...]
+    friction: FrictionLaw | None
+    coupling: Coupling | None
+    influences: Mapping[str, SurfaceInfluence]
+    prescribed: tuple[Source, ...]
+    inhomogeneities: tuple[Inhomogeneity, ...]
+    requests: tuple[StressRequest, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self.scene.label
+
+    @property
+    def numerics(self) -> Numerics:
+        """Fidelity and effort."""
+        return self.scene.numerics
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the contact repeats with the window."""
+        return self.numerics.boundary == "periodic"
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """All regions with eigenstrain, prescribed or to be found."""
+        return (*self.prescribed, *self.inhomogeneities)
+
+    @property
+    def tractions(self) -> tuple[Traction, ...]:
+        """Tractions of the contact, the pressure first; none without a contact."""
+        return () if self.coupling is None else self.coupling.tractions
+
+    @property
+    def components(self) -> list[Component]:
+        """Every plugin component that the model uses."""
+        used: list[Any] = [*self.influences.values(), *self.geometries, *dict.fromkeys(self.bodies)]
+        for source in self.sources:
+            used += [source.shape, source.field, getattr(source, "law", None)]
+        used += [self.friction, *(observer for _, observer in self.observers)]
+        return [item for item in used if isinstance(item, Component)]
+
+    def half_space(self, body: int) -> Material:
+        """Constants of a body (1 or 2) that is a homogeneous half-space; eigenstrain lies in no other."""
+        found = self.bodies[body - 1]
+        assert isinstance(found, Material)
+        return found
+
+    def separation(self, travel: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
+        """Sum of the geometries on the grid, moved to a place (x, y) [m], ``(ny, nx)`` [m]."""
+        y, x = self.grid.axes()
+        return sum_separations(self.geometries, x - travel[0], y - travel[1])
+
+
+def build_model(scene: Scene, registry: Registry) -> Model:
+    """Build and check everything that a scene names, and choose its window and cells.
+
+    Raises
+    ------
+    SceneError, PluginError, PlanError
+        A component that is refused, a plugin that is missing, a window that cannot be chosen.
+    """
+    bodies = bodies_of(scene, registry)
+    geometries: tuple[Geometry, ...] = tuple(_components(scene.geometry, "geometry", "geometry", registry))
+    observed = _components(scene.observers, "observer", "observers", registry)
+    friction, coupling, influences = None, None, {}
+    window = None
+    if geometries:
+        coupling = coupling_of(scene, bodies)
+        influences = {item.name: influence_for(registry, item.name, bodies) for item in coupling.tractions}
+        from eigencontact.model.contact_window import contact_window
+
+        window = contact_window(scene, bodies, geometries, influences["p"])
+    if scene.friction is not None:
+        friction = build_component(registry, "friction-law", scene.friction, "friction")
+    given = given_grid(scene.grid) if window is None else window.grid
+    prescribed, inhomogeneities = build_sources(scene, registry, given)
+    grid, reason = (window.grid, window.reason) if window else _grid_of_regions(given, (*prescribed, *inhomogeneities))
+    prescribed = with_lattices(prescribed, scene, grid)
+    if scene.numerics.inclusion_resolution == "cells":
+        inhomogeneities = with_cells(inhomogeneities, scene, grid)
+    return Model(
+        scene=scene,
+        registry=registry,
+        grid=grid,
+        grid_reason=reason,
+        contact_box=window.box if window else grid.shape,
+        bodies=bodies,
+        geometries=geometries,
+        observers=tuple((str(table["type"]), item) for table, item in zip(scene.observers, observed, strict=True)),
+        friction=friction,
+        coupling=coupling,
+        influences=influences,
+        prescribed=prescribed,
+        inhomogeneities=inhomogeneities,
+        requests=tuple(resolved(scene.stress, (*prescribed, *inhomogeneities), grid)),
+    )
+
+
+def _components(tables: Sequence[dict[str, object]], kind: str, group: str, registry: Registry) -> list[Any]:
+    where = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
+    return [build_component(registry, kind, table, place) for table, place in zip(tables, where, strict=True)]
+
+
+def _grid_of_regions(given: Grid | None, sources: Sequence[Source]) -> tuple[Grid, str]:
+    """Window of a scene without contact."""
+    if given is not None:
+        return given, "given in the scene"
+    return grid_around([source.shape.bounds for source in sources]), (
+        "automatic: around all inclusions, and four times their depth"
+    )

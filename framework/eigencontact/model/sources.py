@@ -1,0 +1,243 @@
+"""Where a scene has eigenstrain, or constants other than its bodies': regions, what fills them, and their cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.errors import SceneError
+from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
+from eigencontact.hooks.registry import Registry
+from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape
+from eigencontact.scene.components import build_component
+from eigencontact.scene.inclusions import EigenstrainPatch, eigenstrain_table
+from eigencontact.scene.schema import Scene
+
+__all__ = ["Inhomogeneity", "Lattice", "Patch", "Source", "build_sources"]
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+#: A region may reach above the surface by this part of its size: rounding of coordinates.
+_ROUND_OFF = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Patch:
+    """Box from the surface down to a depth, filled by an eigenstrain field."""
+
+    bounds: tuple[Point, Point]
+
+    def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether points lie in the box."""
+        low, high = self.bounds
+        inside = [(lo <= at) & (at <= hi) for lo, at, hi in zip(low, (x, y, z), high, strict=True)]
+        return np.asarray(inside[0] & inside[1] & inside[2])
+
+
+@dataclass(frozen=True, slots=True)
+class Lattice:
+    """Cells that a region is cut into, on the columns of the grid.
+
+    Attributes
+    ----------
+    first : (int, int, int)
+        Lowest cell (layer, row, column): layers count from the surface, rows and columns from the grid's first cell.
+    shape : (int, int, int)
+        Cells (nz, ny, nx).
+    edges : (float, float, float)
+        (dz, dy, dx) [m].
+    """
+
+    first: tuple[int, int, int]
+    shape: tuple[int, int, int]
+    edges: tuple[float, float, float]
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return int(np.prod(self.shape))
+
+    def axes(self, grid: Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Centres along z, y, x [m]."""
+        starts = (0.5 * self.edges[0], float(grid.y[0]), float(grid.x[0]))
+        z, y, x = (
+            np.asarray(start + (first + np.arange(count)) * edge, dtype=float)
+            for start, first, count, edge in zip(starts, self.first, self.shape, self.edges, strict=True)
+        )
+        return z, y, x
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """One region with a prescribed eigenstrain.
+
+    Attributes
+    ----------
+    name, where : str
+        For people, and its table in the scene.
+    key : str
+        Plugin of the shape; of the field for a patch.
+    body : int
+        1 or 2.
+    shape : InclusionShape or Patch
+        The region.
+    field : EigenstrainField
+        The eigenstrain in it.
+    layers : int or None
+        Layers of a patch; None for an inclusion.
+    lattice : Lattice or None
+        Its cells; None where its field has a closed form.
+    """
+
+    name: str
+    where: str
+    key: str
+    body: int
+    shape: InclusionShape | Patch
+    field: EigenstrainField
+    layers: int | None = None
+    lattice: Lattice | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether shape and eigenstrain have a closed form, so that nothing need be cut into cells."""
+        return isinstance(self.shape, HasPotentials) and bool(self.field.uniform)
+
+    @property
+    def material(self) -> str | None:
+        """Key of its own law; None where it is of the material around."""
+        return None
+
+    @property
+    def how(self) -> str:
+        """How its field is found, in words."""
+        if self.lattice is not None:
+            nz, ny, nx = self.lattice.shape
+            why = "the eigenstrain is not uniform" if isinstance(self.shape, HasPotentials) else "no potentials"
+            if isinstance(self.shape, Patch):
+                why = "a patch of the window"
+            elif self.exact:
+                why = "the half-space is periodic"
+            return f"cut into {self.lattice.cells} cells, {nx} x {ny} x {nz} ({why})"
+        method = self.shape.method if isinstance(self.shape, InclusionShape) else "closed form"
+        if isinstance(self.shape, HasMirrorPotential):
+            return method
+        return f"{method}, and quadrature of the mirror image (the shape gives no chi)"
+
+    def uniform_eigenstrain(self, time: float) -> FloatArray:
+        """Mandel eigenstrain ``(6,)`` of a uniform field."""
+        low, high = self.shape.bounds
+        x, y, z = (np.array([0.5 * (lo + hi)]) for lo, hi in zip(low, high, strict=True))
+        return np.asarray(self.field.eigenstrain(x, y, z, time), dtype=float).reshape(6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inhomogeneity(Source):
+    """A region with a constitutive law of its own; `field` is then its prestrain."""
+
+    law: ConstitutiveLaw
+
+    @property
+    def material(self) -> str | None:
+        """Key of its law."""
+        return self.law.key
+
+    @property
+    def how(self) -> str:
+        """How it is resolved, in words."""
+        if self.lattice is None:
+            return f"one eigenstrain of {self.law.words}"
+        nz, ny, nx = self.lattice.shape
+        return f"{nx} x {ny} x {nz} cells of {self.law.words}"
+
+
+def build_sources(
+    scene: Scene, registry: Registry, grid: Grid | None
+) -> tuple[tuple[Source, ...], tuple[Inhomogeneity, ...]]:
+    """Regions with prescribed eigenstrain, and inhomogeneities, built and checked, without their cells.
+
+    Parameters
+    ----------
+    grid : Grid or None
+        The window that patches fill; None where it is chosen from the regions, which then must give their size.
+
+    Raises
+    ------
+    SceneError, PluginError
+        Components that are refused; regions that reach above the surface.
+    """
+    prescribed: list[Source] = []
+    inhomogeneities: list[Inhomogeneity] = []
+    for number, item in enumerate(scene.inclusions):
+        where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
+        field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
+        law = None if item.material is None else _law(registry, item.material, f"{where}.material")
+        for copy, table in enumerate(item.components):
+            shape = build_component(registry, "inclusion-shape", table, where)
+            name = item.name or f"{item.type} {number + 1}"
+            name += f", {copy + 1}" if item.centers is not None else ""
+            facts: dict[str, Any] = {"name": name, "where": where, "key": item.type, "body": item.body}
+            if law is None:
+                prescribed.append(Source(**facts, shape=shape, field=field))
+            else:
+                inhomogeneities.append(Inhomogeneity(**facts, shape=shape, field=field, law=law))
+            if scene.numerics.half_space != "full-space":
+                _refuse_above((prescribed if law is None else inhomogeneities)[-1])
+    for number, patch in enumerate(scene.eigenstrain):
+        where = "eigenstrain" if len(scene.eigenstrain) == 1 else f"eigenstrain.{number}"
+        prescribed.append(
+            Source(
+                name=patch.name or f"{patch.type} {number + 1}",
+                where=where,
+                key=patch.type,
+                body=patch.body,
+                shape=_patch(patch, grid, where),
+                field=_field(registry, patch.component, where),
+                layers=patch.layers,
+            )
+        )
+    return tuple(prescribed), tuple(inhomogeneities)
+
+
+def _field(registry: Registry, table: Mapping[str, Any], where: str) -> EigenstrainField:
+    field: EigenstrainField = build_component(registry, "eigenstrain-field", table, where)
+    return field
+
+
+def _law(registry: Registry, table: Mapping[str, Any], where: str) -> ConstitutiveLaw:
+    """Law of a table; a law names itself in its errors, its place in the scene is put before it."""
+    try:
+        law: ConstitutiveLaw = build_component(registry, "constitutive-law", table, where)
+    except SceneError as problem:
+        text = str(problem)
+        raise SceneError(text if where in text else f"{where}: {text}") from None
+    return law
+
+
+def _patch(patch: EigenstrainPatch, grid: Grid | None, where: str) -> Patch:
+    """Region of a patch, not yet rounded to cells."""
+    if grid is None and patch.size is None:
+        raise SceneError(
+            f"{where}.size must be given with an automatic grid (got neither); give grid.cells and grid.size, and the "
+            "eigenstrain fills the window, or the size of the patch"
+        )
+    sizes = patch.size or (grid.size if grid is not None else (0.0, 0.0))
+    middles = patch.center or (grid.center if grid is not None else (0.0, 0.0))
+    spans = [(middle - 0.5 * size, middle + 0.5 * size) for middle, size in zip(middles, sizes, strict=True)]
+    return Patch(((spans[0][0], spans[1][0], 0.0), (spans[0][1], spans[1][1], patch.depth)))
+
+
+def _refuse_above(source: Source) -> None:
+    low, high = source.shape.bounds
+    size = max(hi - lo for lo, hi in zip(low, high, strict=True))
+    if not low[2] >= -_ROUND_OFF * size:
+        raise SceneError(
+            f"{source.where} ({source.name!r}) must lie below the surface, z >= 0 (got z from {low[2]:g} m to "
+            f'{high[2]:g} m); move or shrink it, or set numerics.half-space = "full-space" to leave the surface out'
+        )

@@ -1,0 +1,72 @@
+"""The blocks that a plan needs, in order: backwards from what is wanted, through what each block requires."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from graphlib import CycleError, TopologicalSorter
+
+from eigencontact.errors import PlanError, nearest
+from eigencontact.execution.block import Block
+
+__all__ = ["in_order"]
+
+
+def in_order(blocks: Iterable[Block]) -> list[Block]:
+    """Blocks that are wanted, and those that they require, each after what it requires; else in the order given.
+
+    Parameters
+    ----------
+    blocks : iterable of Block
+        Everything the scene could use.
+
+    Raises
+    ------
+    PlanError
+        A quantity that nothing, or more than one block, provides; names who asked and the candidates. Blocks that
+        require each other.
+    """
+    known = list(blocks)
+    providers: dict[str, list[Block]] = {}
+    for block in known:
+        for quantity in block.provides:
+            providers.setdefault(quantity, []).append(block)
+    needed: dict[str, Block] = {}
+    open_ends = {quantity: who for block in known for quantity, who in block.wanted.items()}
+    while open_ends:
+        quantity, who = open_ends.popitem()
+        block = _only_provider(providers, quantity, who)
+        if block.name not in needed:
+            needed[block.name] = block
+            open_ends.update(dict.fromkeys(sorted(block.requires), f"block {block.name!r}"))
+    places = {block.name: place for place, block in enumerate(known)}
+    before = {name: {providers[item][0].name for item in block.requires} for name, block in needed.items()}
+    sorter = TopologicalSorter(before)
+    try:
+        sorter.prepare()
+    except CycleError as problem:
+        names = " -> ".join(map(repr, problem.args[1]))
+        raise PlanError(f"blocks must not require each other (got {names}); join them in one block") from None
+    ordered: list[Block] = []
+    ready: list[str] = []
+    while sorter.is_active():
+        ready = sorted([*ready, *sorter.get_ready()], key=lambda name: places[name])
+        first = ready.pop(0)
+        ordered.append(needed[first])
+        sorter.done(first)
+    return ordered
+
+
+def _only_provider(providers: Mapping[str, list[Block]], quantity: str, who: str) -> Block:
+    candidates = providers.get(quantity, [])
+    if len(candidates) == 1:
+        return candidates[0]
+    if not candidates:
+        known = ", ".join(sorted(providers))
+        raise PlanError(
+            f"{quantity!r} must be provided by a block ({who} asked for it; provided are: {known})"
+            f"{nearest(quantity, providers)}"
+        )
+    names = ", ".join(repr(block.name) for block in candidates)
+    raise PlanError(
+        f"{quantity!r} must be provided by one block ({who} asked for it, candidates are {names}); choose one"
+    )

@@ -1,0 +1,153 @@
+"""The kind *constitutive law*: the stress that a strain causes in a material, and what the material remembers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.elasticity import factors_of_stiffness
+from eigencontact.plugin.component import Component
+
+__all__ = ["ConstitutiveLaw", "LawStep", "LinearLaw", "Response", "Variable", "VariesInSpace"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """Something that a point of a material remembers; zero at rest.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit, ``"1"`` for a number.
+    meaning : str
+        In words; stored beside the values.
+    components : int
+        Numbers a point; 6 is a Mandel vector.
+    """
+
+    unit: str
+    meaning: str
+    components: int = 1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class LawStep:
+    """Where and when a law is asked.
+
+    Attributes
+    ----------
+    x, y, z : (n,) float64
+        Places of the points [m], z into the body.
+    time, duration : float
+        End of the load increment, in load steps (1 ends the first), and its length.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    time: float
+    duration: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Response:
+    """What a law answers.
+
+    Attributes
+    ----------
+    stress : (6, n) float64
+        Mandel stress [Pa], positive in tension.
+    tangent : (6, 6, n) or (6, 6) float64
+        Derivative of the stress by the strain [Pa], of all points where one matrix is given.
+    variables : mapping of str to (components, n) float64
+        What the points remember after the increment: the names that the law declares.
+    """
+
+    stress: FloatArray
+    tangent: FloatArray
+    variables: Mapping[str, FloatArray] = field(default_factory=dict)
+
+
+class ConstitutiveLaw(Component, ABC):
+    """Stress of a total strain, at any number of points at once.
+
+    A law is pure: the same question has the same answer, and arrays that it is given stay as they are. Within an
+    increment it is asked again and again, always with the variables from before the increment.
+
+    Attributes
+    ----------
+    variables : mapping of str to Variable
+        Class attribute; what a point remembers. They are stored with every accepted step.
+    """
+
+    kind: ClassVar[str] = "constitutive-law"
+    variables: ClassVar[Mapping[str, Variable]] = {}
+
+    @abstractmethod
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
+        """Stress, tangent and variables at the end of an increment.
+
+        Parameters
+        ----------
+        strain : (6, n)
+            Mandel strain at the end of the increment, less the prestrain of the material [-].
+        before : mapping of str to (components, n)
+            Variables at the start of the increment.
+        step : LawStep
+            Where the points lie, and when.
+        """
+
+    @property
+    def words(self) -> str:
+        """What a region of it is made of, for `explain`: "cells of ..."."""
+        return f"{self.key} material"
+
+
+class LinearLaw(ConstitutiveLaw):
+    """Elasticity: stress is stiffness times strain, and nothing is remembered.
+
+    One method is enough. A law whose stiffness may be infinite (incompressible, rigid) gives `factors` as well; the
+    solvers ask for nothing else.
+    """
+
+    @abstractmethod
+    def stiffness_matrix(self) -> FloatArray:
+        """Mandel stiffness ``(6, 6)`` [Pa], symmetric, without negative eigenvalues; ``(n, 6, 6)`` of n points.
+
+        Raises
+        ------
+        SceneError
+            A stiffness that is not finite.
+        """
+
+    def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
+        """``soft = (C + 2G)^-1`` [1/Pa] and ``stiff = C soft`` [-], each ``(6, 6)`` or ``(n, 6, 6)``.
+
+        C is the stiffness, G = `shear_modulus` [Pa] that of the material around. Both are bounded and symmetric for
+        every material, from a void to a rigid one, and ``stiff + 2 G soft`` is the unit matrix.
+        """
+        return factors_of_stiffness(self.stiffness_matrix(), shear_modulus)
+
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:  # noqa: ARG002
+        """See `ConstitutiveLaw.update`."""
+        stiffness = self.stiffness_matrix()
+        if stiffness.ndim == 2:
+            return Response(stress=stiffness @ strain, tangent=stiffness)
+        tangent = np.ascontiguousarray(np.moveaxis(stiffness, 0, 2))
+        return Response(stress=np.einsum("ijn,jn->in", tangent, strain), tangent=tangent)
+
+
+@runtime_checkable
+class VariesInSpace(Protocol):
+    """Optional ability of a law: its constants depend on the place."""
+
+    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> ConstitutiveLaw:
+        """Law of the points x, y, z, each ``(n,)`` [m]: whatever it answers is for those, in that order."""
+        ...

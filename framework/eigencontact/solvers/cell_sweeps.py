@@ -1,0 +1,106 @@
+"""Cells of any law, swept: one application of the volume operator, then the answer of every cell by itself.
+
+A sweep gives every cell the eigenstrain that it would take if the others stayed as they are. Repeated, and sped up by
+Anderson's combination, it converges for ratios of stiffness up to about 20 in fewer applications than a Krylov solve in
+every round with a contact, and it is the same for laws that yield or degrade. A contact is solved inside the iteration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
+from eigencontact.solvers.law_cells import LawCells, Remembered
+
+__all__ = ["CellSweeps", "Sweep"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Answer of one sweep.
+
+    Attributes
+    ----------
+    image : (6, nz, ny, nx)
+        Eigenstrain that the cells would take.
+    residual : float
+        Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
+        strain σ / 2G.
+    remembered : list of mappings
+        What the cells of each law that is not linear would then remember.
+    """
+
+    image: FloatArray
+    residual: float
+    remembered: list[Remembered]
+
+
+class CellSweeps:
+    """One box of cells: linear laws in `linear`, all others in `laws`; either may hold no cells.
+
+    Parameters
+    ----------
+    linear : InhomogeneousCells
+        With the operator, and the matrix.
+    laws : LawCells
+        On the same operator.
+    """
+
+    def __init__(self, linear: InhomogeneousCells, laws: LawCells) -> None:
+        self._linear, self._laws = linear, laws
+        self._own: tuple[FloatArray, FloatArray] | None = None
+        self.applications = 0
+
+    def sweep(
+        self,
+        eigenstrain: FloatArray,
+        applied_stress: FloatArray,
+        prestrain: FloatArray,
+        before: Sequence[Mapping[str, FloatArray]] = (),
+        steps: Sequence[Any] = (),
+    ) -> Sweep:
+        """Sweep once.
+
+        Parameters
+        ----------
+        eigenstrain : (6, nz, ny, nx)
+            As it is, prestrain included.
+        applied_stress : (6, nz, ny, nx)
+            Stress [Pa] that the load would cause in the matrix alone.
+        prestrain : (6, nz, ny, nx)
+            Eigenstrain of the cells' own.
+        before, steps
+            For each law that is not linear; see `LawCells.answer`.
+        """
+        stress = applied_stress + self._caused(eigenstrain)
+        image, cells = eigenstrain.copy().reshape(6, -1), self._laws.cells
+        image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
+        remembered: list[Remembered] = []
+        if cells.size:
+            e, sigma, own = (values.reshape(6, -1)[:, cells] for values in (eigenstrain, stress, prestrain))
+            image[:, cells], remembered = self._laws.answer(e, sigma, own, before, steps)
+        change = float(np.linalg.norm(image - eigenstrain.reshape(6, -1)))
+        size = self._size(applied_stress, prestrain)
+        residual = change / size if size > 0.0 else (0.0 if change == 0.0 else np.inf)
+        return Sweep(image.reshape(eigenstrain.shape), residual, remembered)
+
+    def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
+        """Strain of the load in the cells, as `InclusionReport` measures by it."""
+        if self._own is None or self._own[0] is not prestrain:
+            self._own = prestrain, self._caused(prestrain)
+        load = (applied_stress + self._own[1]).reshape(6, -1)
+        cells = np.concatenate([self._linear.cells, self._laws.cells])
+        return float(np.linalg.norm(load[:, cells])) / (2.0 * self._linear.matrix.shear_modulus)
+
+    def _caused(self, eigenstrain: FloatArray) -> FloatArray:
+        if not eigenstrain.any():
+            return np.zeros_like(eigenstrain)
+        self.applications += 1
+        return np.asarray(self._linear.operator.apply(eigenstrain), dtype=float)

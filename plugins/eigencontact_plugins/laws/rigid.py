@@ -1,0 +1,49 @@
+"""A material that does not strain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import ConstitutiveLaw, LinearLaw, SceneError, hookimpl
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Rigid"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rigid(LinearLaw):
+    """No strain but the prestrain, whatever the stress; the body around it may still move and turn it.
+
+    How the stress is distributed among rigid cells is not found as well as what they do to the body around: the steps
+    of a boundary made of cells show in it.
+    """
+
+    key: ClassVar[str] = "rigid"
+    references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
+
+    def stiffness_matrix(self) -> FloatArray:
+        """Infinite; see `LinearLaw.stiffness_matrix`."""
+        raise SceneError(f"{self.key} must not be asked for a stiffness (it is infinite); solvers ask for its factors")
+
+    def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:  # noqa: ARG002
+        """See `LinearLaw.factors`."""
+        return np.zeros((6, 6)), np.eye(6)
+
+    @property
+    def words(self) -> str:
+        """See `ConstitutiveLaw.words`."""
+        return "a rigid material"
+
+
+@hookimpl
+def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:
+    """Register the rigid material."""
+    return [Rigid]
