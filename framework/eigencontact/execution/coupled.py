@@ -38,6 +38,8 @@ FloatArray = NDArray[np.float64]
 _ROUNDS = 60
 #: Tolerance of the first round, and of later ones as part of the last change; part of the tolerance in the end.
 _LOOSEST, _SHARE, _INNER = 1e-3, 0.01, 0.3
+#: The same where every interior is swept: 0.3 in place of 0.03 takes 1.6 times as many sweeps.
+_LOOSEST_SWEPT, _SHARE_SWEPT = 1e-2, 0.03
 _TIGHTEST = 1e-13
 #: Rounds that Anderson's combination keeps; bound of the compliance that inhomogeneities may add or take away.
 _DEPTH, _EXTREME = 8, 64.0
@@ -78,12 +80,19 @@ class Coupled:
         Tolerance and precision.
     directions : str
         Along which the displacement of the surfaces is wanted.
+    shape : (int, int)
+        Of surface fields.
     """
 
     def __init__(
-        self, contact: Contact | None, interiors: Sequence[Interior], numerics: Numerics, directions: str
+        self,
+        contact: Contact | None,
+        interiors: Sequence[Interior],
+        numerics: Numerics,
+        directions: str,
+        shape: tuple[int, int],
     ) -> None:
-        self._contact, self._interiors, self._directions = contact, interiors, directions
+        self._contact, self._interiors, self._directions, self._shape = contact, interiors, directions, shape
         self._tolerance = numerics.tolerance
         # Single precision has nothing to spare below the tolerance of a scene.
         share = 1.0 if numerics.precision == "single" else _INNER
@@ -123,7 +132,7 @@ class Coupled:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
             return self._solved(answer, dict(answer.spent))
-        return self._iterated(self._contact, increment, memory, before)
+        return self._iterated(self._contact, increment, memory)
 
     def _alone(self) -> Solved:
         """Interiors without tractions; bodies do not see each other then."""
@@ -146,28 +155,33 @@ class Coupled:
         parts = [interior.displacement(directions) for interior in self._interiors]
         return {name: np.sum([part[name] for part in parts], axis=0) for name in directions} if parts else {}
 
-    def _iterated(self, contact: Contact, increment: Increment, memory: Any, before: Solved) -> Solved:
+    def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
         """Rounds until what goes in comes out."""
         names, mixer, seen, spent = contact.directions, Anderson(_DEPTH), _Seen(), Counter[str]()
-        offset = np.stack([before.displacement[name] for name in names])
+        swept = [interior for interior in self._interiors if interior.unknown.size]
+        whole = [interior for interior in self._interiors if not interior.unknown.size]
+        answering = any(interior.responds for interior in whole)
+        loosest, part = (_LOOSEST, _SHARE) if answering else (_LOOSEST_SWEPT, _SHARE_SWEPT)
+        # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
+        offset = self._stacked(whole, names)
         share, best, last, loaded = 0.0, np.inf, np.inf, None
         answer: ContactAnswer | None = None
         number, residual = 0, np.inf
         for number in range(1, _ROUNDS + 1):
-            inner = float(np.clip(_SHARE * best, self._least, _LOOSEST))
-            fields = dict(zip(names, offset, strict=True))
+            inner = float(np.clip(part * best, self._least, loosest))
+            fields = dict(zip(names, offset + self._stacked(swept, names), strict=True))
             answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
             spent.update(answer.spent)
-            for interior in self._responding:
-                interior.image(answer.tractions, inner)
-            displaced = self._displaced(names)
+            images = [interior.image(answer.tractions, inner) for interior in (*whole, *swept) if interior.responds]
+            images = images[len(images) - len(swept) :]
             now = _Round(
                 traction=np.stack([answer.tractions[ALONG[name].field] for name in names]),
                 elastic=np.stack([answer.displacement[name] for name in names]),
-                residual=np.stack([displaced[name] for name in names]),
+                residual=self._stacked(whole, names),
             )
             image, scales = now.residual - share * now.elastic, now.scales(names.index("z"))
-            residual = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
+            changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
+            residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
@@ -177,19 +191,53 @@ class Coupled:
             if not np.isfinite(residual):
                 break
             # Bodies can be softened where every displacement by the tractions can be offset.
-            wanted = seen.share(now) if set(names) >= set(answer.displacement) else 0.0
+            wanted = seen.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0
-            if wanted != share or residual > last or loaded is None or not np.array_equal(pressed, loaded):
+            moved = loaded is None or not np.array_equal(pressed, loaded)
+            guess, answers = [offset, *(interior.unknown for interior in swept)], [image, *(taken for taken, _ in images)]
+            if answering and (wanted != share or moved or residual > last):
                 mixer, share = Anderson(_DEPTH), wanted
-                offset = now.residual - share * now.elastic
+                mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                unit = scales[:, None, None]
-                offset = mixer.next(offset / unit, image / unit) * unit
+                units = [scales[:, None, None], *(_unit(values) for values in answers[1:])]
+                mixed = _mixed(mixer, guess, answers, units)
+            offset = mixed[0]
+            for interior, values in zip(swept, mixed[1:], strict=True):
+                interior.take(values)
             last, loaded = residual, pressed
         raise NotConverged(
             f"contact and inhomogeneities: residual {residual:.1e} after {number} rounds "
             f"(tolerance {self._tolerance:.1e}); use smaller load steps or a larger tolerance"
         )
+
+    def _stacked(self, interiors: Sequence[Interior], names: str) -> FloatArray:
+        """Displacement of the surfaces by some interiors, ``(len(names), ny, nx)``."""
+        parts = [interior.displacement(names) for interior in interiors]
+        if not parts:
+            return np.zeros((len(names), *self._shape))
+        return np.asarray(np.sum([[part[name] for name in names] for part in parts], axis=0))
+
+
+def _unit(values: FloatArray) -> float:
+    """Size of an unknown."""
+    return max(float(np.abs(values).max()), np.finfo(float).tiny)
+
+
+def _mixed(
+    mixer: Anderson, guess: Sequence[FloatArray], answers: Sequence[FloatArray], units: Sequence[FloatArray | float]
+) -> list[FloatArray]:
+    """Next guess; several arrays are one vector, each in its unit, and weighed by its number of entries."""
+    weights = [np.sqrt(one.size) if len(guess) > 1 else 1.0 for one in guess]
+    scaled = [np.asarray(unit) * weight for unit, weight in zip(units, weights, strict=True)]
+
+    def packed(arrays: Sequence[FloatArray]) -> FloatArray:
+        return np.concatenate([(one / unit).ravel() for one, unit in zip(arrays, scaled, strict=True)])
+
+    vector, out, begin = mixer.next(packed(guess), packed(answers)), [], 0
+    for one, unit in zip(guess, scaled, strict=True):
+        out.append(vector[begin : begin + one.size].reshape(one.shape) * unit)
+        begin += one.size
+    return out
 
 
 @dataclass(frozen=True, slots=True)

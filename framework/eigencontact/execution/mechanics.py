@@ -47,7 +47,7 @@ class Mechanics(Block):
     ) -> None:
         self._contact, self._interiors, self._grid, self._numerics = contact, tuple(interiors), grid, numerics
         self._directions = directions if interiors else ""
-        self._coupled = Coupled(contact, self._interiors, numerics, self._directions)
+        self._coupled = Coupled(contact, self._interiors, numerics, self._directions, grid.shape)
         parts: list[Part] = [*([] if contact is None else [contact]), *interiors]
         self._parts = tuple(parts)
         self.name, self.why = parts[0].name, parts[0].why

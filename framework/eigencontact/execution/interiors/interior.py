@@ -46,8 +46,8 @@ class Interior(Part):
         """What is iterated on from outside; empty where an image is the whole answer to the tractions."""
         return np.zeros(0)
 
-    @unknown.setter
-    def unknown(self, values: FloatArray) -> None: ...
+    def take(self, unknown: FloatArray) -> None:  # noqa: B027 - where there is none there is nothing to take
+        """Put the unknown."""
 
     @abstractmethod
     def displacement(self, directions: str) -> dict[str, FloatArray]:
