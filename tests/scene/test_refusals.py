@@ -84,7 +84,7 @@ REFUSED = {
         "body1.young-modulus must be a stress [Pa]; there is no unit 'GPA'; did you mean 'GPa'? (got '210 GPA')",
     ),
     "misspelt prefix": (["geometry.radius=105 umm"], "there is no unit 'umm'; did you mean 'um'? (got '105 umm')"),
-    "no unit at all": (["geometry.radius=wide"], "geometry.radius must be a length [m]; there is no unit 'wide'"),
+    "no number at all": (["geometry.radius=wide"], "geometry.radius must be a length [m], as a number or as text like"),
     "not a number": (["body1.poisson-ratio=soft"], "body1.poisson-ratio must be a number (got 'soft')"),
     "wrong choice": (
         ["numerics.boundary=periodc"],
