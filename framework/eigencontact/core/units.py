@@ -15,8 +15,8 @@ __all__ = ["NUMBER", "parse_quantity", "readable"]
 NUMBER = re.compile(r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = r"[^\W\d_][^\W\d]*"
 _FACTOR = rf"(?:{_NAME}|°)(?:(?:\^|\*\*)[+-]?[1-9]|[²³])?"
-#: A unit as text: names, each with a power of one digit, multiplied or divided.
-_UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*")
+#: A unit as text: names, each with a power of one digit, multiplied or divided; ``/K`` and ``1/K`` alike.
+_UNIT = re.compile(rf"(?:1?\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*")
 
 
 @cache
@@ -75,7 +75,7 @@ def _converted(number: float, unit: str, text: str, symbol: str, rule: str) -> f
     import pint
 
     try:
-        one = _registry().Quantity(1.0, unit)
+        one = _registry().Quantity(1.0, f"1{unit}" if unit.startswith("/") else unit)
     except pint.UndefinedUnitError as problem:
         raise ValueError(f"{rule}; {_unknown_unit(problem, symbol)}") from problem
     except Exception as problem:  # pint raises many kinds for text that is no unit
