@@ -146,7 +146,8 @@ def run(
     resume : bool
         Continue an interrupted run of the same scene in `folder`.
     overwrite : bool
-        Replace results of another scene in `folder`.
+        Replace results of another scene in `folder`, or damaged ones. Whatever is given, a file that this package did
+        not write is never replaced: see `eigencontact.results.ownership`.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -190,12 +191,16 @@ def _run_in(
 ) -> RunResult:
     from eigencontact.execution.driver import drive
     from eigencontact.planning.cost import peak_bytes, resident_bytes
+    from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import write_summary
 
     info = _run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
+    wanted = planned.scene.output
+    regions = [request.label for request in planned.scene.stress]
+    refuse_foreign(folder, regions, summary=True, pictures=keep and wanted.pictures, vtk=keep and wanted.vtk)
     store = ResultStore.create(folder, info, resume=resume, overwrite=overwrite)
     accepted = store.accepted() if resume else []
     done = {index: _reader(store, index) for index in accepted}
@@ -323,24 +328,34 @@ def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = F
     results : str or Path
         A folder of results or its ``results.nc``.
     folder : str or Path, optional
-        Where the files go; by default beside the results.
+        Where the files go; by default beside the results. Files of others there are never replaced
+        (`eigencontact.results.ownership`).
     """
+    from eigencontact.results.atomic import DAMAGE, reason
+    from eigencontact.results.ownership import refuse_foreign
     from eigencontact.viz.figures import draw_all
 
     source = Path(results)
     target = Path(folder) if folder is not None else (source if source.is_dir() else source.parent)
     with open_results(source) as dataset:
+        refuse_foreign(target, list(json.loads(dataset.attrs["regions"])), summary=False, pictures=True, vtk=vtk)
         try:
             target.mkdir(parents=True, exist_ok=True)
+        except (OSError, ValueError) as problem:
+            raise ResultsError(
+                f"output folder {target} must be writable (got {problem}); choose another with -o"
+            ) from None
+        try:
             files = {target / name: text for name, text in draw_all(dataset, target).items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 
                 files |= dict.fromkeys(write_vtk(dataset, target), "fields for ParaView")
-        except OSError as problem:
+        except DAMAGE as problem:
             raise ResultsError(
-                f"output folder {target} must be writable (got {problem}); choose another with -o"
-            ) from None
+                f"{source} must hold results as this version writes them (got {type(problem).__name__}: "
+                f"{reason(problem)}); run the scene again with --overwrite"
+            ) from problem
     return files
 
 

@@ -138,6 +138,16 @@ REFUSED = {
         "probe.field must be one of 'displacement_z', 'gap', 'pressure'",
     ),
     "name with a slash": (["name=a/b"], "name must be a plain name: letters, digits, '_'"),
+    "zero in a title": (['title="a\\u0000"'], "title must be text without control characters (got 'a\\x00')"),
+    "bell in a description": (
+        ['description="a\\u0007"'],
+        "description must be text without control characters (got 'a\\x07')",
+    ),
+    "tables nested 60 deep": ([f"geometry.radius={'[' * 60}{']' * 60}"], "nested at most 32 deep (got more)"),
+    "arrays nested 5000 deep": (
+        [f"geometry.radius={'[' * 5000}{']' * 5000}"],
+        "geometry.radius must be a length [m], as a number or as text",
+    ),
     "missing topography": (
         ["geometry={type='topography', file='nowhere.npz'}"],
         "topography.file must be an existing file (got 'nowhere.npz')",
@@ -157,6 +167,7 @@ def refused(outcome, words, code=2):
     assert outcome.err.startswith("eigencontact: ")
     assert outcome.err.count("\n") == 1, outcome.err
     assert "Traceback" not in outcome.err
+    assert len(outcome.err) < 1000
     assert words in outcome.err
     assert outcome.out == ""
     assert outcome.code == code
@@ -195,6 +206,17 @@ SOURCES = {
     "not TOML": ("bad.toml", b"title = \n", "bad.toml must be valid TOML: "),
     "not text": ("bytes.toml", b"\xff\xfe\x00", "scene file must be readable text (got 'bytes.toml')"),
     "empty": ("empty.toml", b"", "body1 must be given"),
+    "arrays nested 5000 deep": (
+        "deep.toml",
+        b"title = " + 5000 * b"[" + 5000 * b"]",
+        "deep.toml must be a scene (got tables or arrays nested hundreds deep)",
+    ),
+    "tables nested 5000 deep": ("deep.toml", b"[" + b".".join([b"a"] * 5000) + b"]\n", "nested"),
+    "tables nested 300 deep": (
+        "deep.toml",
+        b"[" + b".".join([b"a"] * 300) + b"]\n",
+        "nested at most 32 deep (got more)",
+    ),
     "a number for a table": ("list.toml", b"body1 = 3\n", "body1 must be a table (got 3)"),
 }
 

@@ -8,7 +8,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from eigencontact.core.names import to_folder_name
 from eigencontact.errors import SceneError, nearest
+from eigencontact.scene.checks import refuse_deep
 from eigencontact.scene.schema import Scene
 
 __all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file"]
@@ -46,7 +48,7 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
     """
     path = Path(source)
     if path.suffix == ".toml" or path.is_file():
-        text, name, folder = _read(path), path.stem, path.resolve().parent
+        text, name, folder = _read(path), to_folder_name(path.stem), path.resolve().parent
     elif str(source) in bundled_names():
         text, name, folder = bundled_text(str(source)), str(source), None
     else:
@@ -59,6 +61,8 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:
         raise SceneError(f"{path} must be valid TOML: {problem}") from None
+    except RecursionError:
+        raise SceneError(f"{path} must be a scene (got tables or arrays nested hundreds deep)") from None
     data = apply_changes(data, changes)
     if folder is not None:
         _anchor_files(data, folder)
@@ -73,7 +77,7 @@ def _read(path: Path) -> str:
             f"scene file must exist (got {str(path)!r}); bundled scenes: {', '.join(bundled_names())}"
             f"{nearest(path.stem, bundled_names())}"
         ) from None
-    except (OSError, UnicodeDecodeError) as problem:
+    except (OSError, ValueError) as problem:  # ValueError: bytes that are no text, a path with a zero in it
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
 
 
@@ -108,6 +112,7 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
     """
     from copy import deepcopy
 
+    refuse_deep(data)
     out = deepcopy(dict(data))
     for change in changes:
         key, equals, text = change.partition("=")
@@ -123,7 +128,7 @@ def _value(text: str) -> Any:
     """Value of a change: TOML where it parses, plain text otherwise."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         return text
 
 

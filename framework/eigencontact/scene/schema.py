@@ -10,7 +10,17 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment, Stress
-from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many, positive
+from eigencontact.scene.checks import (
+    at_least,
+    finite,
+    folder_name,
+    in_range,
+    non_negative,
+    one_or_many,
+    positive,
+    printable,
+    refuse_deep,
+)
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS, TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
@@ -242,7 +252,8 @@ class Scene(Table):
     Parameters
     ----------
     name : str
-        Short name, for folders; a file's name where it is not given.
+        Short name, for folders (`eigencontact.core.names.FOLDER_RULE`); where it is not given, that of the file, made
+        into such a name.
     title : str
         One line for plots and lists.
     body1, body2 : Body
@@ -274,9 +285,9 @@ class Scene(Table):
     210000000000.0
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]*$")] = ""
-    title: str = ""
-    description: str = ""
+    name: Annotated[str, AfterValidator(folder_name)] = ""
+    title: Annotated[str, AfterValidator(printable)] = ""
+    description: Annotated[str, AfterValidator(printable)] = ""
     body1: Body
     body2: Body = Body(rigid=True)
     geometry: Tables = Field([])
@@ -305,6 +316,7 @@ class Scene(Table):
         from eigencontact.errors import SceneError
         from eigencontact.scene.messages import explain_error
 
+        refuse_deep(data)
         try:
             super().__init__(**_with_tables(data))
         except ValidationError as problem:
