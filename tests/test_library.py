@@ -97,10 +97,14 @@ def test_make_gives_the_component_of_the_scene():
 @pytest.mark.parametrize(
     ("key", "parameters", "words"),
     [
-        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: bonded-layers, coulomb, coulomb-map, "),
+        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: 'bonded-layers', 'coulomb', 'coulomb-map', "),
         ("shpere", {"radius": 1.0}, "did you mean 'sphere'?"),
         ("sphere", {"radius": 1.0, "kind": "observer"}, "unknown observer 'sphere'; installed: 'dissipated-energy', "),
-        ("sphere", {"radius": 1.0, "kind": "shape"}, "make.kind must be one of surface-influence, geometry, observer"),
+        (
+            "sphere",
+            {"radius": 1.0, "kind": "shape"},
+            "make.kind must be one of eigenstrain-field, friction-law, geometry",
+        ),
         ("sphere", {"radus": 1.0}, "unknown key 'radus' in sphere (sphere); known: radius, profile, center; did you"),
         ("sphere", {}, "sphere.radius must be given (sphere needs it)"),
         ("sphere", {"radius": "1 N"}, "sphere.radius must be a length [m]; '1 N' has the dimension"),
@@ -137,12 +141,8 @@ class WaveObserver(Observer):
         return {}
 
 @hookimpl
-def eigencontact_register_geometries():
-    return [Wave]
-
-@hookimpl
-def eigencontact_register_observers():
-    return [WaveObserver]
+def eigencontact_register():
+    return [Wave, WaveObserver]
 """
 
 

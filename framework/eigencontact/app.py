@@ -298,8 +298,9 @@ def _run_info(planned: Plan) -> RunInfo:
     with contextlib.suppress(PackageNotFoundError):
         versions["pyfftw"] = version("pyfftw")
     for component in planned.components:
-        entry = planned.registry.get(component.kind, component.key)
-        versions[f"plugin {entry.kind} {entry.key}"] = entry.origin
+        entry = planned.registry.entry_of(component)
+        versions[f"plugin {entry.kind} {planned.registry.spelling(entry)}"] = entry.origin
+        digest.update(b"" if entry.bundled else entry.full_key.encode())  # one plain key may mean another package later
     outlines = {}
     if planned.sources:
         from eigencontact.planning.outlines import outlines as outlines_of

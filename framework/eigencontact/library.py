@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.errors import EigencontactError, PluginError, SceneError, require
-from eigencontact.hooks.manager import load_plugins
-from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.hooks.registry import Entry
 from eigencontact.plugin import KINDS
+from eigencontact.scene.installed import installed_plugins
 
 __all__ = ["installed_plugins", "make", "rectangle_field"]
 
 FloatArray = NDArray[np.float64]
-
-
-@cache
-def installed_plugins() -> Registry:
-    """Return the registry of every installed plugin; what failed to load is in its ``broken``."""
-    return load_plugins(KINDS)
 
 
 def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
@@ -30,7 +23,7 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     Parameters
     ----------
     key : str
-        Name of the plugin: ``"sphere"``.
+        Name of the plugin: ``"sphere"``, or ``"package:sphere"`` where packages share a key.
     kind : str, optional
         Kind of plugin, where several kinds know the key and the parameters do not tell them apart.
     **parameters
@@ -54,18 +47,15 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     if kind is not None:
         require(kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
         return instantiate(registry.get(kind, key), parameters, key)
-    entries = registry.named(key)
+    kinds = dict.fromkeys(entry.kind for entry in registry.named(key))
+    entries = [registry.get(kind, key) for kind in kinds]
     if len(entries) > 1:
         fitting = [entry for entry in entries if set(parameters) <= set(registry.parameters(entry.component))]
         entries = fitting or entries
     if len(entries) > 1:
         return _only_fitting(key, entries, parameters)
     if not entries:
-        from eigencontact.errors import nearest
-
-        keys = sorted({entry.key for entry in registry})
-        broken = "".join(f"; {item}" for item in registry.broken)
-        raise PluginError(f"unknown plugin {key!r}; installed: {', '.join(keys)}{nearest(key, keys)}{broken}")
+        raise PluginError(registry.unknown(key))
     return instantiate(entries[0], parameters, key)
 
 

@@ -286,7 +286,7 @@ class Odd(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register_friction_laws():
+def eigencontact_register():
     return [Odd]
 """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -89,8 +90,9 @@ class Observe:
         number = block.settings["number"]
         assert isinstance(number, int)
         self._name, self._observer = plan.observers[number]
-        self._prefix = self._name.replace("-", "_")
-        if [name for name, _ in plan.observers].count(self._name) > 1:
+        prefixes = [re.sub(r"\W", "_", observer.key) for _, observer in plan.observers]
+        self._prefix = prefixes[number]
+        if prefixes.count(self._prefix) > 1:
             self._prefix += f"_{number + 1}"
         self._grid = plan.grid
 

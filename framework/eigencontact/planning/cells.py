@@ -15,7 +15,7 @@ Point = tuple[float, float, float]
 
 
 def installed_cell(registry: Registry) -> Callable[[Point, Point], Any]:
-    """Maker of cells, ``cell(centre, edges)``, from the one installed shape that offers ``corner``.
+    """Maker of cells, ``cell(centre, edges)``, from the one installed shape that offers ``corner``, the bundled first.
 
     Raises
     ------
@@ -23,6 +23,7 @@ def installed_cell(registry: Registry) -> Callable[[Point, Point], Any]:
         None is installed, or more than one; broken plugins are named.
     """
     found = [entry for entry in registry.of_kind("inclusion-shape") if hasattr(entry.component, "corner")]
+    found = [entry for entry in found if entry.bundled] or found  # a stranger's cuboid is a shape, not our cells
     if len(found) != 1:
         names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in found) or "none"
         broken = "".join(f"; {item}" for item in registry.broken)

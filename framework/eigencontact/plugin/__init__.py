@@ -74,13 +74,9 @@ __all__ = [
     "variables",
 ]
 
-#: Kinds of plugin known so far and their abstract classes.
-KINDS: dict[str, type] = {
-    SurfaceInfluence.kind: SurfaceInfluence,
-    Geometry.kind: Geometry,
-    Observer.kind: Observer,
-    InclusionShape.kind: InclusionShape,
-    EigenstrainField.kind: EigenstrainField,
-    FrictionLaw.kind: FrictionLaw,
-    LayeredMedium.kind: LayeredMedium,
+#: Kinds of plugin and their abstract classes: those above that set ``kind``. A new kind is a class exported here.
+KINDS: dict[str, type[Component]] = {
+    item.kind: item
+    for item in (globals().get(name) for name in __all__)
+    if isinstance(item, type) and issubclass(item, Component) and "kind" in vars(item)
 }

@@ -356,13 +356,22 @@ def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
     return out
 
 
+def _type_of(component: Any) -> str:
+    """What a scene writes to name the class of a component."""
+    from eigencontact.scene.installed import installed_plugins
+
+    registry = installed_plugins()
+    entry = next((entry for entry in registry if entry.component is type(component)), None)
+    return str(getattr(component, "key", "")) if entry is None else registry.spelling(entry)
+
+
 def _table(item: Any) -> Any:
     """Table of a component, or of a table that has one as its ``type`` or its ``eigenstrain``."""
     from dataclasses import asdict, is_dataclass
 
     if is_dataclass(item) and not isinstance(item, type):
         given = asdict(item, dict_factory=lambda pairs: {name: value for name, value in pairs if value is not None})
-        return {"type": getattr(item, "key", ""), **_table(given)}
+        return {"type": _type_of(item), **_table(given)}
     if not isinstance(item, dict):
         return item.tolist() if hasattr(item, "tolist") else item
     out = {key: _table(value) if key in ("type", "eigenstrain", "value") else value for key, value in item.items()}

@@ -167,6 +167,6 @@ class CoulombMap(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> Iterable[type[FrictionLaw]]:
     """Register Coulomb friction with a map."""
     return [CoulombMap]

@@ -146,6 +146,6 @@ class Topography(Geometry):
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the measured surface."""
     return [Topography]

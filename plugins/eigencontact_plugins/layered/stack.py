@@ -237,6 +237,6 @@ def _turned(name: str, parts: dict[str, ComplexArray], m: FloatArray, n: FloatAr
 
 
 @hookimpl
-def eigencontact_register_layered_media() -> Iterable[type[LayeredMedium]]:
+def eigencontact_register() -> Iterable[type[LayeredMedium]]:
     """Register bonded elastic layers."""
     return [BondedLayers]

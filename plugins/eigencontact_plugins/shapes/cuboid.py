@@ -213,6 +213,6 @@ def _corner_sum(
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the cuboid."""
     return [Cuboid]

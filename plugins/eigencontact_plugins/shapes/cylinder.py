@@ -97,6 +97,6 @@ class Cylinder(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the cylinder."""
     return [Cylinder]

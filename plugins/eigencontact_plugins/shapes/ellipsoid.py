@@ -188,6 +188,6 @@ class Ellipsoid(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the ellipsoid."""
     return [Ellipsoid]

@@ -133,6 +133,6 @@ def _read(file: str) -> FloatArray:
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the layer."""
     return [Layer]

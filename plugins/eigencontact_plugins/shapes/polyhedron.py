@@ -107,6 +107,6 @@ class Polyhedron(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the polyhedron."""
     return [Polyhedron]

@@ -153,6 +153,6 @@ class SphericalInclusion(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the sphere."""
     return [SphericalInclusion]
