@@ -69,7 +69,7 @@ def load_scene(source: Scene | str | Path | Mapping[str, Any], changes: Iterable
 
     changes = list(changes)
     if isinstance(source, Scene):
-        return Scene(**apply_changes(source.resolved(), changes)) if changes else source
+        return Scene(**apply_changes(source.resolved(), changes)).within(source.folder) if changes else source
     if isinstance(source, Mapping):
         return Scene(**apply_changes(source, changes))
     return load_scene_file(source, changes)
@@ -283,12 +283,11 @@ def _run_info(planned: Plan) -> RunInfo:
     resolved = planned.scene.resolved()
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
     if planned.geometries:
-        digest.update(planned.separation().tobytes())  # a changed topography file is a changed scene
-    # and so is a changed mesh, a changed table of eigenstrain, a changed map of friction
-    parts = [part for source in planned.sources for part in (source.shape, source.field)]
-    for part in [*parts, planned.friction, *planned.bodies]:
-        file = Path(str(getattr(part, "file", "")))
-        digest.update(file.read_bytes() if file.is_file() else b"")
+        digest.update(planned.separation().tobytes())  # another surface is another scene
+    for path in planned.files:  # and so is any other changed file
+        if path.is_file():
+            with path.open("rb") as file:
+                digest.update(hashlib.file_digest(file, "sha256").digest())
     versions = {
         "python": platform.python_version(),
         "numpy": np.__version__,

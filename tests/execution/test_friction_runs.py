@@ -14,6 +14,7 @@ from eigencontact.results.layout import SCALARS
 from eigencontact.scene.schema import Step
 from eigencontact.solvers.tangential.contact import FrictionalContact
 from eigencontact_plugins.friction.coulomb import Coulomb
+from stopping import Stop, Stopper
 
 STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 RADIUS, LOAD, MU = 200e-6, 12.307, 0.5
@@ -218,25 +219,6 @@ def test_full_slip_peaks_where_hamilton_says():
 
 
 # ---------------------------------------------------------------- handed on: resumed, and cut
-
-
-class Stop(Exception):
-    """Ends a run between two steps."""
-
-
-class Stopper:
-    def __init__(self, index):
-        self.index = index
-
-    def step_started(self, point, total):
-        if point.index == min(self.index, total):
-            raise Stop
-
-    def iterated(self, text, residual, tolerance):
-        pass
-
-    def step_finished(self, record, total):
-        pass
 
 
 SPOT = {"type": "sphere", "center": [4e-6, 0, 9e-6], "radius": 5e-6}

@@ -77,7 +77,8 @@ def test_relative_files_of_eigenstrain_count_from_the_scene(tmp_path, monkeypatc
     (tmp_path / "my.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
     monkeypatch.chdir("/")
     loaded = load_scene(tmp_path / "my.toml")
-    assert loaded.inclusions[0].eigenstrain["file"] == str(tmp_path / "field.npz")
+    assert loaded.resolved()["inclusions"][0]["eigenstrain"]["file"] == str(tmp_path / "field.npz")
+    assert plan(loaded).scene.inclusions[0].eigenstrain["file"] == str(tmp_path / "field.npz")
 
 
 def test_automatic_grids_follow_the_inclusions():

@@ -126,7 +126,7 @@ def test_the_map_of_a_scene_counts_from_its_folder(tmp_path, monkeypatch):
     (tmp_path / "my.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
     monkeypatch.chdir("/")
     loaded = load_scene(tmp_path / "my.toml")
-    assert loaded.friction["file"] == str(tmp_path / "mu.npz")
+    assert loaded.resolved()["friction"]["file"] == str(tmp_path / "mu.npz")
     assert plan(loaded).friction.coefficients(np.zeros((1, 1)), np.zeros((1, 1))) == 0.2
 
 

@@ -10,6 +10,8 @@ from eigencontact.core.units import parse_quantity
 __all__ = [
     "QUANTITIES",
     "Angle",
+    "DataFile",
+    "FileMark",
     "Force",
     "Length",
     "Moment",
@@ -41,6 +43,17 @@ Stress = Annotated[float, Unit("Pa", "a stress")]
 Force = Annotated[float, Unit("N", "a force")]
 Moment = Annotated[float, Unit("N*m", "a moment")]
 Angle = Annotated[float, Unit("rad", "an angle")]
+
+
+@dataclass(frozen=True, slots=True)
+class FileMark:
+    """Mark of an annotated field that holds the path of a data file."""
+
+
+#: Annotation for the path of a data file, ``map: DataFile``, by any name, also ``DataFile | None``, in a tuple, or in a
+#: dataclass that is the table of a field. A relative path counts from the folder of the scene; results of a file that
+#: has changed are not continued. A name that begins with ``gallery:`` means a file beside the bundled scenes.
+DataFile = Annotated[str, FileMark()]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +58,8 @@ class Plan:
         What is not modelled, and why.
     grid_reason : str
         Where the grid came from.
+    files : tuple of Path
+        Data files that the scene names.
     """
 
     scene: Scene
@@ -71,6 +74,7 @@ class Plan:
     groups: list[tuple[Block, ...]]
     left_out: Sequence[LeftOut]
     friction: FrictionLaw | None = None
+    files: tuple[Path, ...] = ()
 
     @property
     def name(self) -> str:

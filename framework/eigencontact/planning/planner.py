@@ -19,6 +19,7 @@ from eigencontact.planning.plan import Plan
 from eigencontact.planning.sources import Source, build_sources, with_lattices
 from eigencontact.plugin import FrictionLaw, Geometry, SurfaceInfluence
 from eigencontact.scene.components import build_component
+from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Scene
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
+    scene, files = anchored(scene, registry)
     as_given, bodies = scene, bodies_of(scene, registry)
     geometries: tuple[Geometry, ...] = tuple(_components(scene.geometry, "geometry", "geometry", registry))
     observed = _components(scene.observers, "observer", "observers", registry)
@@ -85,6 +87,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         groups=resolve(blocks, outputs),
         left_out=left_out(scene, bodies, sources, coupling, grid),
         friction=friction,
+        files=files,
     )
     _check_memory(plan)
     return plan

@@ -10,7 +10,7 @@ from __future__ import annotations
 from eigencontact.core.grid import Grid
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
+from eigencontact.core.quantities import Angle, DataFile, Force, Length, Moment, Stress, Unit
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
@@ -38,6 +38,7 @@ __all__ = [
     "Angle",
     "Component",
     "CornerInfluence",
+    "DataFile",
     "EigenstrainField",
     "Force",
     "FrictionLaw",

@@ -32,7 +32,7 @@ def bundled_text(name: str) -> str:
 
 
 def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
-    """Scene from a TOML file or the name of a bundled scene.
+    """Scene from a TOML file, whose folder its relative paths count from, or the name of a bundled scene.
 
     Parameters
     ----------
@@ -63,10 +63,7 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
         raise SceneError(f"{path} must be valid TOML: {problem}") from None
     except RecursionError:
         raise SceneError(f"{path} must be a scene (got tables or arrays nested hundreds deep)") from None
-    data = apply_changes(data, changes)
-    if folder is not None:
-        _anchor_files(data, folder)
-    return Scene(**{"name": name, **data})
+    return Scene(**{"name": name, **apply_changes(data, changes)}).within(folder)
 
 
 def _read(path: Path) -> str:
@@ -79,25 +76,6 @@ def _read(path: Path) -> str:
         ) from None
     except (OSError, ValueError) as problem:  # ValueError: bytes that are no text, a path with a zero in it
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
-
-
-def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
-    """Make relative ``file`` entries of components relative to the scene's folder."""
-    for group in ("geometry", "friction", "observers", "inclusions", "eigenstrain"):
-        tables = data.get(group, [])
-        for table in [tables] if isinstance(tables, dict) else tables:
-            if isinstance(table, dict):
-                for part in (table, table.get("eigenstrain"), table.get("material")):
-                    _anchor(part, folder)
-    for body in (data.get("body1"), data.get("body2")):
-        if isinstance(body, dict):
-            _anchor(body.get("medium"), folder)
-
-
-def _anchor(table: Any, folder: Path) -> None:
-    name = table.get("file") if isinstance(table, dict) else None
-    if isinstance(name, str) and not name.startswith("gallery:"):
-        table["file"] = str(folder / name)
 
 
 def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, Any]:

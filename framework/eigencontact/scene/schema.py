@@ -5,6 +5,7 @@ Field names are snake_case in Python and kebab-case in TOML. Numbers are SI; tex
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -24,7 +25,7 @@ from eigencontact.scene.checks import (
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS, TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
-from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table, Tables
+from eigencontact.scene.table import Depth, FiniteLength, OfKind, PositiveLength, Table, Tables
 
 __all__ = ["Body", "GridSpec", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
@@ -43,7 +44,7 @@ class Body(Table):
     rigid: bool = False
     young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
     poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
-    medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table)] = None
+    medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("layered-medium")] = None
 
     @model_validator(mode="after")
     def _complete(self) -> Body:
@@ -290,15 +291,15 @@ class Scene(Table):
     description: Annotated[str, AfterValidator(printable)] = ""
     body1: Body
     body2: Body = Body(rigid=True)
-    geometry: Tables = Field([])
-    friction: dict[str, Any] | None = None
+    geometry: Annotated[Tables, OfKind("geometry")] = Field([])
+    friction: Annotated[dict[str, Any] | None, OfKind("friction-law")] = None
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
     steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1)] = Field([Step()])
     numerics: Numerics = Numerics()
     stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = Field([])
-    observers: Tables = Field([])
+    observers: Annotated[Tables, OfKind("observer")] = Field([])
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -327,6 +328,19 @@ class Scene(Table):
             more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
             raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
 
+    _folder: Path | None = None
+
+    @property
+    def folder(self) -> Path | None:
+        """Folder that relative paths in the scene count from: that of its file; None where it came from none."""
+        return self._folder
+
+    def within(self, folder: Path | None) -> Scene:
+        """Copy whose relative paths count from a folder; further copies keep it."""
+        copy = self.model_copy()
+        copy._folder = folder  # noqa: SLF001
+        return copy
+
     @property
     def label(self) -> str:
         """Name for folders and headings: `name`, or the title's first words."""
@@ -334,8 +348,14 @@ class Scene(Table):
         return self.name or "-".join(words[:6]) or "scene"
 
     def resolved(self) -> dict[str, Any]:
-        """Return every field with its default filled in, SI units, TOML names."""
-        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        """Return every field with its default filled in, SI units, TOML names, data files by absolute paths."""
+        scene = self
+        if self.folder is not None:
+            from eigencontact.scene.files import anchored
+            from eigencontact.scene.installed import installed_plugins
+
+            scene, _ = anchored(self, installed_plugins())
+        return scene.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
 def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:

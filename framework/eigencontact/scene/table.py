@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
@@ -9,12 +10,19 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
 from eigencontact.core.quantities import Length
 from eigencontact.scene.checks import finite, non_negative, one_or_many, positive
 
-__all__ = ["Depth", "FiniteLength", "PositiveLength", "Table", "Tables"]
+__all__ = ["Depth", "FiniteLength", "OfKind", "PositiveLength", "Table", "Tables"]
 
 PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
 FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
 Depth = Annotated[Length, AfterValidator(non_negative("m"))]
 Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
+
+
+@dataclass(frozen=True, slots=True)
+class OfKind:
+    """Mark of a field that holds the table of a component of a kind, or several: its ``type`` names the plugin."""
+
+    kind: str
 
 
 class Table(BaseModel):

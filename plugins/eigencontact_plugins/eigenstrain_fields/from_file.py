@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, SceneError, hookimpl, require, to_mandel
+from eigencontact.plugin import DataFile, EigenstrainField, SceneError, hookimpl, require, to_mandel
 from eigencontact_plugins.eigenstrain_fields.values import TimedField
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class FromFile(TimedField):
     key: ClassVar[str] = "from-file"
     references: ClassVar[tuple[str, ...]] = ("T. Mura, Micromechanics of Defects in Solids (1987), section 1",)
 
-    file: str
+    file: DataFile
     variable: str = "eigenstrain"
 
     def __post_init__(self) -> None:

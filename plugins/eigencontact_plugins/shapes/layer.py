@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, InclusionShape, Length, SceneError, hookimpl, require
 
 __all__ = ["Layer"]
 
@@ -52,7 +52,7 @@ class Layer(InclusionShape):
 
     size: tuple[Length, Length]
     thickness: Length | None = None
-    file: str | None = None
+    file: DataFile | None = None
     thickness_unit: Length = 1.0
     center: tuple[Length, Length] = (0.0, 0.0)
     top: Length = 0.0

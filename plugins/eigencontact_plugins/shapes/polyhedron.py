@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, hookimpl, require
+from eigencontact.plugin import Angle, DataFile, InclusionShape, Length, hookimpl, require
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
 from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
@@ -54,7 +54,7 @@ class Polyhedron(InclusionShape):
         "S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",
     )
 
-    file: str
+    file: DataFile
     scale: Length = 1.0
     rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
     offset: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
