@@ -7,6 +7,7 @@ excepted) and never changes the arrays it is given.
 
 from __future__ import annotations
 
+from eigencontact.core.arrays import real_array, real_points
 from eigencontact.core.grid import Grid
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
@@ -70,6 +71,8 @@ __all__ = [
     "hookimpl",
     "implicit",
     "integrated_chi",
+    "real_array",
+    "real_points",
     "require",
     "to_mandel",
     "variables",

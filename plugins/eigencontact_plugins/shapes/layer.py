@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, InclusionShape, Length, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, InclusionShape, Length, SceneError, hookimpl, real_points, require
 
 __all__ = ["Layer"]
 
@@ -80,6 +80,7 @@ class Layer(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the layer or on its boundary."""
+        x, y, z = real_points(self.key, x, y, z)
         thickness, below = self.thickness_at(x, y), np.asarray(z, dtype=float) - self.top
         return np.asarray((thickness > 0) & (below >= 0) & (below <= thickness))
 
