@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.hooks.registry import Registry
 from eigencontact.library import installed_plugins, make, rectangle_field
 
@@ -67,6 +67,8 @@ def load_scene(source: Scene | str | Path | Mapping[str, Any], changes: Iterable
     from eigencontact.scene.loader import apply_changes, load_scene_file
     from eigencontact.scene.schema import Scene
 
+    if isinstance(changes, str) or not isinstance(changes, Iterable):
+        raise SceneError(f'changes must be an array of texts "key=value" (got {shown(changes)})')
     changes = list(changes)
     if isinstance(source, Scene):
         return Scene(**apply_changes(source.resolved(), changes)).within(source.folder) if changes else source
@@ -168,6 +170,8 @@ def run(
     from eigencontact.planning.plan import Plan
 
     began = perf_counter()
+    if not (folder is None or isinstance(folder, str | Path)):
+        raise ResultsError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
     planned = scene if isinstance(scene, Plan) else plan(scene, registry=registry)
     if folder is not None:
         return _run_in(planned, Path(folder), began, resume=resume, overwrite=overwrite, watcher=watcher, keep=True)
@@ -335,9 +339,9 @@ def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = F
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.viz.figures import draw_all
 
-    source = Path(results)
-    target = Path(folder) if folder is not None else (source if source.is_dir() else source.parent)
-    with open_results(source) as dataset:
+    with open_results(results) as dataset:
+        source = Path(results)
+        target = Path(folder) if folder is not None else (source if source.is_dir() else source.parent)
         refuse_foreign(target, list(json.loads(dataset.attrs["regions"])), summary=False, pictures=True, vtk=vtk)
         try:
             target.mkdir(parents=True, exist_ok=True)

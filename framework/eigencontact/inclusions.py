@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.core.arrays import is_whole, real_array
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import to_mandel, to_matrix
+from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.potentials import HasPotentials
@@ -90,11 +91,11 @@ def inclusion_field(
     strain = real_array(eigenstrain, _HERE, "eigenstrain", rule)
     allowed = strain.shape in ((3, 3), (len(shapes), 3, 3))
     require(allowed, _HERE, "eigenstrain", strain.shape, rule)
-    require(np.all(np.isfinite(strain)), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
+    require(np.all(np.abs(strain) <= LARGEST), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
     require(np.array_equal(strain, strain.swapaxes(-1, -2)), _HERE, "eigenstrain", strain.tolist(), "symmetric")
     known = isinstance(quantity, str) and quantity in QUANTITIES
     require(known, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
-    require(space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
+    require(isinstance(space, str) and space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
     require(is_whole(cells) and cells >= 1, _HERE, "cells", cells, "a whole number, 1 or more")
     at = field_points(points, _HERE, half_space=space == "half")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)

@@ -7,7 +7,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.core.arrays import LARGEST, SMALLEST, real_array
+from eigencontact.core.arrays import real_array
+from eigencontact.core.units import LARGEST, SMALLEST
 from eigencontact.errors import EigencontactError, PluginError, SceneError, require
 from eigencontact.hooks.registry import Entry
 from eigencontact.plugin import KINDS
@@ -45,8 +46,9 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     from eigencontact.scene.components import instantiate
 
     registry = installed_plugins()
+    require(isinstance(key, str), "make", "key", key, "the name of a plugin")
     if kind is not None:
-        require(kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
+        require(isinstance(kind, str) and kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
         return instantiate(registry.get(kind, key), parameters, key)
     kinds = dict.fromkeys(entry.kind for entry in registry.named(key))
     entries = [registry.get(kind, key) for kind in kinds]
@@ -142,13 +144,14 @@ def rectangle_field(
     here = "rectangle_field"
     rule = "three finite numbers (q_x, q_y, p) [Pa]"
     load = real_array(traction, here, "traction", rule)
-    require(load.shape == (3,) and np.all(np.isfinite(load)), here, "traction", traction, rule)
+    require(load.shape == (3,) and np.all(np.abs(load) <= LARGEST), here, "traction", traction, rule)
     rule = "two positive numbers (a, b) [m]"
     widths = real_array(half_widths, here, "half_widths", rule)
     good = widths.shape == (2,) and np.all(widths >= SMALLEST) and np.all(widths <= LARGEST)
     require(good, here, "half_widths", half_widths, rule)
     at = field_points(points, here, half_space=True)
-    require(quantity in ("displacement", "stress"), here, "quantity", quantity, "'displacement' or 'stress'")
+    known = isinstance(quantity, str) and quantity in ("displacement", "stress")
+    require(known, here, "quantity", quantity, "'displacement' or 'stress'")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
     total, registry = np.zeros((len(names), len(at))), installed_plugins()

@@ -76,7 +76,7 @@ def test_numbers_of_numpy_and_text_that_is_a_number_are_taken():
 @pytest.mark.parametrize("value", ["1e308", "1e31", "1e-31", "1e-308"])
 @pytest.mark.parametrize("key", ["body1.young-modulus", "steps.normal-load"])
 def test_sizes_that_cannot_be_reckoned_with_are_refused(key, value):
-    with pytest.raises(ec.EigencontactError, match=rf"^{key} must be of a size between 1e-30 and 1e\+30 \[(Pa|N)\]"):
+    with pytest.raises(ec.EigencontactError, match=rf"^{key} must be of a size .* 1e\+30 \[(Pa|N)\] \(got {value[:2]}"):
         ec.load_scene("hertz", [f"{key}={value}"])
 
 

@@ -8,14 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError
 
-__all__ = ["LARGEST", "SMALLEST", "is_real", "is_whole", "real_array", "real_points"]
+__all__ = ["is_real", "is_whole", "real_array", "real_points"]
 
 FloatArray = NDArray[np.float64]
-
-#: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
-SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def is_real(value: object) -> bool:
@@ -57,8 +55,8 @@ def real_array(value: Any, where: str, field: str, rule: str) -> FloatArray:
         array = np.asarray(value)
     except (ValueError, TypeError, OverflowError):
         raise SceneError(f"{where}.{field} must be {rule} (got {type(value).__name__} with no one shape)") from None
-    if array.dtype.kind == "O" and all(is_real(item) for item in array.ravel()):
-        array = array.astype(float)
+    if array.dtype.kind == "O" and all(is_real(item) and abs(item) <= LARGEST for item in array.ravel()):
+        array = array.astype(float)  # whole numbers of Python, fractions
     if array.dtype.kind not in "fiu":
         raise SceneError(f"{where}.{field} must be {rule}, real numbers (got {_words(array)})")
     return np.asarray(array, dtype=float)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eigencontact.core.arrays import LARGEST, SMALLEST, is_real
+from eigencontact.core.arrays import is_real
+from eigencontact.core.units import LARGEST, SMALLEST
 from eigencontact.errors import require
 
 __all__ = ["Material", "contact_modulus", "dundurs_constant"]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Annotated, Any
 
-from eigencontact.core.units import parse_quantity
+from eigencontact.core.units import LARGEST, parse_quantity
 
 __all__ = [
     "QUANTITIES",
@@ -32,9 +33,16 @@ class Unit:
         """Tell pydantic to convert text with units before it checks the number."""
         from pydantic_core import core_schema
 
-        return core_schema.no_info_before_validator_function(
+        read = core_schema.no_info_before_validator_function(
             lambda value: parse_quantity(value, self.symbol, self.name), handler(source)
         )
+        return core_schema.no_info_after_validator_function(self._within_reach, read)
+
+    def _within_reach(self, value: Any) -> Any:
+        """Refuse finite numbers whose products would leave the range of numbers; infinity is for the field to judge."""
+        if isinstance(value, float) and LARGEST < abs(value) < inf:
+            raise ValueError(f"of a size up to {LARGEST:g} [{self.symbol}]")
+        return value
 
 
 #: Annotations for the fields of plugins: ``radius: Length``.

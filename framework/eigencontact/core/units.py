@@ -9,8 +9,10 @@ from typing import Any
 
 from eigencontact.errors import nearest
 
-__all__ = ["NUMBER", "parse_quantity", "readable"]
+__all__ = ["LARGEST", "NUMBER", "SMALLEST", "parse_quantity", "readable"]
 
+#: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
+SMALLEST, LARGEST = 1e-30, 1e30
 #: A number as text: a point before decimals, no separators, no leading zeros, nothing to compute.
 NUMBER = re.compile(r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = r"[^\W\d_][^\W\d]*"

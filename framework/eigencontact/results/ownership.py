@@ -54,13 +54,15 @@ def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures:
     ResultsError
         Names the first such file.
     """
-    if not folder.is_dir():
+    try:
+        present = sorted(folder.iterdir())
+    except (OSError, ValueError):  # missing, or no folder that can be written: that is said where it is made
         return
     names = "|".join(re.escape(name) for name in (SURFACE, *regions))
     stems = "|".join(re.escape(name) for name in (*PICTURES, *regions))
     used = [rf"({stems})\.png"] * pictures + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
     used += [re.escape(SUMMARY)] * summary
-    for path in sorted(folder.iterdir()):
+    for path in present:
         if any(re.fullmatch(pattern, path.name, re.IGNORECASE) for pattern in used) and not is_ours(path):
             raise ResultsError(
                 f"{path} must be a file that eigencontact wrote, or not be there (got a file of another origin, which "

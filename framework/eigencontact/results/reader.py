@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import ResultsError, shown
 from eigencontact.results.atomic import DAMAGE, reason
 from eigencontact.results.layout import FORMAT
 from eigencontact.results.store import RESULTS, STEPS
@@ -38,9 +38,13 @@ def open_results(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    given = Path(path)
-    file = given / RESULTS if given.is_dir() else given
-    if not file.exists():
+    try:
+        given = Path(path)
+        file = given / RESULTS if given.is_dir() else given
+        there = file.exists()
+    except (OSError, TypeError, ValueError) as error:
+        raise ResultsError(f"results must be a file or folder (got {shown(path)}); {reason(error)}") from None
+    if not there:
         steps = (given if given.is_dir() else given.parent) / STEPS
         if steps.is_dir():
             count = len(list(steps.glob("[0-9]*.h5")))

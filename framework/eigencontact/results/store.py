@@ -92,7 +92,7 @@ class ResultStore:
                 _remove_own(folder)
             if not (resume and store.finished):
                 store._begin()
-        except OSError as error:
+        except (OSError, ValueError) as error:  # ValueError: a zero in the path
             raise ResultsError(
                 f"output folder {folder} must be a folder that can be written (got: {reason(error)}); "
                 "choose another with -o"

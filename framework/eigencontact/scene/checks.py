@@ -9,10 +9,9 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from eigencontact.core.arrays import LARGEST, SMALLEST
 from eigencontact.core.names import FOLDER_RULE, is_folder_name
 from eigencontact.core.quantities import Unit
-from eigencontact.core.units import NUMBER
+from eigencontact.core.units import LARGEST, NUMBER, SMALLEST
 from eigencontact.errors import SceneError
 
 __all__ = [
@@ -84,7 +83,7 @@ def folder_name(value: str) -> str:
 
 def printable(value: str) -> str:
     """Text without control characters: results, pictures and terminals cannot hold them."""
-    if any(unicodedata.category(letter) == "Cc" and letter not in "\t\n\r" for letter in value):
+    if any(unicodedata.category(letter) in ("Cc", "Cs") and letter not in "\t\n\r" for letter in value):
         raise ValueError("text without control characters")
     return value
 

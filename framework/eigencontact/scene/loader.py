@@ -5,11 +5,12 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from eigencontact.core.names import to_folder_name
-from eigencontact.errors import SceneError, nearest
+from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.scene.checks import refuse_deep
 from eigencontact.scene.schema import Scene
 
@@ -46,6 +47,8 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
     SceneError
         Missing or unreadable file, TOML that does not parse, or a scene that is refused.
     """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(f"scene must be a TOML file, the name of a bundled scene, or its tables (got {shown(source)})")
     path = Path(source)
     if path.suffix == ".toml" or path.is_file():
         text, name, folder = _read(path), to_folder_name(path.stem), path.resolve().parent
@@ -93,7 +96,7 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
     refuse_deep(data)
     out = deepcopy(dict(data))
     for change in changes:
-        key, equals, text = change.partition("=")
+        key, equals, text = change.partition("=") if isinstance(change, str) else ("", "", "")
         if not equals or not key.strip():
             raise SceneError(
                 f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
@@ -114,19 +117,19 @@ def _put(table: Any, path: list[str], value: Any, change: str) -> None:
     for position, part in enumerate(path):
         last = position == len(path) - 1
         if isinstance(table, list):
-            if not part.isdigit() and len(table) == 1:
+            number = part.isascii() and part.isdigit()
+            if not number and len(table) == 1:
                 table = table[0]
-            elif part.isdigit() and int(part) < len(table):
+            elif number and int(part[:9]) < len(table):
                 if last:
                     table[int(part)] = value
                 else:
                     table = table[int(part)]
                 continue
             else:
-                raise SceneError(
-                    f"--set {change!r}: {'.'.join(path[:position])} is an array of {len(table)}; "
-                    f"give a number from 0 to {len(table) - 1} (got {part!r})"
-                )
+                choice = f"give a number from 0 to {len(table) - 1}" if table else "give all of it"
+                place = ".".join(path[:position])
+                raise SceneError(f"--set {change!r}: {place} is an array of {len(table)}; {choice} (got {part!r})")
         if not isinstance(table, dict):
             raise SceneError(f"--set {change!r}: {'.'.join(path[:position])} is no table (got {table!r})")
         name = next((known for known in table if known.replace("_", "-") == part.replace("_", "-")), part)

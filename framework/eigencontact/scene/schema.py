@@ -5,6 +5,7 @@ Field names are snake_case in Python and kebab-case in TOML. Numbers are SI; tex
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -220,6 +221,8 @@ class StressRequest(Table):
             raise ValueError(f"given depths or depth-max (a {self.shape} needs one of them)")
         if deep and self.depths is not None and not self.depths:
             raise ValueError("given at least one depth")
+        if self.depths is not None and not all(low < high for low, high in pairwise(self.depths)):
+            raise ValueError("given depths that ascend, each once")
         if self.shape == "plane" and self.normal == "z" and self.at < 0:
             raise ValueError("at a depth (position) of 0 or more")
         if self.shape == "line" and (self.start is None or self.end is None):

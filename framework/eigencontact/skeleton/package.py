@@ -94,8 +94,6 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
         raise PluginError(f"name must not stand for a word of Python, {class_name} (got {name!r}); choose another")
     _refuse_taken(kind, key)
     target = Path(f"{_PREFIX}{key}") if folder is None else folder
-    if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise PluginError(f"folder must be new or empty (got {str(target)!r}); choose another with -o")
     words = {
         "package": f"{_PREFIX}{key}",
         "module": f"eigencontact_{key.replace('-', '_')}",
@@ -104,11 +102,16 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
         "version": _version(),
     }
     written = []
-    for template, place in _places(kind, words["module"]).items():
-        path = target / place
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(_fill(template, words), encoding="utf-8")
-        written.append(path)
+    try:
+        if target.exists() and (not target.is_dir() or any(target.iterdir())):
+            raise PluginError(f"folder must be new or empty (got {str(target)!r}); choose another with -o")
+        for template, place in _places(kind, words["module"]).items():
+            path = target / place
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(_fill(template, words), encoding="utf-8")
+            written.append(path)
+    except OSError as problem:
+        raise PluginError(f"folder must be one that can be written (got {problem}); choose another with -o") from None
     return NewPackage(target, tuple(written), key, kind)
 
 

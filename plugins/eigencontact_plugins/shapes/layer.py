@@ -90,7 +90,7 @@ class Layer(InclusionShape):
         across = (np.asarray(x, dtype=float) - self.center[0]) / self.size[0] + 0.5
         along = (np.asarray(y, dtype=float) - self.center[1]) / self.size[1] + 0.5
         within = (across >= 0) & (across <= 1) & (along >= 0) & (along <= 1)
-        column, row = np.clip(across, 0, 1) * (columns - 1), np.clip(along, 0, 1) * (rows - 1)
+        column, row = np.where(within, across, 0.0) * (columns - 1), np.where(within, along, 0.0) * (rows - 1)
         j, i = (np.minimum(t.astype(int), n - 2) for t, n in ((column, columns), (row, rows)))
         u, v = column - j, row - i
         nearer = self._map[i, j] * (1 - u) + self._map[i, j + 1] * u
