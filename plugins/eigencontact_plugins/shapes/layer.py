@@ -127,6 +127,8 @@ def _read(file: str) -> FloatArray:
                 content = np.load(stream, allow_pickle=False)
                 if not isinstance(content, np.ndarray):
                     content = content["thickness" if "thickness" in content else content.files[0]]
+            if content.dtype.kind not in "fiu":
+                raise ValueError(f"its type is {content.dtype}")  # noqa: TRY301
         return np.asarray(content, dtype=float)
     except Exception as problem:  # NumPy raises errors of many kinds for files that are none of its own
         reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
