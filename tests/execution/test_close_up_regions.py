@@ -58,8 +58,8 @@ def stress_at(data, name):
     ids=["section", "level, with prescribed eigenstrain", "volume"],
 )
 def test_against_the_same_points_one_by_one(region, inclusions):
-    close = {"name": "close", "around": "ball", **region}
-    stress, points = stress_at(run(close, inclusions=inclusions), "close")
+    wanted = {"name": "close", "around": "ball", **region}
+    stress, points = stress_at(run(wanted, inclusions=inclusions), "close")
     some = np.linspace(0, len(points) - 1, 5).astype(int)
     listed = {"name": "listed", "shape": "points", "points": points[some].tolist()}
     expected = run(listed, inclusions=inclusions)["listed_stress"].isel(step=-1).values
@@ -68,11 +68,11 @@ def test_against_the_same_points_one_by_one(region, inclusions):
 
 def test_agrees_with_the_region_on_the_cells_at_common_points():
     coarse = {"name": "coarse", "shape": "plane", "normal": "y", "position": 0.1 * UM, "depths": [2.1 * UM, 2.7 * UM]}
-    close = {
+    wanted = {
         "name": "close", "shape": "plane", "normal": "y", "position": 0.1 * UM, "around": "ball", "refinement": 3,
         "room": 0.2,
     }  # fmt: skip
-    data = run(coarse, close, numerics={"inclusion-pitch": 0.6 * UM})
+    data = run(coarse, wanted, numerics={"inclusion-pitch": 0.6 * UM})
     fine = data.close_von_mises.isel(step=-1)
     common = [x for x in data.coarse_x.values if np.abs(data.close_x.values - x).min() < 1e-12]
     assert len(common) >= 5
