@@ -1,5 +1,6 @@
 """The layers of the house, kept by import-linter; and what a wheel holds."""
 
+import ast
 import re
 import shutil
 import subprocess
@@ -79,6 +80,21 @@ def test_the_framework_names_no_installed_plugin(root):
     """No concrete physics in the framework: it mentions no module of eigencontact_plugins."""
     for path in (root / "framework").rglob("*.py"):
         assert "eigencontact_plugins" not in path.read_text(encoding="utf-8"), path
+
+
+def test_nothing_is_compared_within_an_absolute_part_that_nobody_chose(root):
+    """``allclose`` and ``isclose`` of NumPy accept 1e-8 unless told: in metres that is everything."""
+    bare = []
+    for folder in (*PACKAGES, "tests"):
+        for path in (root / folder).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+                    told = {keyword.arg for keyword in node.keywords}
+                    if node.func.attr in ("allclose", "isclose") and "atol" not in told:
+                        bare.append(f"{path.relative_to(root)}:{node.lineno}")
+                    if node.func.attr == "approx" and path.name != "close.py":
+                        bare.append(f"{path.relative_to(root)}:{node.lineno}")
+    assert bare == []
 
 
 @pytest.mark.slow

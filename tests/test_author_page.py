@@ -7,8 +7,8 @@ import types
 import pytest
 
 import eigencontact as ec
+from close import close
 from eigencontact.cli import app
-from eigencontact.hooks.hookspecs import REGISTER_HOOKS
 from eigencontact.plugin import KINDS
 from eigencontact_verification.conformance import ConformanceError, checks_for
 
@@ -35,7 +35,7 @@ def names(page):
 
 def test_the_numbers_in_the_text(page, names):
     (lift,) = re.findall(r"rises above the shell by ([\d.]+) nm", page)
-    assert -names["exact_lift"][0, 2] * 1e9 == pytest.approx(float(lift), abs=0.005)
+    assert -names["exact_lift"][0, 2] * 1e9 == close(float(lift), abs=0.005)
 
 
 def test_all_three_shells_are_one(names):
@@ -84,8 +84,7 @@ def test_every_kind_is_in_the_table_with_a_file_that_exists(page, root):
     kinds = {row[2].strip(" `") for row in rows}
     assert kinds == set(KINDS)
     for row in rows:
-        assert (root / "plugins" / row[5].strip(" `")).is_file(), row[5]
-    assert {row[4].strip(" `") for row in rows} - {"the same"} == set(REGISTER_HOOKS.values())
+        assert (root / "plugins" / row[4].strip(" `")).is_file(), row[4]
 
 
 def test_every_command_exists(page):

@@ -1,7 +1,7 @@
 """A real package of a stranger: built as a wheel, installed into an environment of its own, used from scenes.
 
-`sample_package` brings a torus (only `contains`), a spheroid (potentials) and a friction law. A second package beside
-it cannot be imported. Nothing here needs a network.
+`sample_package` brings a torus (only `contains`), a spheroid (potentials), a friction law and an eigenstrain field that
+reads a file. A second package beside it cannot be imported. Nothing here needs a network.
 """
 
 import json
@@ -162,6 +162,7 @@ LISTED = {
     "torus": "Ring of circular section",
     "spheroid": "Ellipsoid of revolution about z",
     "adhesive": "Shear strength that begins at tau0",
+    "measured": "Isotropic eigenstrain of two columns of text",
 }
 
 
@@ -213,6 +214,22 @@ def test_a_scene_with_both_runs_and_cites(stranger):
     assert summary["versions"]["plugin inclusion-shape torus"] == ORIGIN
     assert summary["versions"]["plugin inclusion-shape spheroid"] == ORIGIN
     assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in summary["references"]
+
+
+def test_a_file_of_theirs_counts_from_the_scene_and_in_its_hash(stranger):
+    place = stranger.folder / "deeper"
+    place.mkdir()
+    (place / "peened.txt").write_text("0.0 1e-3\n5e-6 0.0\n")
+    patch = '[[eigenstrain]]\ntype = "measured"\nmeasurement = "peened.txt"\ndepth = "4 um"\nlayers = 4\n'
+    head = INCLUSIONS[: INCLUSIONS.index("[[inclusions]]")] + INCLUSIONS[INCLUSIONS.index("[grid]") :]
+    (place / "patch.toml").write_text(head + patch, encoding="utf-8")
+    done = stranger("run", "deeper/patch.toml", "-o", "peened", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["versions"]["plugin eigenstrain-field measured"] == ORIGIN
+    (place / "peened.txt").write_text("0.0 2e-3\n5e-6 0.0\n")
+    again = stranger("run", "deeper/patch.toml", "-o", "peened", "--resume")
+    assert again.returncode == 5
+    assert "--resume continues the same scene only" in again.stderr
 
 
 SLIDING = """

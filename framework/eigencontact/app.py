@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.hooks.registry import Registry
 from eigencontact.library import installed_plugins, make, rectangle_field
 
@@ -67,9 +67,11 @@ def load_scene(source: Scene | str | Path | Mapping[str, Any], changes: Iterable
     from eigencontact.scene.loader import apply_changes, load_scene_file
     from eigencontact.scene.schema import Scene
 
+    if isinstance(changes, str) or not isinstance(changes, Iterable):
+        raise SceneError(f'changes must be an array of texts "key=value" (got {shown(changes)})')
     changes = list(changes)
     if isinstance(source, Scene):
-        return Scene(**apply_changes(source.resolved(), changes)) if changes else source
+        return Scene(**apply_changes(source.resolved(), changes)).within(source.folder) if changes else source
     if isinstance(source, Mapping):
         return Scene(**apply_changes(source, changes))
     return load_scene_file(source, changes)
@@ -146,7 +148,8 @@ def run(
     resume : bool
         Continue an interrupted run of the same scene in `folder`.
     overwrite : bool
-        Replace results of another scene in `folder`.
+        Replace results of another scene in `folder`, or damaged ones. Whatever is given, a file that this package did
+        not write is never replaced: see `eigencontact.results.ownership`.
     watcher : Watcher, optional
         Told of the course, for progress bars.
     registry : Registry, optional
@@ -167,6 +170,8 @@ def run(
     from eigencontact.planning.plan import Plan
 
     began = perf_counter()
+    if not (folder is None or isinstance(folder, str | Path)):
+        raise ResultsError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
     planned = scene if isinstance(scene, Plan) else plan(scene, registry=registry)
     if folder is not None:
         return _run_in(planned, Path(folder), began, resume=resume, overwrite=overwrite, watcher=watcher, keep=True)
@@ -190,12 +195,16 @@ def _run_in(
 ) -> RunResult:
     from eigencontact.core.memory import peak_bytes, resident_bytes
     from eigencontact.execution.driver import drive
+    from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import write_summary
 
     info = _run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
+    wanted = planned.scene.output
+    regions = [request.label for request in planned.scene.stress]
+    refuse_foreign(folder, regions, summary=True, pictures=keep and wanted.pictures, vtk=keep and wanted.vtk)
     store = ResultStore.create(folder, info, resume=resume, overwrite=overwrite)
     accepted = store.accepted() if resume else []
     done = {index: _reader(store, index) for index in accepted}
@@ -278,12 +287,11 @@ def _run_info(planned: Plan) -> RunInfo:
     resolved = planned.scene.resolved()
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
     if planned.geometries:
-        digest.update(planned.separation().tobytes())  # a changed topography file is a changed scene
-    # and so is a changed mesh, a changed table of eigenstrain, a changed map of friction
-    parts = [part for source in planned.sources for part in (source.shape, source.field)]
-    for part in [*parts, planned.friction, *planned.bodies]:
-        file = Path(str(getattr(part, "file", "")))
-        digest.update(file.read_bytes() if file.is_file() else b"")
+        digest.update(planned.separation().tobytes())  # another surface is another scene
+    for path in planned.files:  # and so is any other changed file
+        if path.is_file():
+            with path.open("rb") as file:
+                digest.update(hashlib.file_digest(file, "sha256").digest())
     versions = {
         "python": platform.python_version(),
         "numpy": np.__version__,
@@ -293,8 +301,9 @@ def _run_info(planned: Plan) -> RunInfo:
     with contextlib.suppress(PackageNotFoundError):
         versions["pyfftw"] = version("pyfftw")
     for component in planned.components:
-        entry = planned.registry.get(component.kind, component.key)
-        versions[f"plugin {entry.kind} {entry.key}"] = entry.origin
+        entry = planned.registry.entry_of(component)
+        versions[f"plugin {entry.kind} {planned.registry.spelling(entry)}"] = entry.origin
+        digest.update(b"" if entry.bundled else entry.full_key.encode())  # one plain key may mean another package later
     outlines = {}
     if planned.sources:
         from eigencontact.model.outlines import outlines as outlines_of
@@ -323,24 +332,34 @@ def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = F
     results : str or Path
         A folder of results or its ``results.nc``.
     folder : str or Path, optional
-        Where the files go; by default beside the results.
+        Where the files go; by default beside the results. Files of others there are never replaced
+        (`eigencontact.results.ownership`).
     """
+    from eigencontact.results.atomic import DAMAGE, reason
+    from eigencontact.results.ownership import refuse_foreign
     from eigencontact.viz.figures import draw_all
 
-    source = Path(results)
-    target = Path(folder) if folder is not None else (source if source.is_dir() else source.parent)
-    with open_results(source) as dataset:
+    with open_results(results) as dataset:
+        source = Path(results)
+        target = Path(folder) if folder is not None else (source if source.is_dir() else source.parent)
+        refuse_foreign(target, list(json.loads(dataset.attrs["regions"])), summary=False, pictures=True, vtk=vtk)
         try:
             target.mkdir(parents=True, exist_ok=True)
+        except (OSError, ValueError) as problem:
+            raise ResultsError(
+                f"output folder {target} must be writable (got {problem}); choose another with -o"
+            ) from None
+        try:
             files = {target / name: text for name, text in draw_all(dataset, target).items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 
                 files |= dict.fromkeys(write_vtk(dataset, target), "fields for ParaView")
-        except OSError as problem:
+        except DAMAGE as problem:
             raise ResultsError(
-                f"output folder {target} must be writable (got {problem}); choose another with -o"
-            ) from None
+                f"{source} must hold results as this version writes them (got {type(problem).__name__}: "
+                f"{reason(problem)}); run the scene again with --overwrite"
+            ) from problem
     return files
 
 

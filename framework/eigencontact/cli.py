@@ -16,6 +16,7 @@ import typer
 from typer.core import TyperGroup
 
 from eigencontact.errors import EigencontactError
+from eigencontact.skeleton import TEMPLATES
 
 __all__ = ["main"]
 
@@ -268,7 +269,7 @@ def new_plugin(
         typer.Option(
             "--kind",
             metavar="KIND",
-            help="One of inclusion-shape, eigenstrain-field, geometry, friction-law, layered-medium.",
+            help=f"One of {', '.join(TEMPLATES)}.",
         ),
     ] = "inclusion-shape",
     output: Annotated[

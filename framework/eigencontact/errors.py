@@ -19,6 +19,7 @@ __all__ = [
     "SceneError",
     "nearest",
     "require",
+    "shown",
 ]
 
 
@@ -94,8 +95,23 @@ def require(condition: object, where: str, field: str, value: object, rule: str)
         ``<where>.<field> must be <rule> (got <value>)``.
     """
     if not condition:
-        shown = value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value  # a numpy scalar
-        raise SceneError(f"{where}.{field} must be {rule} (got {shown!r})")
+        raise SceneError(f"{where}.{field} must be {rule} (got {shown(value)})")
+
+
+#: More characters of a refused value than this are left out of a message.
+_LONGEST = 160
+
+
+def shown(value: object) -> str:
+    """Value as a message shows it: numpy scalars as numbers, what is long cut off.
+
+    Examples
+    --------
+    >>> shown(2.0), shown("[" * 1000)[-22:]
+    ('2.0', '[[[... 1002 characters')
+    """
+    text = repr(value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}... {len(text)} characters"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

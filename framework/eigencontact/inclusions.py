@@ -7,14 +7,16 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.arrays import is_whole, real_array
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import to_mandel, to_matrix
+from eigencontact.core.units import LARGEST
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.halfspace.voxels import VoxelisedShape
-from eigencontact.library import installed_plugins
+from eigencontact.library import field_points, installed_plugins
 from eigencontact.model.installed import installed_cell
 from eigencontact.plugin import InclusionShape
 
@@ -83,22 +85,21 @@ def inclusion_field(
     '-4.333333e-04'
     """
     shapes = list(shape) if isinstance(shape, list | tuple) else [shape]
-    strain = np.asarray(eigenstrain, dtype=float)
-    at = np.asarray(points, dtype=float)
     for item in shapes:
         require(isinstance(item, InclusionShape), _HERE, "shape", item, "an inclusion shape, as make() returns")
+    rule = f"of shape (3, 3) or ({len(shapes)}, 3, 3) [-]"
+    strain = real_array(eigenstrain, _HERE, "eigenstrain", rule)
     allowed = strain.shape in ((3, 3), (len(shapes), 3, 3))
-    require(allowed, _HERE, "eigenstrain", strain.shape, f"of shape (3, 3) or ({len(shapes)}, 3, 3) [-]")
-    require(np.all(np.isfinite(strain)), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
+    require(allowed, _HERE, "eigenstrain", strain.shape, rule)
+    require(np.all(np.abs(strain) <= LARGEST), _HERE, "eigenstrain", strain.tolist(), "finite [-]")
     require(np.array_equal(strain, strain.swapaxes(-1, -2)), _HERE, "eigenstrain", strain.tolist(), "symmetric")
-    require(at.ndim == 2 and at.shape[1] == 3, _HERE, "points", at.shape, "of shape (n, 3) [m]")
-    if not np.all(np.isfinite(at)):
-        raise SceneError(f"{_HERE}.points must be finite [m] (got NaN or infinity)")
-    require(quantity in QUANTITIES, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
-    require(space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
+    known = isinstance(quantity, str) and quantity in QUANTITIES
+    require(known, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
+    require(isinstance(space, str) and space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
+    require(is_whole(cells) and cells >= 1, _HERE, "cells", cells, "a whole number, 1 or more")
+    at = field_points(points, _HERE, half_space=space == "half")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     if space == "half":
-        require(np.all(at[:, 2] >= 0), _HERE, "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
         for item in shapes:
             check_below_surface(item, _HERE)
     tensors = np.broadcast_to(strain, (len(shapes), 3, 3))

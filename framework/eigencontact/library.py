@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.arrays import real_array
+from eigencontact.core.units import LARGEST, SMALLEST
 from eigencontact.errors import EigencontactError, PluginError, SceneError, require
-from eigencontact.hooks.manager import load_plugins
-from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.hooks.registry import Entry
 from eigencontact.plugin import KINDS
+from eigencontact.scene.installed import installed_plugins
 
-__all__ = ["installed_plugins", "make", "rectangle_field"]
+__all__ = ["field_points", "installed_plugins", "make", "rectangle_field"]
 
 FloatArray = NDArray[np.float64]
-
-
-@cache
-def installed_plugins() -> Registry:
-    """Return the registry of every installed plugin; what failed to load is in its ``broken``."""
-    return load_plugins(KINDS)
 
 
 def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
@@ -30,7 +25,7 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     Parameters
     ----------
     key : str
-        Name of the plugin: ``"sphere"``.
+        Name of the plugin: ``"sphere"``, or ``"package:sphere"`` where packages share a key.
     kind : str, optional
         Kind of plugin, where several kinds know the key and the parameters do not tell them apart.
     **parameters
@@ -51,21 +46,19 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     from eigencontact.scene.components import instantiate
 
     registry = installed_plugins()
+    require(isinstance(key, str), "make", "key", key, "the name of a plugin")
     if kind is not None:
-        require(kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
+        require(isinstance(kind, str) and kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
         return instantiate(registry.get(kind, key), parameters, key)
-    entries = registry.named(key)
+    kinds = dict.fromkeys(entry.kind for entry in registry.named(key))
+    entries = [registry.get(kind, key) for kind in kinds]
     if len(entries) > 1:
         fitting = [entry for entry in entries if set(parameters) <= set(registry.parameters(entry.component))]
         entries = fitting or entries
     if len(entries) > 1:
         return _only_fitting(key, entries, parameters)
     if not entries:
-        from eigencontact.errors import nearest
-
-        keys = sorted({entry.key for entry in registry})
-        broken = "".join(f"; {item}" for item in registry.broken)
-        raise PluginError(f"unknown plugin {key!r}; installed: {', '.join(keys)}{nearest(key, keys)}{broken}")
+        raise PluginError(registry.unknown(key))
     return instantiate(entries[0], parameters, key)
 
 
@@ -89,6 +82,19 @@ def _only_fitting(key: str, entries: list[Entry], parameters: dict[str, Any]) ->
         return instantiate(of_right_form[0], parameters, key)
     reasons = "; ".join(f"as {kind}: {reason}" for kind, reason in refused.items())
     raise SceneError(f"{key} must be given parameters that one kind accepts ({reasons})")
+
+
+def field_points(points: ArrayLike, where: str, *, half_space: bool) -> FloatArray:
+    """Field points ``(n, 3)`` [m] that a caller gives, refused unless finite, and in z >= 0 of a half-space."""
+    at = real_array(points, where, "points", "of shape (n, 3) [m]")
+    require(at.ndim == 2 and at.shape[1] == 3, where, "points", at.shape, "of shape (n, 3) [m]")
+    if not np.all(np.isfinite(at)):
+        raise SceneError(f"{where}.points must be finite [m] (got NaN or infinity)")
+    farthest = float(np.abs(at).max(initial=0.0))
+    require(farthest <= LARGEST, where, "points", farthest, f"within {LARGEST:g} m of the origin")
+    if half_space:
+        require(np.all(at[:, 2] >= 0), where, "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
+    return at
 
 
 def rectangle_field(
@@ -135,25 +141,17 @@ def rectangle_field(
     from eigencontact.core.tensors import to_matrix
     from eigencontact.model.installed import installed_influence
 
-    load = np.asarray(traction, dtype=float)
-    widths = np.asarray(half_widths, dtype=float)
-    at = np.asarray(points, dtype=float)
-    require(
-        load.shape == (3,) and np.all(np.isfinite(load)),
-        "rectangle_field",
-        "traction",
-        traction,
-        "three finite numbers (q_x, q_y, p) [Pa]",
-    )
-    good = widths.shape == (2,) and np.all(widths > 0) and np.all(np.isfinite(widths))
-    require(good, "rectangle_field", "half_widths", half_widths, "two positive numbers (a, b) [m]")
-    require(at.ndim == 2 and at.shape[1] == 3, "rectangle_field", "points", at.shape, "of shape (n, 3) [m]")
-    if not np.all(np.isfinite(at)):
-        raise SceneError("rectangle_field.points must be finite [m] (got NaN or infinity)")
-    require(np.all(at[:, 2] >= 0), "rectangle_field", "points", at[:, 2].min(initial=0.0), "at z of 0 or more [m]")
-    require(
-        quantity in ("displacement", "stress"), "rectangle_field", "quantity", quantity, "'displacement' or 'stress'"
-    )
+    here = "rectangle_field"
+    rule = "three finite numbers (q_x, q_y, p) [Pa]"
+    load = real_array(traction, here, "traction", rule)
+    require(load.shape == (3,) and np.all(np.abs(load) <= LARGEST), here, "traction", traction, rule)
+    rule = "two positive numbers (a, b) [m]"
+    widths = real_array(half_widths, here, "half_widths", rule)
+    good = widths.shape == (2,) and np.all(widths >= SMALLEST) and np.all(widths <= LARGEST)
+    require(good, here, "half_widths", half_widths, rule)
+    at = field_points(points, here, half_space=True)
+    known = isinstance(quantity, str) and quantity in ("displacement", "stress")
+    require(known, here, "quantity", quantity, "'displacement' or 'stress'")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     names = ("x", "y", "z") if quantity == "displacement" else ("xx", "yy", "zz", "yz", "xz", "xy")
     total, registry = np.zeros((len(names), len(at))), installed_plugins()

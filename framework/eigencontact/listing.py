@@ -6,7 +6,7 @@ from dataclasses import MISSING, fields
 from typing import Any, get_args, get_type_hints
 
 from eigencontact.core.quantities import Unit
-from eigencontact.errors import PluginError, nearest
+from eigencontact.errors import PluginError
 from eigencontact.hooks.registry import Entry, Registry
 
 __all__ = ["gallery_data", "plugin_data", "plugin_text"]
@@ -22,7 +22,7 @@ def gallery_data() -> dict[str, str]:
 
 
 def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:
-    """Installed plugins (all, or those of one key) and broken ones, as plain data.
+    """Installed plugins (all, or those of one key) and broken ones, as plain data; ``type`` is what a scene writes.
 
     Raises
     ------
@@ -30,15 +30,20 @@ def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:
         No plugin has this key; names the nearest, and broken plugins.
     """
     entries = list(registry) if key is None else registry.named(key)
+    if not entries:
+        raise PluginError(registry.unknown(str(key)))
     broken = [{"name": b.name, "package": b.package, "reason": b.reason} for b in registry.broken]
-    if key is not None and not entries:
-        keys = sorted({entry.key for entry in registry})
-        lost = "".join(f"; {item}" for item in registry.broken)
-        raise PluginError(f"unknown plugin {key!r}; installed: {', '.join(keys)}{nearest(key, keys)}{lost}")
-    return {"plugins": [_entry(entry) for entry in entries], "broken": broken}
+    plugins = []
+    for entry in entries:
+        try:
+            plugins.append(_entry(entry, registry.spelling(entry)))
+        except Exception as problem:  # noqa: BLE001 - a stranger's class may answer with anything
+            reason = f"it cannot be described: {type(problem).__name__}: {problem}"
+            broken.append({"name": entry.key, "package": entry.origin, "reason": reason})
+    return {"plugins": plugins, "broken": broken}
 
 
-def _entry(entry: Entry) -> dict[str, Any]:
+def _entry(entry: Entry, spelling: str) -> dict[str, Any]:
     cls = entry.component
     hints = get_type_hints(cls, include_extras=True)
     parameters = []
@@ -56,12 +61,13 @@ def _entry(entry: Entry) -> dict[str, Any]:
     return {
         "kind": entry.kind,
         "key": entry.key,
+        "type": spelling,
         "package": entry.package,
         "version": entry.version,
         "summary": (cls.__doc__ or "").strip().split("\n")[0],
         "doc": cls.__doc__ or "",
         "parameters": parameters,
-        "references": list(getattr(cls, "references", ())),
+        "references": [str(source) for source in getattr(cls, "references", ())],
     }
 
 
@@ -73,7 +79,7 @@ def plugin_text(data: dict[str, Any], *, detailed: bool) -> str:
         if entry["kind"] != kind:
             kind = entry["kind"]
             lines += ["", kind] if lines else [kind]
-        lines.append(f"  {entry['key']:<16} {entry['summary']}  ({entry['package']} {entry['version']})")
+        lines.append(f"  {entry['type']:<16} {entry['summary']}  ({entry['package']} {entry['version']})")
         if detailed:
             lines += [f"    {_parameter(item)}" for item in entry["parameters"]]
             lines += ["    sources:", *(f"      {source}" for source in entry["references"])]

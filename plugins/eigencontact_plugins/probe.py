@@ -72,6 +72,6 @@ class Probe(Observer):
 
 
 @hookimpl
-def eigencontact_register_observers() -> Iterable[type[Observer]]:
+def eigencontact_register() -> Iterable[type[Observer]]:
     """Register the probe."""
     return [Probe]

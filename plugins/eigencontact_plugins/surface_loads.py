@@ -212,6 +212,6 @@ class ShearLoadY(_UniformLoad):
 
 
 @hookimpl
-def eigencontact_register_surface_influences() -> Iterable[type[SurfaceInfluence]]:
+def eigencontact_register() -> Iterable[type[SurfaceInfluence]]:
     """Called once when plugins are loaded; returns the three loads of a homogeneous half-space."""
     return [PressureLoad, ShearLoadX, ShearLoadY]

@@ -9,7 +9,7 @@ import tomllib
 import pytest
 
 from eigencontact.errors import PluginError
-from eigencontact.hooks.hookspecs import REGISTER_HOOKS
+from eigencontact.plugin import KINDS
 from eigencontact.skeleton import TEMPLATES, write_package
 
 
@@ -58,7 +58,13 @@ def test_what_is_written(kind, tmp_path):
     assert project["name"] == "eigencontact-hollow-ball"
     assert project["entry-points"]["eigencontact"] == {"hollow-ball": "eigencontact_hollow_ball"}
     module = (package.folder / "src/eigencontact_hollow_ball/__init__.py").read_text(encoding="utf-8")
-    assert f"def {REGISTER_HOOKS[kind]}():" in module
+    assert "def eigencontact_register():" in module
+    assert f"The example is {TEMPLATES[kind]};" in module
+
+
+def test_templates_are_of_kinds_that_exist():
+    assert set(TEMPLATES) <= set(KINDS)
+    assert TEMPLATES["geometry"] == "a bowl of fourth order"
 
 
 def test_the_command_says_what_to_do_next(command, tmp_path):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from close import close
 from eigencontact.errors import SceneError
 
 STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
@@ -57,8 +58,8 @@ def stress_at(data, name):
     ids=["section", "level, with prescribed eigenstrain", "volume"],
 )
 def test_against_the_same_points_one_by_one(region, inclusions):
-    close = {"name": "close", "around": "ball", **region}
-    stress, points = stress_at(run(close, inclusions=inclusions), "close")
+    wanted = {"name": "close", "around": "ball", **region}
+    stress, points = stress_at(run(wanted, inclusions=inclusions), "close")
     some = np.linspace(0, len(points) - 1, 5).astype(int)
     listed = {"name": "listed", "shape": "points", "points": points[some].tolist()}
     expected = run(listed, inclusions=inclusions)["listed_stress"].isel(step=-1).values
@@ -67,19 +68,19 @@ def test_against_the_same_points_one_by_one(region, inclusions):
 
 def test_agrees_with_the_region_on_the_cells_at_common_points():
     coarse = {"name": "coarse", "shape": "plane", "normal": "y", "position": 0.1 * UM, "depths": [2.1 * UM, 2.7 * UM]}
-    close = {
+    wanted = {
         "name": "close", "shape": "plane", "normal": "y", "position": 0.1 * UM, "around": "ball", "refinement": 3,
         "room": 0.2,
     }  # fmt: skip
-    data = run(coarse, close, numerics={"inclusion-pitch": 0.6 * UM})
+    data = run(coarse, wanted, numerics={"inclusion-pitch": 0.6 * UM})
     fine = data.close_von_mises.isel(step=-1)
     common = [x for x in data.coarse_x.values if np.abs(data.close_x.values - x).min() < 1e-12]
     assert len(common) >= 5
     picked = fine.sel(close_x=common, close_z=data.coarse_z.values, method="nearest").values
     expected = data.coarse_von_mises.isel(step=-1).sel(coarse_x=common, method="nearest").values
     np.testing.assert_allclose(picked, expected, rtol=2e-6)
-    assert float(np.diff(data.close_x).max()) == pytest.approx(0.2 * UM)
-    assert float(np.diff(data.close_z).max()) == pytest.approx(0.2 * UM)
+    assert float(np.diff(data.close_x).max()) == close(0.2 * UM)
+    assert float(np.diff(data.close_z).max()) == close(0.2 * UM)
 
 
 def test_default_plane_and_outline():
@@ -87,8 +88,8 @@ def test_default_plane_and_outline():
     assert float(data.close_y) == 0.0
     low, high = float(data.close_x[0]), float(data.close_x[-1])
     pitch = 0.6 * UM / 8
-    assert low == pytest.approx((0.5 - 2.6) * UM, abs=pitch)
-    assert high == pytest.approx((0.5 + 2.6) * UM, abs=pitch)
+    assert low == close((0.5 - 2.6) * UM, abs=pitch)
+    assert high == close((0.5 + 2.6) * UM, abs=pitch)
     assert 0 < float(data.close_z[0]) < 0.6 * UM
     assert "close_outline" in data
     assert np.isfinite(data.close_von_mises).all()

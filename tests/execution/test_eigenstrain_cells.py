@@ -147,7 +147,7 @@ def test_a_field_that_answers_wrongly_is_named(install):
                 return np.full((5, 1, 1, 1) if self.fill else (6, 1, 1, 1), np.nan)
 
         @hookimpl
-        def eigencontact_register_eigenstrain_fields():
+        def eigencontact_register():
             return [Bad]
         """
     )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from close import close
 
 E, NU = 210e9, 0.3
 STEEL = {"young-modulus": E, "poisson-ratio": NU}
@@ -30,7 +31,7 @@ def test_the_ball_lifts_the_surface_as_davies_says():
     common = (1 + NU) * 1e-3 * volume / (np.pi * (x**2 + y**2 + c**2) ** 1.5)
     for component, place in (("x", x), ("y", y), ("z", -c)):
         np.testing.assert_allclose(data[f"residual_displacement_{component}"][0], common * place, atol=1e-22)
-    assert result.summary["max_uplift"] == pytest.approx(4 / 3 * (1 + NU) * 1e-3 * 1e-18 / c**2, rel=1e-12, abs=0)
+    assert result.summary["max_uplift"] == close(4 / 3 * (1 + NU) * 1e-3 * 1e-18 / c**2, rel=1e-12, abs=0)
     assert result.summary["max_sink"] == 0.0
     assert "pressure" not in data
     assert "contact_modulus" not in data.attrs
@@ -79,7 +80,7 @@ def test_one_inclusion_at_many_centers_is_many_inclusions(monkeypatch):
 def test_full_space_leaves_the_free_surface_out():
     """The uplift of a full space is that of Eshelby's ball, 4 (1 - nu) times smaller (Davies 2003)."""
     lifted = [run(numerics={"half-space": space}).summary["max_uplift"] for space in ("exact", "full-space")]
-    assert lifted[0] / lifted[1] == pytest.approx(4 * (1 - NU), rel=1e-12, abs=0)
+    assert lifted[0] / lifted[1] == close(4 * (1 - NU), rel=1e-12, abs=0)
 
 
 # ---------------------------------------------------------------- time
@@ -125,9 +126,7 @@ def test_an_interrupted_run_of_eigenstrain_is_resumed(tmp_path):
     whole = ec.run(scene)
     np.testing.assert_array_equal(resumed.dataset.residual_displacement_z, whole.dataset.residual_displacement_z)
     assert [row["step"] for row in resumed.summary["history"]] == [1, 2, 3, 4]
-    assert resumed.summary["history"][0]["max_uplift"] == pytest.approx(
-        whole.summary["max_uplift"] / 4, rel=1e-12, abs=0
-    )
+    assert resumed.summary["history"][0]["max_uplift"] == close(whole.summary["max_uplift"] / 4, rel=1e-12, abs=0)
     resumed.dataset.close()
 
 
@@ -142,7 +141,7 @@ def test_a_deep_ball_does_nothing_to_a_contact():
     peak = plain.summary["max_pressure"]
     np.testing.assert_allclose(both.dataset.pressure, plain.dataset.pressure, rtol=0, atol=1e-7 * peak)
     np.testing.assert_allclose(both.dataset.plane_y1_stress, plain.dataset.plane_y1_stress, rtol=0, atol=1e-7 * peak)
-    assert both.summary["approach"] == pytest.approx(plain.summary["approach"], rel=1e-7, abs=0)
+    assert both.summary["approach"] == close(plain.summary["approach"], rel=1e-7, abs=0)
 
 
 def test_a_wide_swollen_layer_shifts_the_approach_and_stresses_the_layer():
@@ -154,9 +153,9 @@ def test_a_wide_swollen_layer_shifts_the_approach_and_stresses_the_layer():
     plain = ec.run({"body1": STEEL, **CONTACT, **region})
     peak = plain.summary["max_pressure"]
     uplift = 2 * (1 + NU) * e * t
-    assert both.summary["max_uplift"] == pytest.approx(uplift, rel=1e-4, abs=0)
+    assert both.summary["max_uplift"] == close(uplift, rel=1e-4, abs=0)
     np.testing.assert_allclose(both.dataset.pressure, plain.dataset.pressure, rtol=0, atol=1e-6 * peak)
-    assert plain.summary["approach"] - both.summary["approach"] == pytest.approx(uplift, rel=1e-4, abs=0)
+    assert plain.summary["approach"] - both.summary["approach"] == close(uplift, rel=1e-4, abs=0)
     extra = both.dataset.points_body1_stress[0].values - plain.dataset.points_body1_stress[0].values
     inside = -E * e / (1 - NU)
     np.testing.assert_allclose(extra[:, 0], [inside, inside, 0, 0, 0, 0], atol=2e-4 * abs(inside))
@@ -199,9 +198,7 @@ def test_an_inclusion_in_either_of_two_like_bodies_presses_alike(body):
 def test_observers_see_the_residual_displacement():
     probe = {"type": "probe", "field": "residual_displacement_z", "points": [[0.0, 0.0]]}
     summary = run(observers=[probe]).summary
-    assert summary["observed"]["probe_residual_displacement_z_1"] == pytest.approx(
-        -summary["max_uplift"], rel=1e-12, abs=0
-    )
+    assert summary["observed"]["probe_residual_displacement_z_1"] == close(-summary["max_uplift"], rel=1e-12, abs=0)
 
 
 def test_strain_under_a_contact_is_hookes_strain_and_the_eigenstrain():

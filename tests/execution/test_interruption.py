@@ -30,7 +30,7 @@ class Fatal(Observer):
         return {"peak": step.fields["pressure"].max()}
 
 @hookimpl
-def eigencontact_register_observers():
+def eigencontact_register():
     return [Fatal]
 '''
 #: Two ramps with different controls: the second starts from what the first ended with, stored or not.

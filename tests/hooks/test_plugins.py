@@ -6,7 +6,10 @@ from textwrap import indent
 import pytest
 
 import eigencontact as ec
+from close import close
 from eigencontact.app import installed_plugins
+from eigencontact.hooks.hookspecs import OLD_HOOKS
+from eigencontact.plugin import KINDS
 
 GOOD = '''
 from dataclasses import dataclass
@@ -30,7 +33,7 @@ class Bowl(Geometry):
         return (x**2 + y**2) / (2 * self.bend) + self.lift
 
 @hookimpl
-def eigencontact_register_geometries():
+def eigencontact_register():
     return [Bowl]
 '''
 BOWL = ["geometry={type='bowl', bend='105 um'}", "stress=[]", "grid.cells-per-contact-radius=8"]
@@ -40,7 +43,7 @@ def test_a_geometry_of_a_stranger_is_used_like_ours(install):
     ours = ec.run(ec.load_scene("hertz", BOWL[1:]))
     install(GOOD)
     theirs = ec.run(ec.load_scene("hertz", BOWL))
-    assert theirs.summary["max_pressure"] == pytest.approx(ours.summary["max_pressure"], rel=1e-6)
+    assert theirs.summary["max_pressure"] == close(ours.summary["max_pressure"], rel=1e-6)
     assert theirs.summary["versions"]["plugin geometry bowl"] == "eigencontact-stranger 1.2.3"
     assert "A. Stranger 2026, eq. (1)" in theirs.summary["references"]
     assert ec.make("bowl", bend="1 mm").bend == 1e-3
@@ -82,7 +85,7 @@ class Bowl(Geometry):
     def separation(self, x, y):
         return x + y
 """
-HOOK = "\n@hookimpl\ndef eigencontact_register_geometries():\n    return [Bowl]\n"
+HOOK = "\n@hookimpl\ndef eigencontact_register():\n    return [Bowl]\n"
 
 # (module source, the reason that must be given)
 BROKEN = {
@@ -100,24 +103,39 @@ BROKEN = {
         "PluginError: Bowl must be a frozen dataclass: its fields are its scene table",
     ),
     "abstract": (HEAD + CLASS.replace("separation", "other") + HOOK, "PluginError: Bowl must implement separation"),
-    "key of ours": (
-        HEAD + CLASS.replace('"bowl"', '"sphere"') + HOOK,
-        "PluginError: geometry 'sphere' is already registered by eigencontact",
+    "one key twice": (
+        HEAD + CLASS + CLASS.replace("class Bowl", "class Dish") + HOOK.replace("[Bowl]", "[Bowl, Dish]"),
+        "PluginError: geometry 'bowl' is already registered by eigencontact-stranger 1.2.3; choose another key",
     ),
-    "no key": (HEAD + CLASS.replace('"bowl"', '""') + HOOK, "PluginError: Bowl.key must be a non-empty text (got '')"),
-    "registers nothing": (HEAD + CLASS, "PluginError: it registers nothing: implement one of eigencontact_register_"),
-    "registers no class": (HEAD + CLASS + HOOK.replace("[Bowl]", "[Bowl()]"), "must be a subclass of Geometry"),
-    "of another kind": (
-        HEAD + CLASS + HOOK.replace("geometries", "observers"),
-        "PluginError: Bowl must be a subclass of Observer to be a observer",
+    "no key": (HEAD + CLASS.replace('"bowl"', '""') + HOOK, "PluginError: Bowl.key must be a non-empty text without"),
+    "key with a colon": (HEAD + CLASS.replace('"bowl"', '"a:b"') + HOOK, "without blanks and ':' (got 'a:b')"),
+    "registers nothing": (
+        HEAD + CLASS,
+        "PluginError: it registers nothing: implement eigencontact_register and return",
+    ),
+    "registers no class": (
+        HEAD + CLASS + HOOK.replace("[Bowl]", "[Bowl()]"),
+        "must be a subclass of one of ConstitutiveLaw, Eigenstrain",
+    ),
+    "of no kind": (
+        HEAD + CLASS.replace("(Geometry)", "") + HOOK,
+        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, EigenstrainField, FrictionLaw, Geometry, InclusionShape,",
+    ),
+    "of a kind that is none": (
+        HEAD + CLASS.replace("    key:", "    kind: ClassVar[str] = 'dish'\n    key:") + HOOK,
+        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, EigenstrainField",
+    ),
+    "annotation unknown": (
+        "from __future__ import annotations\n" + HEAD + CLASS + "    depth: Nowhere = 1.0\n" + HOOK,
+        "PluginError: annotations of Bowl must be known when it runs (got NameError: name 'Nowhere' is not defined)",
     ),
     "not iterable": (HEAD + CLASS + HOOK.replace("[Bowl]", "Bowl"), "TypeError: 'ABCMeta' object is not iterable"),
     "returns None": (HEAD + CLASS + HOOK.replace("return [Bowl]", "pass"), "TypeError: 'NoneType' object is not"),
     "unknown hook": (
-        HEAD + CLASS + HOOK.replace("geometries", "geometrys"),
+        HEAD + CLASS + HOOK.replace("_register", "_register_geometrys"),
         "eigencontact_register_geometrys",
     ),
-    "hook with arguments": (HEAD + CLASS + HOOK.replace("geometries()", "geometries(kind)"), "Argument(s) {'kind'}"),
+    "hook with arguments": (HEAD + CLASS + HOOK.replace("register()", "register(kind)"), "Argument(s) {'kind'}"),
 }
 
 
@@ -151,18 +169,166 @@ def test_a_missing_module_is_reported(install):
 
 
 def test_a_package_registers_all_or_nothing(install):
-    second = CLASS.replace("class Bowl", "class Dish").replace('"bowl"', '"sphere"')
+    second = CLASS.replace("class Bowl", "class Dish").replace('"bowl"', '""')
     install(HEAD + CLASS + second + HOOK.replace("[Bowl]", "[Bowl, Dish]"))
     assert len(installed_plugins().broken) == 1
     assert installed_plugins().named("bowl") == []
 
 
-def test_two_strangers_with_one_key(install):
-    install(GOOD, name="a-first", entry="first")
-    install(GOOD, name="b-second", entry="second")
-    (broken,) = installed_plugins().broken
-    assert broken.package == "b-second 1.2.3"
-    assert "geometry 'bowl' is already registered by a-first 1.2.3; choose another key" in broken.reason
+# ---------------------------------------------------------------- one hook, and its old names
+
+
+@pytest.mark.parametrize("name", OLD_HOOKS)
+def test_old_names_of_the_hook_work_whatever_they_return(name, install):
+    install(GOOD.replace("eigencontact_register", name))
+    assert installed_plugins().broken == []
+    assert ec.make("bowl", bend="1 mm").kind == "geometry"
+
+
+def test_one_hook_may_return_classes_of_several_kinds(install):
+    watch = OBSERVER.replace("BODY", "return {}").partition("@dataclass")[2].partition("@hookimpl")[0]
+    source = GOOD.replace("import Geometry", "import Observer, Geometry").replace("[Bowl]", "[Bowl, Watch]")
+    install(source.replace("@hookimpl", f"@dataclass{watch}\n@hookimpl"))
+    assert installed_plugins().broken == []
+    assert (ec.make("bowl", bend=1.0).kind, ec.make("watch").kind) == ("geometry", "observer")
+
+
+def test_every_kind_comes_from_its_exported_class():
+    assert {kind: cls.__name__ for kind, cls in KINDS.items()} == {
+        "constitutive-law": "ConstitutiveLaw",
+        "eigenstrain-field": "EigenstrainField",
+        "friction-law": "FrictionLaw",
+        "geometry": "Geometry",
+        "inclusion-shape": "InclusionShape",
+        "layered-medium": "LayeredMedium",
+        "observer": "Observer",
+        "surface-influence": "SurfaceInfluence",
+    }
+
+
+# ---------------------------------------------------------------- one key, several packages
+
+
+def as_sphere(lift):
+    """The stranger's paraboloid under the key of ours, with another default to tell it by."""
+    source = GOOD.replace('"bowl"', '"sphere"').replace("bend", "radius")
+    return source.replace("lift: Length = 0.0", f"lift: Length = {lift}")
+
+
+@pytest.mark.parametrize("entry", ["a-first", "sphere", "z-last"])
+def test_a_key_of_ours_stays_ours(entry, install, command):
+    """Whatever the name of its entry point, and however that sorts, both stay installed."""
+    before = ec.run(ec.load_scene("hertz", BOWL[1:]))
+    install(as_sphere(1e-3), entry=entry)
+    assert installed_plugins().broken == []
+    assert type(ec.make("sphere", radius=1.0)).__module__ == "eigencontact_plugins.geometries.sphere"
+    after = ec.run(ec.load_scene("hertz", BOWL[1:]))
+    assert after.summary["scene_hash"] == before.summary["scene_hash"]
+    assert after.summary["max_pressure"] == before.summary["max_pressure"]
+    theirs = ec.make("eigencontact-stranger:sphere", radius="1 mm")
+    assert (theirs.key, theirs.lift) == ("sphere", 1e-3)
+    listed = command("plugins")
+    assert listed.code == 0
+    assert "broken" not in listed.out
+    keys = [line.split()[0] for line in listed.out.splitlines() if "sphere" in line.split()[:1] or ":sphere" in line]
+    assert keys == ["sphere", "eigencontact-stranger:sphere", "sphere"]  # two geometries and our inclusion shape
+    shown = command("plugins", "sphere")
+    assert "lift [m]: default 0.001" in shown.out
+    assert "profile: default" in shown.out
+    asked = command("plugins", "eigencontact-stranger:sphere", "--json")
+    assert [entry["type"] for entry in json.loads(asked.out)["plugins"]] == ["eigencontact-stranger:sphere"]
+
+
+def test_a_scene_names_the_package(install, tmp_path, command):
+    install(as_sphere(0.0))
+    changes = ["geometry={type='eigencontact_stranger:sphere', radius='105 um'}", *BOWL[1:]]
+    plain = ec.run(ec.load_scene("hertz", BOWL[1:]))
+    theirs = ec.run(ec.load_scene("hertz", changes), tmp_path / "out")
+    assert theirs.summary["max_pressure"] == close(plain.summary["max_pressure"], rel=1e-6)
+    versions = theirs.summary["versions"]
+    assert versions["plugin geometry eigencontact-stranger:sphere"] == "eigencontact-stranger 1.2.3"
+    assert "plugin geometry sphere" not in versions
+    assert theirs.summary["scene_hash"] != plain.summary["scene_hash"]
+    assert "A. Stranger 2026, eq. (1)" in theirs.summary["references"]
+    bundled = ec.plan(ec.load_scene("hertz", ["geometry.type='eigencontact:sphere'", *BOWL[1:]]))
+    assert type(bundled.geometries[0]).__module__ == "eigencontact_plugins.geometries.sphere"
+    unknown = command("explain", "hertz", "--set", "geometry.type='nobody:sphere'")
+    assert unknown.code == 2
+    assert (
+        "geometry: unknown geometry 'nobody:sphere'; installed: 'cylinder', 'eigencontact-stranger:sphere', "
+        in unknown.err
+    )
+
+
+def test_an_object_of_a_class_means_that_class(install):
+    install(as_sphere(0.0))
+    theirs = ec.make("eigencontact-stranger:sphere", radius="105 um")
+    tables = ec.load_scene("hertz", BOWL[1:]).resolved()
+    assert ec.plan(ec.load_scene(tables | {"geometry": theirs})).geometries == (theirs,)
+    ours = ec.make("sphere", radius="105 um")
+    scene = ec.load_scene(tables | {"geometry": [ours]})
+    assert ec.plan(scene).geometries == (ours,)
+    assert scene.geometry[0]["type"] == "sphere"
+
+
+def test_two_strangers_with_one_key(install, command):
+    install(GOOD, name="a-first", entry="bowl")
+    install(GOOD.replace("lift: Length = 0.0", "lift: Length = 1.0"), name="b-second", entry="bowl")
+    assert installed_plugins().broken == []
+    for action in (
+        lambda: ec.make("bowl", bend=1.0),
+        lambda: ec.make("bowl", kind="geometry", bend=1.0),
+        lambda: ec.plan(ec.load_scene("hertz", BOWL)),
+    ):
+        with pytest.raises(
+            ec.EigencontactError,
+            match=r"geometry 'bowl' must be of one package \(got a-first 1.2.3 and b-second 1.2.3\); "
+            r"say 'a-first:bowl' or 'b-second:bowl'$",
+        ):
+            action()
+    assert ec.make("a-first:bowl", bend=1.0).lift == 0.0
+    assert ec.make("B_Second:bowl", bend=1.0).lift == 1.0
+    assert ec.plan(ec.load_scene("hertz", [BOWL[0].replace("bowl", "a-first:bowl")])).geometries[0].lift == 0.0
+    listed = command("plugins")
+    assert listed.code == 0
+    assert "  a-first:bowl" in listed.out
+    assert "  b-second:bowl" in listed.out
+    assert ec.run(ec.load_scene("hertz", BOWL[1:])).summary["converged"]
+
+
+def test_two_observers_with_one_key_keep_their_numbers_apart(install):
+    for name, value in (("a-first", 1.0), ("b-second", 2.0)):
+        install(OBSERVER.replace("BODY", f"return {{'value': {value}}}"), name=name, entry="watch")
+    wanted = "observers=[{type='a-first:watch'}, {type='b-second:watch'}]"
+    result = ec.run(ec.load_scene("hertz", [*BOWL[1:], wanted]))
+    assert result.summary["observed"] == {"watch_1_value": 1.0, "watch_2_value": 2.0}
+
+
+def test_a_cuboid_of_a_stranger_is_not_our_cell(install):
+    install(
+        """
+        from eigencontact.plugin import hookimpl
+        from eigencontact_plugins.shapes.cuboid import Cuboid as Ours
+
+        class Cuboid(Ours):
+            pass
+
+        @hookimpl
+        def eigencontact_register():
+            return [Cuboid]
+        """
+    )
+    assert installed_plugins().broken == []
+    scene = ec.load_scene("prestressed-bars")
+    assert ec.plan(scene).blocks
+
+
+def test_a_class_that_cannot_be_described_stops_no_list(install, command):
+    install(GOOD.replace('("A. Stranger 2026, eq. (1)",)', "None"))
+    for arguments in (["plugins"], ["plugins", "bowl"], ["plugins", "--json"]):
+        listed = command(*arguments)
+        assert listed.code == 0
+        assert "it cannot be described: TypeError: 'NoneType' object is not iterable" in listed.out
 
 
 # Components that load but misbehave in use: (body of separation, words of the message)
@@ -203,7 +369,7 @@ class Watch(Observer):
         BODY
 
 @hookimpl
-def eigencontact_register_observers():
+def eigencontact_register():
     return [Watch]
 '''
 

@@ -153,7 +153,7 @@ FAULTS = {
 @pytest.mark.parametrize(("fault", "words"), FAULTS.items(), ids=FAULTS)
 def test_a_broken_medium_is_named_when_planning(fault, words):
     registry = installed_plugins().copy()
-    registry.add("layered-medium", FaultyMedium, package="tests", version="0")
+    registry.add(FaultyMedium, package="tests", version="0")
     with pytest.raises(PluginError) as refused:
         ec.plan(scene({"type": "faulty", "fault": fault}), registry=registry)
     assert str(refused.value).startswith("body1.medium: ")

@@ -211,7 +211,7 @@ FILES = {
     "transposed": ({"coefficient": HOLED.T}, "a map of shape (3, 5), rows along y", "coefficient has the shape (5, 3)"),
     "descending": ({"x": X[0, ::-1]}, "a map with finite x and y, two ascending numbers each", "these are not"),
     "NaN of x": ({"y": np.array([0.0, 1.0, np.nan])}, "a map with finite x and y, two ascending numbers", "are not"),
-    "text": ({"x": np.array(["a"])}, "that can be read", "could not convert string to float"),
+    "text": ({"x": np.array(["a"])}, "that can be read", "x is of type <U1"),
 }
 
 

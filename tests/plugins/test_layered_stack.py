@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from close import close
 from eigencontact.errors import SceneError
 from eigencontact.hooks.manager import load_plugins
 from eigencontact.plugin import COMPONENTS, KINDS, Material
@@ -281,7 +282,7 @@ def test_the_zero_wave_carries_the_load_and_nothing_else():
         expected = np.zeros((9, 1))
         expected[3 + row] = -1.0
         for z in (0.0, 0.1, 5.0):
-            assert np.all(field(medium(*COATED), traction, zero, zero, z) == pytest.approx(expected, abs=1e-15))
+            assert np.all(field(medium(*COATED), traction, zero, zero, z) == close(expected, abs=1e-15))
 
 
 # --- table and messages -------------------------------------------------------------------------------------------
@@ -294,7 +295,7 @@ def test_bonded_layers_are_registered():
     assert not registry.broken
     assert [entry.key for entry in registry.of_kind("layered-medium")] == ["bonded-layers"]
     body = medium(*COATED)
-    assert body.interfaces == pytest.approx((0.2, 0.25, 1.75))
+    assert body.interfaces == close((0.2, 0.25, 1.75))
     assert (body.surface_material.poisson_ratio, body.deep_material.poisson_ratio) == (0.2, 0.3)
 
 
@@ -306,7 +307,7 @@ def build(table):
 def test_the_table_of_a_scene_takes_units():
     coating = {"thickness": "2 um", "young_modulus": "420 GPa", "poisson_ratio": 0.25}
     body = build({"layers": [coating, {**STEEL, "thickness": 1e-5}], "substrate": STEEL})
-    assert body.interfaces == pytest.approx((2e-6, 12e-6))
+    assert body.interfaces == close((2e-6, 12e-6))
     assert body.surface_material == Material(young_modulus=420e9, poisson_ratio=0.25)
     assert body.deep_material == Material(**STEEL)
 

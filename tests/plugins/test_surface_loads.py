@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from close import close
 from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import from_mandel, to_matrix
 from eigencontact.hooks.manager import load_plugins
@@ -71,7 +72,7 @@ def test_point_forces_of_the_oracle_have_unit_strength(load, component):
     r = np.tan(t)[:, None]
     values = point_force(load, r * np.cos(theta), r * np.sin(theta), np.array(1.0), 0.3)[component]
     total = (values.mean(axis=1) * 2 * np.pi * r[:, 0] / np.cos(t) ** 2 * weight).sum()
-    assert total == pytest.approx(-1.0, abs=1e-12)
+    assert total == close(-1.0, abs=1e-12)
 
 
 # --- kernels against the oracle ----------------------------------------------------------------------------------
@@ -123,7 +124,7 @@ def test_displacement_on_edges_and_corners(point):
 def test_love_centre(half_x, half_y, nu):
     mat = Material(young_modulus=210e9, poisson_ratio=nu)
     ours = PressureLoad().displacement("z", np.zeros(1), np.zeros(1), 0.0, (half_x, half_y), mat)[0, 0]
-    assert ours == pytest.approx(hertz.love_centre_displacement(1.0, half_x, half_y, 210e9, nu), rel=1e-12, abs=0)
+    assert ours == close(hertz.love_centre_displacement(1.0, half_x, half_y, 210e9, nu), rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize(("load", "component"), [(LOADS[0], "zz"), (LOADS[1], "xz"), (LOADS[2], "yz")])
@@ -374,7 +375,7 @@ def test_wave_on_the_surface_has_the_plane_strain_compliance():
     """A pressure cos(kx) lifts the surface by 2 (1 - nu^2)/(E k): the half-plane result, Johnson 1985 eq. 13.1."""
     mat = Material(young_modulus=3.0, poisson_ratio=0.2)
     response = PressureLoad().wavenumber_response("displacement", "z", np.array([5.0]), np.array([0.0]), 0.0, mat)
-    assert response[0, 0] == pytest.approx(2 * (1 - 0.04) / (3.0 * 5.0), rel=1e-14)
+    assert response[0, 0] == close(2 * (1 - 0.04) / (3.0 * 5.0), rel=1e-14)
 
 
 # --- Hertz pressure as a sum of rectangles -----------------------------------------------------------------------
@@ -413,7 +414,7 @@ def test_hertz_axis_converges_with_order_two(load, component, z, exact):
 @pytest.mark.parametrize(("z", "reference"), [(0.2, -0.60721), (0.5, -0.26964), (1.0, -0.07190)])
 def test_sliding_hertz_shear_on_the_axis(z, reference):
     """Case HM-2, tau_xz / (mu p0) printed with five digits; 64 cells across the contact radius."""
-    assert axis_error(ShearLoadX(), "xz", z, 64, reference) == pytest.approx(0.0, abs=4.5e-5)
+    assert axis_error(ShearLoadX(), "xz", z, 64, reference) == close(0.0, abs=4.5e-5)
 
 
 # --- registration ------------------------------------------------------------------------------------------------

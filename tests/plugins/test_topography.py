@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from close import close
 from eigencontact.plugin import Grid, HasNativeGrid, SceneError
 from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
 from eigencontact_plugins.geometries.topography import Topography
@@ -89,8 +90,8 @@ def test_every_format_gives_the_same_surface(tmp_path, name, save):
     topography = Topography(file=str(tmp_path / name), **table)
     grid = topography.native_grid()
     assert (grid.nx, grid.ny, grid.center) == (9, 6, (0.0, 0.0))
-    assert (grid.dx, grid.dy) == pytest.approx((DX, DY), rel=1e-6)
-    assert on_native_grid(topography) == pytest.approx(SEPARATION, rel=1e-9, abs=1e-19)
+    assert (grid.dx, grid.dy) == close((DX, DY), rel=1e-6)
+    assert on_native_grid(topography) == close(SEPARATION, rel=1e-9, abs=1e-19)
     assert on_native_grid(topography).min() == 0.0
 
 
@@ -112,7 +113,7 @@ def test_coordinates_rounded_in_the_file_are_still_a_raster(tmp_path):
     np.savetxt(tmp_path / "m.xyz", rows, fmt="%.3f")
     grid = Topography(file=str(tmp_path / "m.xyz")).native_grid()
     assert (grid.nx, grid.ny) == (1200, 3)
-    assert grid.dx == pytest.approx(1 / 3, rel=1e-5)
+    assert grid.dx == close(1 / 3, rel=1e-5)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -144,7 +145,7 @@ def test_it_stays_a_plain_frozen_dataclass(tmp_path):
 
 
 def test_height_unit_and_invert(tmp_path):
-    assert on_native_grid(measured(tmp_path, HEIGHTS * 1e9, height_unit=1e-9)) == pytest.approx(SEPARATION, abs=1e-22)
+    assert on_native_grid(measured(tmp_path, HEIGHTS * 1e9, height_unit=1e-9)) == close(SEPARATION, abs=1e-22)
     assert np.array_equal(on_native_grid(measured(tmp_path, HEIGHTS, invert=True)), HEIGHTS - HEIGHTS.min())
 
 
@@ -156,14 +157,14 @@ def test_detrend_removes_a_plane_exactly(tmp_path, known):
     heights[known] = (bumpy - fitted_plane(np.where(np.isin(iy, np.arange(6)[known]), bumpy, np.nan)))[known]
     flat = on_native_grid(measured(tmp_path, heights, missing="far"))
     tilted = on_native_grid(measured(tmp_path, heights + 3e-9 * ix - 2e-8 * iy, missing="far", detrend="plane"))
-    assert tilted[known] == pytest.approx(flat[known], abs=1e-21)
+    assert tilted[known] == close(flat[known], abs=1e-21)
 
 
 def test_fitted_plane_is_the_least_squares_plane():
     residual = HEIGHTS - fitted_plane(HEIGHTS)
     iy, ix = np.indices(HEIGHTS.shape)
     moments = [np.sum(residual), np.sum(residual * ix), np.sum(residual * iy)]
-    assert moments == pytest.approx([0, 0, 0], abs=1e-21)
+    assert moments == close([0, 0, 0], abs=1e-21)
 
 
 # interpolation ------------------------------------------------------------------------------------------------------
@@ -174,7 +175,7 @@ def test_bilinear_between_points_is_exact_for_a_bilinear_surface(tmp_path):
     topography = measured(tmp_path, -1e-8 * (2 * ix + 3 * iy + 0.5 * ix * iy))
     column, row = np.meshgrid(np.linspace(0, 8, 37), np.linspace(0, 5, 23))
     found = topography.separation((column - 4) * DX, (row - 2.5) * DY)
-    assert found == pytest.approx(1e-8 * (2 * column + 3 * row + 0.5 * column * row), rel=1e-7, abs=1e-16)
+    assert found == close(1e-8 * (2 * column + 3 * row + 0.5 * column * row), rel=1e-7, abs=1e-16)
 
 
 def test_outer_half_cell_is_constant_and_beyond_is_far(tmp_path):
@@ -182,7 +183,7 @@ def test_outer_half_cell_is_constant_and_beyond_is_far(tmp_path):
     x = np.array([4.49, 4.5, 4.51]) * DX
     found = topography.separation(x, 0.5 * DY)
     assert found[:2].tolist() == [SEPARATION[3, 8]] * 2
-    assert found[2] == pytest.approx(SEPARATION.max() + np.hypot(9 * DX, 6 * DY), rel=1e-12)
+    assert found[2] == close(SEPARATION.max() + np.hypot(9 * DX, 6 * DY), rel=1e-12)
     assert np.isfinite(topography.separation(1.0, 1.0))
 
 
@@ -228,7 +229,7 @@ def test_interpolated_points_are_the_mean_of_their_neighbours(tmp_path):
     padded = np.pad(found, 1, mode="edge")
     second_x = (padded[1:-1, :-2] - 2 * found + padded[1:-1, 2:]) / DX**2
     second_y = (padded[:-2, 1:-1] - 2 * found + padded[2:, 1:-1]) / DY**2
-    assert (second_x + second_y)[HOLES] == pytest.approx(np.zeros(9), abs=1e-12 * 1e-8 / DX**2)
+    assert (second_x + second_y)[HOLES] == close(np.zeros(9), abs=1e-12 * 1e-8 / DX**2)
     assert found[HOLES].min() > 0
 
 
@@ -237,7 +238,7 @@ def test_harmonic_fill_restores_a_plane_and_a_saddle():
     holes = np.zeros((8, 11), dtype=bool)
     holes[2:6, 3:8] = True
     for surface in (1 + 2 * ix - 3 * iy, (2.0 * ix) ** 2 - (0.5 * iy) ** 2):
-        assert harmonic_fill(np.where(holes, np.nan, surface), 2.0, 0.5) == pytest.approx(surface, rel=1e-12)
+        assert harmonic_fill(np.where(holes, np.nan, surface), 2.0, 0.5) == close(surface, rel=1e-12)
 
 
 # the bundled sample -------------------------------------------------------------------------------------------------
@@ -265,7 +266,7 @@ def test_the_bundled_surface_is_what_its_recipe_makes():
     topography = Topography(file="gallery:rough_surface.npz")
     assert topography.native_grid() == Grid(nx=128, ny=128, dx=0.5e-6, dy=0.5e-6)
     expected = rough_heights()
-    assert on_native_grid(topography) == pytest.approx(expected.max() - expected, abs=1e-13)
+    assert on_native_grid(topography) == close(expected.max() - expected, abs=1e-13)
 
 
 def test_the_bundled_surface_has_the_spectrum_it_promises():
@@ -275,14 +276,14 @@ def test_the_bundled_surface_has_the_spectrum_it_promises():
     """
     h = -on_native_grid(Topography(file="gallery:rough_surface.npz"))
     h -= h.mean()
-    assert np.sqrt(np.mean(h**2)) == pytest.approx(50e-9, rel=1e-5)
+    assert np.sqrt(np.mean(h**2)) == close(50e-9, rel=1e-5)
     window = np.hanning(128)
     power = np.abs(np.fft.fft2(h * window[:, None] * window[None, :])) ** 2
     waves = 128 * np.hypot(np.fft.fftfreq(128)[:, None], np.fft.fftfreq(128)[None, :])
     edges = np.geomspace(7, 28, 7)
     rings = [(waves > low) & (waves < high) for low, high in pairwise(edges)]
     slope = np.polyfit([np.log(waves[r]).mean() for r in rings], [np.log(power[r].mean()) for r in rings], 1)[0]
-    assert slope == pytest.approx(-3.6, abs=0.1)
+    assert slope == close(-3.6, abs=0.1)
 
 
 def test_the_bundled_surface_is_small():
@@ -452,8 +453,8 @@ def test_surface_topography_reads_its_own_file_with_units(tmp_path):
     extent = (9 * DX * 1e6, 6 * DY * 1e6)
     library.Topography(HEIGHTS.T * 1e6, extent, unit="um").to_netcdf(tmp_path / "a.nc")
     topography = Topography(file=str(tmp_path / "a.nc"))
-    assert (topography.native_grid().dx, topography.native_grid().dy) == pytest.approx((DX, DY), rel=1e-6)
-    assert on_native_grid(topography) == pytest.approx(SEPARATION, rel=1e-6, abs=1e-15)
+    assert (topography.native_grid().dx, topography.native_grid().dy) == close((DX, DY), rel=1e-6)
+    assert on_native_grid(topography) == close(SEPARATION, rel=1e-6, abs=1e-15)
     with pytest.raises(SceneError, match=r"height_unit must be left out: .*a\.nc' carries its own units \(got 2\.0\)"):
         Topography(file=str(tmp_path / "a.nc"), height_unit=2.0)
 

@@ -6,10 +6,12 @@ import sys
 import textwrap
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
+from eigencontact.app import draw
 from eigencontact.errors import ResultsError
 from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore
@@ -390,9 +392,85 @@ def test_finish_with_a_damaged_step_says_so_and_keeps_the_rest(tmp_path):
     info = synthetic.info(steps=3)
     store = filled(tmp_path, info, [synthetic.step(info, n) for n in (1, 2, 3)])
     flip(tmp_path / "steps" / "0002.h5")
-    with pytest.raises(ResultsError, match=r"must be complete .*--resume"):
+    with pytest.raises(ResultsError, match=r"0002.h5 must be a complete step .*--resume .*keeps the steps before"):
         store.finish()
     assert names(tmp_path) == ["steps"]
+    assert names(tmp_path / "steps") == ["0001.h5", "0002.h5", "0003.h5", "run.json"]
+
+
+@pytest.mark.parametrize("how", [cut, lambda path: path.write_bytes(path.read_bytes()[:40_000])])
+@pytest.mark.parametrize("listed", [True, False])
+def test_damaged_results_of_ours_are_named_and_overwritten(tmp_path, how, listed):
+    info = synthetic.info()
+    filled(tmp_path, info, [synthetic.step(info)]).finish()
+    if listed:
+        (tmp_path / "summary.json").write_text(json.dumps({"scene_hash": "a", "files": ["results.nc"]}))
+    how(tmp_path / "results.nc")
+    for resume in (False, True):
+        with pytest.raises(
+            ResultsError, match=r"results.nc must be .* complete .*; --overwrite replaces it, or .* -o$"
+        ):
+            ResultStore.create(tmp_path, info, resume=resume)
+    with pytest.raises(ResultsError, match=r"run the scene again with --overwrite$"):
+        open_results(tmp_path)
+    store = ResultStore.create(tmp_path, info, overwrite=True)
+    store.write_step(synthetic.step(info))
+    with open_results(store.finish()) as found:
+        assert found.sizes["step"] == 1
+
+
+def test_damaged_data_of_finished_results_are_named_too(tmp_path):
+    info = synthetic.info()
+    filled(tmp_path, info, [synthetic.step(info)]).finish()
+    with h5py.File(tmp_path / "results.nc", "r+") as file:
+        del file["step"]
+    store = ResultStore.create(tmp_path, info, resume=True)
+    with pytest.raises(ResultsError, match=r"results.nc must be a results file complete"):
+        store.accepted()
+
+
+def test_a_damaged_mark_of_a_run_can_be_overwritten(tmp_path):
+    info = synthetic.info()
+    filled(tmp_path, info, [synthetic.step(info)])
+    mark = tmp_path / "steps" / "run.json"
+    mark.write_text(mark.read_text()[:-9])
+    with pytest.raises(ResultsError, match=r"run.json must be the mark of a run .*--overwrite replaces it"):
+        ResultStore.create(tmp_path, info, resume=True)
+    assert ResultStore.create(tmp_path, info, overwrite=True).accepted() == []
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda file: file.attrs.update({"regions": "edited"}),
+        lambda file: file.attrs.update({"regions": "[]"}),
+        lambda file: file.attrs.update({"regions": '{"plane_0": {}}'}),
+        lambda file: file.attrs.update({"regions": file.attrs["regions"].replace("plane_0", "plane_9")}),
+        lambda file: file.attrs.update({"regions": file.attrs["regions"].replace("von_mises", "von_moses")}),
+        lambda file: file.attrs.__delitem__("regions"),
+        lambda file: file.__delitem__("plane_0_stress"),
+    ],
+)
+def test_edited_regions_are_named(tmp_path, change):
+    info = synthetic.info()
+    path = filled(tmp_path, info, [synthetic.step(info)]).finish()
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(ResultsError, match=r"results.nc must hold what it says of its regions .*--overwrite$"):
+        open_results(tmp_path)
+    with pytest.raises(ResultsError, match=r"results.nc must hold what it says of its regions"):
+        draw(tmp_path)
+
+
+def test_results_that_cannot_be_drawn_are_named(tmp_path):
+    info = synthetic.info()
+    path = filled(tmp_path, info, [synthetic.step(info)]).finish()
+    with h5py.File(path, "r+") as file:
+        file.attrs["regions"] = file.attrs["regions"].replace('["z", "x"]', '["z", "w"]')
+    with pytest.raises(
+        ResultsError, match=r"must hold results as this version writes them \(got KeyError: .*plane_0_w"
+    ):
+        draw(tmp_path, vtk=False)
 
 
 @pytest.mark.parametrize(("name", "shape"), [("a/b", (20, 24)), ("x", (20, 24)), ("gap2", (3, 3))])

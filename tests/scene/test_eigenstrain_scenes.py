@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import tomli_w
 
+from close import close
 from eigencontact import EigencontactError, load_scene, make, plan
 
 STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
@@ -77,16 +78,17 @@ def test_relative_files_of_eigenstrain_count_from_the_scene(tmp_path, monkeypatc
     (tmp_path / "my.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
     monkeypatch.chdir("/")
     loaded = load_scene(tmp_path / "my.toml")
-    assert loaded.inclusions[0].eigenstrain["file"] == str(tmp_path / "field.npz")
+    assert loaded.resolved()["inclusions"][0]["eigenstrain"]["file"] == str(tmp_path / "field.npz")
+    assert plan(loaded).scene.inclusions[0].eigenstrain["file"] == str(tmp_path / "field.npz")
 
 
 def test_automatic_grids_follow_the_inclusions():
     grid = plan(scene(grid=None)).grid
     assert grid.center == (0.0, 0.0)
     assert (grid.nx, grid.ny) == (128, 128)
-    assert grid.size[0] == pytest.approx(2e-6 + 4 * 2e-6, rel=1e-12)
+    assert grid.size[0] == close(2e-6 + 4 * 2e-6, rel=1e-12)
     off = plan(scene(grid=None, inclusions=[ball(center=["9 um", "1 um", "2 um"]), ball()])).grid
-    assert off.center == pytest.approx((4.5e-6, 0.5e-6))
+    assert off.center == close((4.5e-6, 0.5e-6))
     assert off.nx == 128
     assert off.ny < 128
     assert off.dx == off.dy

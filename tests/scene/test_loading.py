@@ -5,6 +5,7 @@ import tomllib
 import pytest
 import tomli_w
 
+from close import close
 from eigencontact import EigencontactError, Scene, load_scene, make
 from eigencontact.scene.loader import apply_changes, bundled_names, bundled_text
 
@@ -68,13 +69,13 @@ def test_snake_and_kebab_case_are_the_same():
 )
 def test_loads_with_units(text, value):
     load = load_scene(small(steps={"normal-load": text})).steps[0].normal_load
-    assert load == pytest.approx(value, rel=1e-15)
+    assert load == close(value, rel=1e-15)
 
 
 def test_angles_and_moments_with_units():
     step = load_scene(small(steps={"approach": "1 um", "tilt-x": "90 deg", "moment-y": "2 N*mm"})).steps[0]
-    assert step.tilt_x == pytest.approx(1.5707963267948966, rel=1e-15)
-    assert step.moment_y == pytest.approx(2e-3, rel=1e-15)
+    assert step.tilt_x == close(1.5707963267948966, rel=1e-15)
+    assert step.moment_y == close(2e-3, rel=1e-15)
 
 
 def test_a_bare_number_of_cells_is_square():

@@ -84,7 +84,7 @@ REFUSED = {
         "body1.young-modulus must be a stress [Pa]; there is no unit 'GPA'; did you mean 'GPa'? (got '210 GPA')",
     ),
     "misspelt prefix": (["geometry.radius=105 umm"], "there is no unit 'umm'; did you mean 'um'? (got '105 umm')"),
-    "no unit at all": (["geometry.radius=wide"], "geometry.radius must be a length [m]; there is no unit 'wide'"),
+    "no number at all": (["geometry.radius=wide"], "geometry.radius must be a length [m], as a number or as text like"),
     "not a number": (["body1.poisson-ratio=soft"], "body1.poisson-ratio must be a number (got 'soft')"),
     "wrong choice": (
         ["numerics.boundary=periodc"],
@@ -101,6 +101,10 @@ REFUSED = {
         "stress region 'section' must lie in an elastic body (body2 is rigid)",
     ),
     "negative depth": (["stress.0.depth-max=-1"], "stress.0.depth-max must be positive and finite [m] (got -1)"),
+    "a depth twice": (
+        ["stress=[{shape='volume', depths=[0.0, 1e-6, 1e-6]}]"],
+        "stress.0 must be given depths that ascend, each once",
+    ),
     "no depth": (
         ["stress=[{shape='volume'}]"],
         "stress.0 must be given depths or depth-max (a volume needs one of them)",
@@ -138,6 +142,16 @@ REFUSED = {
         "probe.field must be one of 'displacement_z', 'gap', 'pressure'",
     ),
     "name with a slash": (["name=a/b"], "name must be a plain name: letters, digits, '_'"),
+    "zero in a title": (['title="a\\u0000"'], "title must be text without control characters (got 'a\\x00')"),
+    "bell in a description": (
+        ['description="a\\u0007"'],
+        "description must be text without control characters (got 'a\\x07')",
+    ),
+    "tables nested 60 deep": ([f"geometry.radius={'[' * 60}{']' * 60}"], "nested at most 32 deep (got more)"),
+    "arrays nested 5000 deep": (
+        [f"geometry.radius={'[' * 5000}{']' * 5000}"],
+        "geometry.radius must be a length [m], as a number or as text",
+    ),
     "missing topography": (
         ["geometry={type='topography', file='nowhere.npz'}"],
         "topography.file must be an existing file (got 'nowhere.npz')",
@@ -147,6 +161,11 @@ REFUSED = {
         "--set 'stress.7.name=a': stress is an array of 2; give a number",
     ),
     "--set into a value": (["body1.young-modulus.x.y=1"], "body1.young-modulus must be a number (got {'x': {'y': 1}})"),
+    "--set of a number that is none": (["stress.².name=a"], "--set 'stress.².name=a': stress is an array of 2; give"),
+    "--set of an entry of an empty array": (
+        ["stress=[]", "stress.0.name=a"],
+        "--set 'stress.0.name=a': stress is an array of 0; give all of it (got '0')",
+    ),
     "--set without value": (["steps"], "--set must be key=value with a dotted key, like body1.poisson-ratio=0.3"),
 }
 CODES = {"load beyond the window": 4}
@@ -195,6 +214,17 @@ SOURCES = {
     "not TOML": ("bad.toml", b"title = \n", "bad.toml must be valid TOML: "),
     "not text": ("bytes.toml", b"\xff\xfe\x00", "scene file must be readable text (got 'bytes.toml')"),
     "empty": ("empty.toml", b"", "body1 must be given"),
+    "arrays nested 5000 deep": (
+        "deep.toml",
+        b"title = " + 5000 * b"[" + 5000 * b"]",
+        "deep.toml must be a scene (got tables or arrays nested hundreds deep)",
+    ),
+    "tables nested 5000 deep": ("deep.toml", b"[" + b".".join([b"a"] * 5000) + b"]\n", "nested"),
+    "tables nested 300 deep": (
+        "deep.toml",
+        b"[" + b".".join([b"a"] * 300) + b"]\n",
+        "nested at most 32 deep (got more)",
+    ),
     "a number for a table": ("list.toml", b"body1 = 3\n", "body1 must be a table (got 3)"),
 }
 
@@ -229,6 +259,14 @@ def test_a_folder_that_is_a_file_is_refused(command, quick, tmp_path):
     outcome = command("run", "hertz", *quick, "-o", tmp_path / "out")
     refused(outcome, "must be a folder that can be written", code=5)
     assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.parametrize("folder", ["x" * 5000, "/dev/null/x"])
+def test_a_name_that_no_folder_has_is_refused(folder, command, quick, tmp_path):
+    refused(command("run", "hertz", *quick, "-o", folder), "must be a folder that can be written", code=5)
+    assert "Traceback" not in command("plot", folder).err
+    assert command("plot", folder).code == 5
+    refused(command("new-plugin", "fibre", "-o", folder), "folder must be one that can be written")
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root writes everywhere")

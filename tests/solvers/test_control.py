@@ -8,6 +8,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from close import close
 from eigencontact.core.grid import Grid
 from eigencontact_verification.oracles import dense, punch
 from solvers.contacts import halfspace, paraboloid, rounded_punch, solve, square_grid
@@ -37,9 +38,9 @@ def test_load_and_approach_control_meet(shape, load):
     h = paraboloid(grid) + 0.005 * np.cos(9 * grid.x[None]) * np.sin(8 * grid.y[:, None])
     by_load = solve(grid, h, normal_load=load, tolerance=1e-11)
     by_approach = solve(grid, h, approach=by_load.approach, tolerance=1e-11)
-    assert by_load.normal_load == pytest.approx(load, rel=1e-12)
+    assert by_load.normal_load == close(load, rel=1e-12)
     assert by_approach.approach == by_load.approach
-    assert by_approach.normal_load == pytest.approx(load, rel=1e-8)
+    assert by_approach.normal_load == close(load, rel=1e-8)
     assert np.abs(by_approach.pressure - by_load.pressure).max() < 1e-7 * by_load.pressure.max()
 
 
@@ -54,9 +55,9 @@ def test_tilt_and_moment_control_meet(cells, start):
     second = {"approach": tilted.approach} if start == "approach" else {"normal_load": tilted.normal_load}
     back = solve(grid, h, **second, moment_x=tilted.moment_x, moment_y=tilted.moment_y, tolerance=1e-11)
     assert (tilted.tilt_x, tilted.tilt_y) == (0.06, -0.03)
-    assert (back.tilt_x, back.tilt_y) == pytest.approx((0.06, -0.03), rel=1e-8)
-    assert back.approach == pytest.approx(tilted.approach, rel=1e-8)
-    assert back.normal_load == pytest.approx(tilted.normal_load, rel=1e-8)
+    assert (back.tilt_x, back.tilt_y) == close((0.06, -0.03), rel=1e-8)
+    assert back.approach == close(tilted.approach, rel=1e-8)
+    assert back.normal_load == close(tilted.normal_load, rel=1e-8)
     assert np.abs(back.pressure - tilted.pressure).max() < 1e-7 * tilted.pressure.max()
 
 
@@ -67,9 +68,9 @@ def test_signs_and_equilibrium_of_moments():
     h = rounded_punch(grid)
     s = solve(grid, h, normal_load=0.5, tilt_x=0.05, tilt_y=0.02, tolerance=1e-11)
     assert np.abs(s.gap - (h + s.displacement - s.approach - s.tilt_x * y + s.tilt_y * x)).max() < 1e-15
-    assert s.normal_load == pytest.approx(s.pressure.sum() * grid.cell_area, rel=1e-13)
-    assert s.moment_x == pytest.approx((s.pressure * y).sum() * grid.cell_area, rel=1e-12)
-    assert s.moment_y == pytest.approx(-(s.pressure * x).sum() * grid.cell_area, rel=1e-12)
+    assert s.normal_load == close(s.pressure.sum() * grid.cell_area, rel=1e-13)
+    assert s.moment_x == close((s.pressure * y).sum() * grid.cell_area, rel=1e-12)
+    assert s.moment_y == close(-(s.pressure * x).sum() * grid.cell_area, rel=1e-12)
     assert s.moment_x > 0
     assert s.moment_y > 0
     assert s.pressure[y[:, 0] > 0].sum() > 1.2 * s.pressure[y[:, 0] < 0].sum()
@@ -84,9 +85,9 @@ def test_moments_refer_to_the_origin_of_coordinates():
     expected = solve(here, h, normal_load=0.8)
     moved = solve(there, h, normal_load=0.8)
     assert np.abs(moved.pressure - expected.pressure).max() < 1e-9 * expected.pressure.max()
-    assert (moved.moment_x, moved.moment_y) == pytest.approx((-5.6, -8.0), rel=1e-9)
+    assert (moved.moment_x, moved.moment_y) == close((-5.6, -8.0), rel=1e-9)
     back = solve(there, h, normal_load=0.8, moment_x=-5.6, moment_y=-8.0, tolerance=1e-8)
-    assert (back.tilt_x, back.tilt_y) == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert (back.tilt_x, back.tilt_y) == close((0.0, 0.0), abs=1e-8)
 
 
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.003, -0.002)], ids=str)
@@ -97,8 +98,8 @@ def test_flat_punch_approaches_its_closed_form(tilt):
     h = np.where(x**2 + y**2 < 1, 0.0, 10.0)
     s = solve(grid, h, approach=0.01, tilt_x=tilt[0], tilt_y=tilt[1], options=EDGE)
     load, moment_x, moment_y = punch.flat_punch_forces(0.01, *tilt, 1.0, 1.0)
-    assert s.normal_load == pytest.approx(load, rel=3e-3)
-    assert (s.moment_x, s.moment_y) == pytest.approx((moment_x, moment_y), rel=3e-3, abs=1e-12)
+    assert s.normal_load == close(load, rel=3e-3)
+    assert (s.moment_x, s.moment_y) == close((moment_x, moment_y), rel=3e-3, abs=1e-12)
     exact = punch.flat_punch_pressure(x, y, 0.01, *tilt, 1.0, 1.0)
     inside = x**2 + y**2 < 0.6**2
     assert np.abs(s.pressure - exact)[inside].max() < 2e-3 * exact[inside].max()
@@ -114,7 +115,7 @@ def test_closed_form_of_the_punch_is_in_equilibrium_by_quadrature():
     p = punch.flat_punch_pressure(x, y, 0.01, 0.003, -0.002, 0.7, 2.5)
     area = r * 0.7 * np.cos(t) * w * 2 * np.pi / 16
     found = (np.sum(p * area), np.sum(p * y * area), -np.sum(p * x * area))
-    assert found == pytest.approx(punch.flat_punch_forces(0.01, 0.003, -0.002, 0.7, 2.5), rel=1e-12)
+    assert found == close(punch.flat_punch_forces(0.01, 0.003, -0.002, 0.7, 2.5), rel=1e-12)
 
 
 # --- the dense reference -----------------------------------------------------------------------------------------
@@ -142,7 +143,7 @@ def test_any_surface_under_load_equals_the_dense_solution(shape, roughness, load
     pressure, gap, rigid = dense.solve_contact(K, h.ravel(), modes_of(grid)[:1], np.array([load / grid.cell_area]))
     s = solve(grid, h, normal_load=load, tolerance=1e-11, options=EDGE)
     agrees(s, pressure, gap, 1e-11)
-    assert s.approach == pytest.approx(rigid[0], rel=1e-10, abs=1e-12)
+    assert s.approach == close(rigid[0], rel=1e-10, abs=1e-12)
 
 
 @RANDOM
@@ -176,7 +177,7 @@ def test_any_surface_under_load_and_moments_equals_the_dense_solution(roughness,
     # Contact along one line leaves the tilt about it free within a range: only the pressure is unique then.
     on_a_line = np.linalg.matrix_rank(modes_of(grid)[:, pressure > 1e-9 * pressure.max()]) < 3
     agrees(s, pressure, None if on_a_line else gap, 1e-9)
-    assert on_a_line or (s.approach, s.tilt_x, s.tilt_y) == pytest.approx(tuple(rigid), rel=1e-7, abs=1e-7 * load)
+    assert on_a_line or (s.approach, s.tilt_x, s.tilt_y) == close(tuple(rigid), rel=1e-7, abs=1e-7 * load)
 
 
 @pytest.mark.parametrize(("load", "cells"), [(1e-9, 1), (1e4, 108), (200.0, range(60, 108))], ids=str)
@@ -203,7 +204,7 @@ def test_dense_solution_satisfies_the_conditions_of_contact():
     assert g.min() >= 0
     assert np.all(p * g == 0)
     assert np.abs(h + K @ p - rigid @ modes - g).max() < 1e-13 * np.abs(K @ p).max()
-    assert modes @ p == pytest.approx(forces, rel=1e-12)
+    assert modes @ p == close(forces, rel=1e-12)
     rng = np.random.default_rng(6)
     energy = 0.5 * p @ K @ p + h @ p
     for _ in range(20):
@@ -235,8 +236,8 @@ def test_certificate_recomputed_by_a_dense_sum(control, tolerance):
     certificate = s.report.certificate
     assert np.abs(s.displacement - u).max() < 1e-12 * deflection
     assert s.pressure.min() >= 0
-    assert np.abs(g[loaded]).max() / deflection == pytest.approx(certificate.gap, rel=1e-3, abs=1e-12)
-    assert max(0.0, -g[~loaded].min()) / deflection == pytest.approx(certificate.penetration, rel=1e-3, abs=1e-12)
+    assert np.abs(g[loaded]).max() / deflection == close(certificate.gap, rel=1e-3, abs=1e-12)
+    assert max(0.0, -g[~loaded].min()) / deflection == close(certificate.penetration, rel=1e-3, abs=1e-12)
     assert certificate.worst <= tolerance
     assert certificate.holds
     assert certificate.tolerance == tolerance
@@ -276,8 +277,8 @@ def test_mirrors_and_quarter_turns(lopsided, turn, moments, tilts):
     moment_x, moment_y = moments((0.05, -0.08))
     s = solve(other, turned, normal_load=0.9, moment_x=moment_x, moment_y=moment_y, tolerance=1e-11)
     assert np.abs(s.pressure - turn(first.pressure)).max() < 1e-10 * first.pressure.max()
-    assert (s.tilt_x, s.tilt_y) == pytest.approx(tilts((first.tilt_x, first.tilt_y)), rel=1e-10)
-    assert s.approach == pytest.approx(first.approach, rel=1e-11)
+    assert (s.tilt_x, s.tilt_y) == close(tilts((first.tilt_x, first.tilt_y)), rel=1e-10)
+    assert s.approach == close(first.approach, rel=1e-11)
 
 
 def test_more_load_more_contact():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from close import close
 from eigencontact.core.grid import Grid
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError
 from eigencontact.solvers.control import Control
@@ -82,7 +83,7 @@ def test_contact_at_the_edge_is_reported_unless_allowed(load, edges):
     with pytest.raises(DomainTooSmall, match=rf"reaches its edge {edges}.*enlarge grid size.*allow-contact-at-edge"):
         solve(GRID, h, **load)
     s = solve(GRID, h, options=EDGE, **load)
-    assert s.normal_load == pytest.approx(load["normal_load"], rel=1e-12)
+    assert s.normal_load == close(load["normal_load"], rel=1e-12)
 
 
 def test_zero_load_just_touches():
@@ -90,7 +91,7 @@ def test_zero_load_just_touches():
     assert np.all(s.pressure == 0)
     assert np.all(s.displacement == 0)
     assert s.gap.min() == 0
-    assert s.approach == pytest.approx(0.3 + BALL.min(), rel=1e-14)
+    assert s.approach == close(0.3 + BALL.min(), rel=1e-14)
     assert s.report.certificate.holds
 
 
@@ -117,10 +118,10 @@ def test_tiny_loads_on_one_cell(load):
     grid = Grid(nx=41, ny=41, dx=0.05, dy=0.05)
     s = solve(grid, paraboloid(grid), normal_load=load, tolerance=1e-10)
     assert np.count_nonzero(s.pressure) == 1
-    assert s.normal_load == pytest.approx(load, rel=1e-12)
+    assert s.normal_load == close(load, rel=1e-12)
     love = 8 * np.arcsinh(1.0) * (load / grid.cell_area) * 0.025 / np.pi
-    assert s.displacement.max() == pytest.approx(love, rel=1e-10)
-    assert s.approach == pytest.approx(love, abs=1e-16)
+    assert s.displacement.max() == close(love, rel=1e-10)
+    assert s.approach == close(love, abs=1e-16)
 
 
 # --- starts, boxes, coarse grids ---------------------------------------------------------------------------------
@@ -207,9 +208,9 @@ def test_merging_and_refining_cells(shape, factors):
 def test_grids_of_a_few_cells(shape):
     grid = Grid(ny=shape[0], nx=shape[1], dx=0.1, dy=0.1)
     s = solve(grid, paraboloid(grid), normal_load=0.05, options=EDGE)
-    assert s.normal_load == pytest.approx(0.05, rel=1e-12)
+    assert s.normal_load == close(0.05, rel=1e-12)
     again = solve(grid, paraboloid(grid), approach=s.approach, options=EDGE)
-    assert again.normal_load == pytest.approx(0.05, rel=1e-6)
+    assert again.normal_load == close(0.05, rel=1e-6)
 
 
 @pytest.mark.parametrize("threads", [1, 2])

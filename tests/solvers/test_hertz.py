@@ -8,6 +8,7 @@ from the edge (1.87 to 2.22); 1 for the pressure in the mean-square norm and for
 import numpy as np
 import pytest
 
+from close import close
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material, contact_modulus
 from eigencontact_verification.oracles import hertz
@@ -95,10 +96,10 @@ def test_catalogue_at_twenty_cells(radius, load, a, p0, approach):
     h = paraboloid(grid, radius)
     solution = solve(grid, h, halfspace(STEEL), normal_load=load)
     mean_square = 2 * radius * np.sum(solution.pressure * h) / np.sum(solution.pressure)
-    assert np.sqrt(2.5 * mean_square) == pytest.approx(a, rel=1e-3)
-    assert solution.pressure.max() == pytest.approx(p0, rel=1e-3)
-    assert solution.approach == pytest.approx(approach, rel=1e-3)
-    assert solution.normal_load == pytest.approx(load, rel=1e-12)
+    assert np.sqrt(2.5 * mean_square) == close(a, rel=1e-3)
+    assert solution.pressure.max() == close(p0, rel=1e-3)
+    assert solution.approach == close(approach, rel=1e-3)
+    assert solution.normal_load == close(load, rel=1e-12)
 
 
 @pytest.mark.parametrize(("cells", "bound"), [(20, 7e-3), (40, 3.5e-3), (80, 2e-3)])
@@ -118,9 +119,9 @@ def test_softer_body_gives_hz5():
     soft = Material(young_modulus=0.8 * 210e9, poisson_ratio=0.3)
     before, after = (solve(grid, h, halfspace(body), normal_load=0.65) for body in (STEEL, soft))
     area = np.count_nonzero(after.pressure) / np.count_nonzero(before.pressure)
-    assert np.sqrt(area) == pytest.approx(1.0772, rel=5e-3)
-    assert after.pressure.max() / before.pressure.max() == pytest.approx(0.8618, rel=1e-3)
-    assert after.approach / before.approach == pytest.approx(1.1604, rel=1e-3)
+    assert np.sqrt(area) == close(1.0772, rel=5e-3)
+    assert after.pressure.max() / before.pressure.max() == close(0.8618, rel=1e-3)
+    assert after.approach / before.approach == close(1.1604, rel=1e-3)
 
 
 def test_one_square_cell_gives_love():
@@ -130,9 +131,9 @@ def test_one_square_cell_gives_love():
     solution = solve(grid, np.zeros((1, 1)), halfspace(STEEL), normal_load=0.3, tolerance=1e-14, options=options)
     pressure = 0.3 / grid.cell_area
     love = hertz.love_centre_displacement(pressure, 1e-6, 1e-6, 210e9, 0.3)
-    assert solution.pressure[0, 0] == pytest.approx(pressure, rel=1e-14)
-    assert solution.approach == pytest.approx(love, rel=1e-12)
-    assert love == pytest.approx(8 * np.arcsinh(1.0) * (1 - 0.09) * pressure * 1e-6 / (np.pi * 210e9), rel=1e-14)
+    assert solution.pressure[0, 0] == close(pressure, rel=1e-14)
+    assert solution.approach == close(love, rel=1e-12)
+    assert love == close(8 * np.arcsinh(1.0) * (1 - 0.09) * pressure * 1e-6 / (np.pi * 210e9), rel=1e-14)
 
 
 # --- bodies ------------------------------------------------------------------------------------------------------
@@ -151,8 +152,8 @@ def test_two_bodies_are_the_sum_of_their_compliances():
     a, p0, approach = hertz.hertz_sphere(10.0, 1e-2, modulus)
     grid = Grid(nx=84, ny=84, dx=a / 32, dy=a / 32)
     solution = solve(grid, paraboloid(grid, 1e-2), halfspace(STEEL, aluminium), normal_load=10.0)
-    assert solution.pressure.max() == pytest.approx(p0, rel=5e-4)
-    assert solution.approach == pytest.approx(approach, rel=2e-4)
+    assert solution.pressure.max() == close(p0, rel=5e-4)
+    assert solution.approach == close(approach, rel=2e-4)
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.499999, 0.5])
@@ -162,7 +163,7 @@ def test_poisson_ratio_enters_through_the_contact_modulus_only(nu):
     found = solve(grid, paraboloid(grid), halfspace(body), normal_load=1.0, tolerance=1e-11)
     expected = solve(grid, paraboloid(grid), halfspace(UNIT), normal_load=1.0, tolerance=1e-11)
     assert np.abs(found.pressure - expected.pressure).max() < 1e-10 * expected.pressure.max()
-    assert found.approach == pytest.approx(expected.approach, rel=1e-12)
+    assert found.approach == close(expected.approach, rel=1e-12)
 
 
 # --- scale, shape of cells, precision ----------------------------------------------------------------------------
@@ -225,5 +226,5 @@ def test_price_of_single_precision(cells, price):
     options = {"precision": "single"}
     found = solve(grid, paraboloid(grid), normal_load=LOAD, tolerance=1e-5, options=options)
     assert 0 < np.abs(found.pressure - exact.pressure).max() < price * exact.pressure.max()
-    assert found.approach == pytest.approx(exact.approach, rel=5e-7)
+    assert found.approach == close(exact.approach, rel=5e-7)
     assert found.report.certificate.holds

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from close import close
 from eigencontact.errors import SceneError
 from eigencontact_verification.oracles import cattaneo
 from solvers.frictional import Sphere
@@ -26,11 +27,11 @@ def test_gross_slip_is_reached_and_left():
     back = 1 - 2 * float(cattaneo.load_of_shift(0.25))  # half of the shift of sliding back from sliding
     np.testing.assert_allclose(loads, [0.646447, 1, 1, 1, back, -1, -1, -1], atol=3e-3)
     assert sticking[1:3] == [0, 0]
-    assert slips[2] == pytest.approx(38.5)
+    assert slips[2] == close(38.5)
     assert slips[3] < 1e-12  # nothing moves
     assert 0.6 < sticking[4] < 1.0
     slid = float(s.sliding.slip_distance[12, 12]) / full
-    assert slid == pytest.approx((40 - 1) + (38 + 40), rel=1e-3)  # it slides but for 1 at first and 2 at the turn
+    assert slid == close((40 - 1) + (38 + 40), rel=1e-3)  # it slides but for 1 at first and 2 at the turn
 
 
 def test_gross_slip_along_any_direction():
@@ -58,7 +59,7 @@ def test_forces_beyond_friction_are_refused_in_one_sentence(asked, said):
 def test_forces_just_below_friction_are_carried():
     s, full = pressed(along="x")
     s.to(tangential_load_x=(1 - 1e-9) * s.friction * s.load)
-    assert s.last.tangential.rigid[0] == pytest.approx(full, rel=0.01)
+    assert s.last.tangential.rigid[0] == close(full, rel=0.01)
 
 
 @pytest.mark.parametrize("coupling", ["partial", "full"])
@@ -87,10 +88,10 @@ def test_hardly_any_friction_and_very_much(friction, coupling):
     assert sheared.tangential.report.certificate.holds
     if friction < 1:  # slides as a whole
         assert s.stick_ratio() == 0
-        assert s.forces()[0] == pytest.approx(friction * s.load, rel=1e-3)
+        assert s.forces()[0] == close(friction * s.load, rel=1e-3)
     else:  # sticks but for the rim
         assert s.stick_ratio() > 0.95
-        assert s.forces()[0] == pytest.approx(0.1 * cattaneo.initial_stiffness(1.0, s.compliance), rel=0.05)
+        assert s.forces()[0] == close(0.1 * cattaneo.initial_stiffness(1.0, s.compliance), rel=0.05)
 
 
 def test_no_friction_at_all_is_frictionless():

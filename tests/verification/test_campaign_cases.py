@@ -48,7 +48,7 @@ class Lens(InclusionShape):
         return abs(z - c) <= self.height * (1 - ((x - a) ** 2 + {squeeze} * (y - b) ** 2) / self.radius ** 2)
 
 @hookimpl
-def eigencontact_register_inclusion_shapes():
+def eigencontact_register():
     return [Lens]
 """
 

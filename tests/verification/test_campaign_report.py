@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analytic_cases import analytic, gaps
+from close import close
 from eigencontact_verification.campaign.brief import brief, totals
 from eigencontact_verification.campaign.judge import coverage, judge
 from eigencontact_verification.campaign.report import Report, write_report
@@ -44,13 +45,13 @@ def test_each_component_gets_its_verdict(fault, error, words):
 def test_numbers_of_a_verdict():
     found = judge(solved(analytic("case")))
     row = found.rows[0]
-    assert row.order == pytest.approx(2.0, abs=0.01)
+    assert row.order == close(2.0, abs=0.01)
     assert row.credible
-    assert row.scale == pytest.approx(1.0, abs=0.01)
+    assert row.scale == close(1.0, abs=0.01)
     # index 1.25 times the fine mesh's error 0.002 and half of the bracket, 0.0005
-    assert row.discretisation == pytest.approx(0.0025, rel=0.02)
-    assert row.truncation == pytest.approx(0.0005, rel=0.02)
-    assert row.uncertainty == pytest.approx(row.discretisation + row.truncation, rel=1e-3)
+    assert row.discretisation == close(0.0025, rel=0.02)
+    assert row.truncation == close(0.0005, rel=0.02)
+    assert row.uncertainty == close(row.discretisation + row.truncation, rel=1e-3)
     assert row.difference < 1e-6
 
 
@@ -69,7 +70,7 @@ def test_coverage_takes_the_worst_and_counts():
     assert table["s_xz"].word == "disagrees"
     assert table["s_xz"].counts == {"disagrees": 1, "failed": 0, "inconclusive": 0, "agrees": 1}
     assert table["u_x"].word == "agrees"
-    assert table["s_xz"].difference == pytest.approx(1.0, abs=0.01)
+    assert table["s_xz"].difference == close(1.0, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -190,6 +191,6 @@ def test_what_is_not_covered_is_listed_and_where_it_was_measured(written):
     assert "- other: stress inside (the exact field is singular there)" in text
     assert re.search(r"Measured \d{4}-\d\d-\d\d on .*numpy .*scikit-fem ", text)
     data = json.loads(files["json"].read_text(encoding="utf-8"))
-    assert data["inconclusive"] == pytest.approx(report.inconclusive)
+    assert data["inconclusive"] == close(report.inconclusive)
     assert data["longest_solve_seconds"] == max(seconds for seconds, _ in report.solves)
     assert totals(report) in files["markdown"].read_text(encoding="utf-8")

@@ -303,6 +303,14 @@ class FieldOfNoType(Box):
     spread: Any
 
 
+@plant("check_files_are_marked", depth=2.0, edge=1.0, drawing=__file__)
+@dataclass(frozen=True, kw_only=True)
+class FileWithoutMark(Box):
+    depth: Length
+    edge: Length
+    drawing: str | None
+
+
 class Growth(EigenstrainField):
     """A correct field, to spoil."""
 

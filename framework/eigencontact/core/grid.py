@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import is_real, is_whole
 from eigencontact.errors import require
 
 __all__ = ["Box", "Grid"]
@@ -94,10 +95,10 @@ class Grid:
     def __post_init__(self) -> None:
         for name in ("nx", "ny"):
             value = getattr(self, name)
-            require(value >= 1, "grid", name, value, "at least 1 [cells]")
+            require(is_whole(value) and value >= 1, "grid", name, value, "a whole number, at least 1 [cells]")
         for name in ("dx", "dy"):
             value = getattr(self, name)
-            require(0 < value < np.inf, "grid", name, value, "positive and finite [m]")
+            require(is_real(value) and 0 < value < np.inf, "grid", name, value, "positive and finite [m]")
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from eigencontact.core.arrays import is_real
+from eigencontact.core.units import LARGEST, SMALLEST
 from eigencontact.errors import require
 
 __all__ = ["Material", "contact_modulus", "dundurs_constant"]
@@ -18,7 +20,7 @@ class Material:
     Parameters
     ----------
     young_modulus : float
-        E [Pa], positive and finite. A rigid body is the absence of a material (None), not an infinite modulus.
+        E [Pa], between 1e-30 and 1e30. A rigid body is the absence of a material (None), not an infinite modulus.
     poisson_ratio : float
         ν [-] in [-1, 0.5]. The end 0.5 is exact here: no formula of this package divides by 1 - 2ν.
     """
@@ -28,8 +30,10 @@ class Material:
 
     def __post_init__(self) -> None:
         E, nu = self.young_modulus, self.poisson_ratio
-        require(0 < E < np.inf, "material", "young_modulus", E, "positive and finite [Pa]")
-        require(-1 < nu <= 0.5, "material", "poisson_ratio", nu, "in (-1, 0.5] [-]")
+        require(is_real(E) and 0 < E < np.inf, "material", "young_modulus", E, "positive and finite [Pa]")
+        rule = f"between {SMALLEST:g} and {LARGEST:g} [Pa]"
+        require(SMALLEST <= E <= LARGEST, "material", "young_modulus", E, rule)
+        require(is_real(nu) and -1 < nu <= 0.5, "material", "poisson_ratio", nu, "in (-1, 0.5] [-]")
 
     @property
     def shear_modulus(self) -> float:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Annotated, Any
 
-from eigencontact.core.units import parse_quantity
+from eigencontact.core.units import LARGEST, parse_quantity
 
 __all__ = [
     "QUANTITIES",
     "Angle",
+    "DataFile",
+    "FileMark",
     "Force",
     "Length",
     "Moment",
@@ -30,9 +33,16 @@ class Unit:
         """Tell pydantic to convert text with units before it checks the number."""
         from pydantic_core import core_schema
 
-        return core_schema.no_info_before_validator_function(
+        read = core_schema.no_info_before_validator_function(
             lambda value: parse_quantity(value, self.symbol, self.name), handler(source)
         )
+        return core_schema.no_info_after_validator_function(self._within_reach, read)
+
+    def _within_reach(self, value: Any) -> Any:
+        """Refuse finite numbers whose products would leave the range of numbers; infinity is for the field to judge."""
+        if isinstance(value, float) and LARGEST < abs(value) < inf:
+            raise ValueError(f"of a size up to {LARGEST:g} [{self.symbol}]")
+        return value
 
 
 #: Annotations for the fields of plugins: ``radius: Length``.
@@ -41,6 +51,17 @@ Stress = Annotated[float, Unit("Pa", "a stress")]
 Force = Annotated[float, Unit("N", "a force")]
 Moment = Annotated[float, Unit("N*m", "a moment")]
 Angle = Annotated[float, Unit("rad", "an angle")]
+
+
+@dataclass(frozen=True, slots=True)
+class FileMark:
+    """Mark of an annotated field that holds the path of a data file."""
+
+
+#: Annotation for the path of a data file, ``map: DataFile``, by any name, also ``DataFile | None``, in a tuple, or in a
+#: dataclass that is the table of a field. A relative path counts from the folder of the scene; results of a file that
+#: has changed are not continued. A name that begins with ``gallery:`` means a file beside the bundled scenes.
+DataFile = Annotated[str, FileMark()]
 
 
 @dataclass(frozen=True, slots=True)

@@ -194,12 +194,13 @@ class Coupled:
             wanted = seen.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0
             moved = loaded is None or not np.array_equal(pressed, loaded)
-            guess, answers = [offset, *(interior.unknown for interior in swept)], [image, *(taken for taken, _ in images)]
+            guess = [offset, *(interior.unknown for interior in swept)]
+            answers = [image, *(taken for taken, _ in images)]
             if answering and (wanted != share or moved or residual > last):
                 mixer, share = Anderson(_DEPTH), wanted
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                units = [scales[:, None, None], *(_unit(values) for values in answers[1:])]
+                units: list[FloatArray | float] = [scales[:, None, None], *map(_unit, answers[1:])]
                 mixed = _mixed(mixer, guess, answers, units)
             offset = mixed[0]
             for interior, values in zip(swept, mixed[1:], strict=True):

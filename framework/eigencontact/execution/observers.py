@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from eigencontact.errors import EigencontactError, PluginError
@@ -18,10 +19,9 @@ class Observe(Block):
 
     def __init__(self, model: Model, number: int, seen: frozenset[str]) -> None:
         key, self._observer = model.observers[number]
+        prefixes = [re.sub(r"\W", "_", observer.key) for _, observer in model.observers]
         self.name, self.why, self._key = f"observer-{number}-{key}", f"[[observers]] {key!r}", key
-        self._prefix = key.replace("-", "_")
-        if [name for name, _ in model.observers].count(key) > 1:
-            self._prefix += f"_{number + 1}"
+        self._prefix = prefixes[number] + (f"_{number + 1}" if prefixes.count(prefixes[number]) > 1 else "")
         self._grid, self.requires = model.grid, seen
         self.provides, self.wanted = frozenset({f"observed:{number}"}), {f"observed:{number}": f"[[observers]] {key!r}"}
 

@@ -36,48 +36,50 @@ def load_plugins(
     """
     registry = Registry(kinds)
     manager = pluggy.PluginManager(hookspecs.NAMESPACE)
-    manager.add_hookspecs(hookspecs)
+    manager.add_hookspecs(hookspecs.specifications())
     points = entry_points(group=hookspecs.NAMESPACE) if discovered is None else discovered
-    for point in sorted(points, key=lambda point: point.name):
-        package = point.dist.name if point.dist else point.value
-        version = point.dist.version if point.dist else ""
+    for point in sorted(points, key=lambda point: (point.name, point.value)):
+        package, version = point.value, ""
         try:
-            _register(registry, manager, point.load(), point.name, package, version)
+            if point.dist:
+                package, version = point.dist.name, point.dist.version
+            _register(registry, manager, point.load(), package, version)
         except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
             registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), _reason(problem)))
     for module in extra:
-        _register(registry, manager, module, module.__name__, module.__name__, getattr(module, "__version__", ""))
+        _register(registry, manager, module, module.__name__, getattr(module, "__version__", ""))
     return registry
 
 
-def _register(
-    registry: Registry, manager: pluggy.PluginManager, module: Any, name: str, package: str, version: str
-) -> None:
+def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, package: str, version: str) -> None:
     """Validate one module against the hook specifications, then register all its classes or none."""
-    if manager.register(module, name=name) is None:
+    if manager.is_registered(module):  # named by two entry points
         return
+    manager.register(module)
     try:
         manager.check_pending()
-        found: list[tuple[str, type]] = []
-        for kind, hook_name in hookspecs.REGISTER_HOOKS.items():
-            hook = getattr(manager.hook, hook_name)
-            for implementation in hook.get_hookimpls():
-                if implementation.plugin is module:
-                    found += [(kind, component) for component in implementation.function()]
-        _require_some(found)
+        found = _classes(manager, module)
         trial = registry.copy()
-        for kind, component in found:
-            trial.add(kind, component, package=package, version=version)
-        for kind, component in found:
-            registry.add(kind, component, package=package, version=version)
+        for register_in in (trial, registry):
+            for component in found:
+                register_in.add(component, package=package, version=version)
     except Exception:
         manager.unregister(module)
         raise
 
 
-def _require_some(found: list[tuple[str, type]]) -> None:
+def _classes(manager: pluggy.PluginManager, module: Any) -> list[type]:
+    """What the hook of a module returns, and what its hooks of old names do."""
+    found = [
+        component
+        for name in (hookspecs.HOOK, *hookspecs.OLD_HOOKS)
+        for implementation in getattr(manager.hook, name).get_hookimpls()
+        if implementation.plugin is module
+        for component in implementation.function()
+    ]
     if not found:
-        raise PluginError(f"it registers nothing: implement one of {', '.join(hookspecs.REGISTER_HOOKS.values())}")
+        raise PluginError(f"it registers nothing: implement {hookspecs.HOOK} and return its classes")
+    return found
 
 
 def _reason(problem: BaseException) -> str:

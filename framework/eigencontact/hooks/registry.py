@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any, get_type_hints
 
 from eigencontact.errors import PluginError, nearest
 
-__all__ = ["BrokenPlugin", "Entry", "Registry"]
+__all__ = ["BUNDLED", "BrokenPlugin", "Entry", "Registry"]
+
+#: The package whose plugins keep their plain keys, whatever else is installed.
+BUNDLED = "eigencontact"
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +30,16 @@ class Entry:
     def origin(self) -> str:
         """Package and version, for messages and provenance."""
         return f"{self.package} {self.version}".strip()
+
+    @property
+    def full_key(self) -> str:
+        """Key with the package before it, which names one class whatever else is installed."""
+        return f"{self.package}:{self.key}"
+
+    @property
+    def bundled(self) -> bool:
+        """Whether it is one of ours, which keeps its plain key."""
+        return _normal(self.package) == BUNDLED
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +58,10 @@ class BrokenPlugin:
 class Registry:
     """Component classes by kind and key.
 
+    A key is unique within its kind and package. Where packages share one, all of them stay installed: the plain key
+    means the bundled plugin, so that no package can change or break a scene that ran without it; among other packages
+    it is refused. ``package:key`` names any of them.
+
     Parameters
     ----------
     kinds : mapping of str to type
@@ -51,66 +70,104 @@ class Registry:
 
     kinds: Mapping[str, type]
     broken: list[BrokenPlugin] = field(default_factory=list)
-    _entries: dict[tuple[str, str], Entry] = field(default_factory=dict)
+    _entries: dict[tuple[str, str, str], Entry] = field(default_factory=dict)
 
-    def add(self, kind: str, component: type, *, package: str, version: str) -> None:
+    def add(self, component: type, *, package: str, version: str) -> None:
         """Register one class, or raise `PluginError` saying what is wrong with it."""
-        base = self.kinds[kind]
         name = getattr(component, "__qualname__", repr(component))
-        if not (inspect.isclass(component) and issubclass(component, base)):
-            raise PluginError(f"{name} must be a subclass of {base.__name__} to be a {kind}")
+        kind = getattr(component, "kind", None)
+        base = self.kinds.get(kind) if isinstance(kind, str) else None
+        if base is None or not (inspect.isclass(component) and issubclass(component, base)):
+            bases = ", ".join(sorted(cls.__name__ for cls in self.kinds.values()))
+            raise PluginError(f"{name} must be a subclass of one of {bases}")
         if inspect.isabstract(component):
             missing = ", ".join(sorted(getattr(component, "__abstractmethods__", ())))
             raise PluginError(f"{name} must implement {missing}")
         if not is_dataclass(component) or not component.__dataclass_params__.frozen:  # type: ignore[attr-defined]
             raise PluginError(f"{name} must be a frozen dataclass: its fields are its scene table")
         key = getattr(component, "key", None)
-        if not (isinstance(key, str) and key):
-            raise PluginError(f"{name}.key must be a non-empty text (got {key!r})")
-        known = self._entries.get((kind, key))
+        if not (isinstance(key, str) and re.fullmatch(r"[^\s:]+", key)):
+            raise PluginError(f"{name}.key must be a non-empty text without blanks and ':' (got {key!r})")
+        try:
+            get_type_hints(component, include_extras=True)
+        except Exception as problem:
+            raise PluginError(
+                f"annotations of {name} must be known when it runs (got {type(problem).__name__}: {problem}); "
+                "import what they name outside TYPE_CHECKING"
+            ) from problem
+        place = str(kind), key, _normal(package)
+        known = self._entries.get(place)
         if known is not None and known.component is not component:
             raise PluginError(f"{kind} {key!r} is already registered by {known.origin}; choose another key")
-        self._entries[kind, key] = Entry(kind, key, component, package, version)
+        self._entries[place] = Entry(str(kind), key, component, package, version)
 
     def copy(self) -> Registry:
         """Return a registry with the same entries, to try an addition on."""
         return Registry(self.kinds, list(self.broken), dict(self._entries))
 
     def __iter__(self) -> Iterator[Entry]:
-        return iter(sorted(self._entries.values(), key=lambda entry: (entry.kind, entry.key)))
+        return iter(sorted(self._entries.values(), key=lambda entry: (entry.kind, entry.key, entry.package)))
 
     def of_kind(self, kind: str) -> list[Entry]:
         """Entries of one kind, sorted by key."""
         return [entry for entry in self if entry.kind == kind]
 
     def get(self, kind: str, key: str, *, where: str = "") -> Entry:
-        """Return the entry of `kind` with `key`.
+        """Return the entry of `kind` that a scene names by `key`: ``"key"`` or ``"package:key"``.
 
         Raises
         ------
         PluginError
-            Names what is installed, the nearest key, and any broken plugin that may have been meant.
+            Names what is installed, the nearest key, and any broken plugin that may have been meant; or the packages
+            that share a key.
         """
-        try:
-            return self._entries[kind, key]
-        except KeyError:
-            raise PluginError(self._unknown(kind, key, where)) from None
+        found = [entry for entry in self.named(key) if entry.kind == kind]
+        found = [entry for entry in found if entry.bundled] or found
+        prefix = f"{where}: " if where else ""
+        if len(found) > 1:
+            owners = " and ".join(entry.origin for entry in found)
+            choices = " or ".join(repr(entry.full_key) for entry in found)
+            raise PluginError(f"{prefix}{kind} {key!r} must be of one package (got {owners}); say {choices}")
+        if not found:
+            raise PluginError(f"{prefix}{self.unknown(key, kind)}")
+        return found[0]
 
     def named(self, key: str) -> list[Entry]:
-        """Entries of any kind with this key."""
-        return [entry for entry in self if entry.key == key]
+        """Entries of any kind and package with this key; of one package for ``package:key``."""
+        package, _, plain = key.rpartition(":")
+        owners = {_normal(package)} if package else {_normal(entry.package) for entry in self}
+        return [entry for entry in self if entry.key == plain and _normal(entry.package) in owners]
 
-    def _unknown(self, kind: str, key: str, where: str) -> str:
-        entries = self.of_kind(kind)
-        prefix = f"{where}: " if where else ""
-        installed = ", ".join(repr(entry.key) for entry in entries) or "none"
-        message = (
-            f"{prefix}unknown {kind} {key!r}; installed: {installed}{nearest(key, (entry.key for entry in entries))}"
-        )
+    def entry_of(self, component: Any) -> Entry:
+        """Entry of the class of a component; of its key, where something else stands for an installed class.
+
+        Raises
+        ------
+        PluginError
+            Neither is installed.
+        """
+        found = [entry for entry in self if entry.component is type(component)]
+        return found[0] if found else self.get(component.kind, component.key)
+
+    def spelling(self, entry: Entry) -> str:
+        """What a scene writes as ``type``: the plain key where it means this entry, else ``package:key``."""
+        rivals = [other for other in self.named(entry.key) if other.kind == entry.kind]
+        return entry.key if len(rivals) == 1 or entry.bundled else entry.full_key
+
+    def unknown(self, key: str, kind: str | None = None) -> str:
+        """Words of a refusal: what is installed, the nearest key, and broken plugins that may have been meant."""
+        entries = list(self) if kind is None else self.of_kind(kind)
+        names = sorted({self.spelling(entry) for entry in entries})
+        message = f"unknown {kind or 'plugin'} {key!r}; installed: {', '.join(map(repr, names)) or 'none'}"
         suspects = [b for b in self.broken if nearest(key, [b.name])] or self.broken
-        return message + "".join(f"; {suspect}" for suspect in suspects)
+        return message + nearest(key, names) + "".join(f"; {suspect}" for suspect in suspects)
 
     @staticmethod
     def parameters(component: type) -> Iterable[str]:
         """Names of the fields of a component class, in order of definition."""
         return [item.name for item in fields(component)]
+
+
+def _normal(package: str) -> str:
+    """Name of a package as its index knows it: case and the kind of hyphen are no difference."""
+    return re.sub(r"[-_.]+", "-", package).lower()

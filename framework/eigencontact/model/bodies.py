@@ -59,7 +59,7 @@ def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMed
     except SceneError as problem:
         text = str(problem)
         raise SceneError(text if where in text else f"{where}: {text}") from None
-    entry = registry.get("layered-medium", medium.key)
+    entry = registry.entry_of(medium)
     try:
         ends, depths = (medium.surface_material, medium.deep_material), tuple(medium.interfaces)
         inside = [medium.material_at(depth) for depth in (0.0, *depths)]

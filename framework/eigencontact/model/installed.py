@@ -48,7 +48,9 @@ def installed_cell(registry: Registry) -> CellMaker:
     return cell
 
 
-def _only(registry: Registry, found: Sequence[Entry], rule: str) -> Any:
+def _only(registry: Registry, offered: Sequence[Entry], rule: str) -> Any:
+    """Component of the one entry; a stranger's beside a bundled one does not take its place."""
+    found = [entry for entry in offered if entry.bundled] or offered
     if len(found) != 1:
         names = ", ".join(f"{entry.key!r} ({entry.origin})" for entry in found) or "none"
         broken = "".join(f"; {item}" for item in registry.broken)

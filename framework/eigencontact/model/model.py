@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Source, build_sources
 from eigencontact.plugin import Component, FrictionLaw, Geometry, Observer, SurfaceInfluence
 from eigencontact.scene.components import build_component
+from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene, StressRequest
 
 __all__ = ["Model", "build_model"]
@@ -37,7 +39,9 @@ class Model:
     Attributes
     ----------
     scene : Scene
-        As it was given.
+        As it was given, files with their full paths.
+    files : tuple of Path
+        Data files that the scene names.
     registry : Registry
         Where its components came from.
     grid, grid_reason : Grid, str
@@ -61,6 +65,7 @@ class Model:
     """
 
     scene: Scene
+    files: tuple[Path, ...]
     registry: Registry
     grid: Grid
     grid_reason: str
@@ -129,6 +134,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
     SceneError, PluginError, PlanError
         A component that is refused, a plugin that is missing, a window that cannot be chosen.
     """
+    scene, files = anchored(scene, registry)
     bodies = bodies_of(scene, registry)
     geometries: tuple[Geometry, ...] = tuple(_components(scene.geometry, "geometry", "geometry", registry))
     observed = _components(scene.observers, "observer", "observers", registry)
@@ -150,6 +156,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         inhomogeneities = with_cells(inhomogeneities, scene, grid)
     return Model(
         scene=scene,
+        files=files,
         registry=registry,
         grid=grid,
         grid_reason=reason,

@@ -7,6 +7,7 @@ excepted) and never changes the arrays it is given.
 
 from __future__ import annotations
 
+from eigencontact.core.arrays import real_array, real_points
 from eigencontact.core.elasticity import (
     checked_stiffness,
     factors_of_compliance,
@@ -20,7 +21,7 @@ from eigencontact.core.elasticity import (
 from eigencontact.core.grid import Grid
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
+from eigencontact.core.quantities import Angle, DataFile, Force, Length, Moment, Stress, Unit
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
@@ -51,6 +52,7 @@ __all__ = [
     "Component",
     "ConstitutiveLaw",
     "CornerInfluence",
+    "DataFile",
     "EigenstrainField",
     "Force",
     "FrictionLaw",
@@ -95,20 +97,17 @@ __all__ = [
     "isotropic_stiffness",
     "mandel_rotation",
     "readable",
+    "real_array",
+    "real_points",
     "require",
     "to_mandel",
     "unit_vector",
     "variables",
 ]
 
-#: Kinds of plugin known so far and their abstract classes.
-KINDS: dict[str, type] = {
-    SurfaceInfluence.kind: SurfaceInfluence,
-    Geometry.kind: Geometry,
-    Observer.kind: Observer,
-    InclusionShape.kind: InclusionShape,
-    EigenstrainField.kind: EigenstrainField,
-    FrictionLaw.kind: FrictionLaw,
-    LayeredMedium.kind: LayeredMedium,
-    ConstitutiveLaw.kind: ConstitutiveLaw,
+#: Kinds of plugin and their abstract classes: those above that set ``kind``. A new kind is a class exported here.
+KINDS: dict[str, type[Component]] = {
+    item.kind: item
+    for item in (globals().get(name) for name in __all__)
+    if isinstance(item, type) and issubclass(item, Component) and "kind" in vars(item)
 }

@@ -13,7 +13,7 @@ class Component:
     Attributes
     ----------
     key : str
-        Name in scene files, unique within its kind.
+        Name in scene files, unique within its kind and package: no blanks, no ':'.
     kind : str
         Kind of plugin; set by the abstract class.
     references : tuple of str

@@ -12,7 +12,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["Sink", "open_hdf5", "partial_name", "reason", "replacing"]
+__all__ = ["DAMAGE", "Sink", "open_hdf5", "partial_name", "reason", "replacing"]
+
+
+#: What the HDF5 libraries raise on files that are damaged or not what they should be.
+DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
 
 
 class Sink:

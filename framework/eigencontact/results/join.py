@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import open_hdf5, reason, replacing
+from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
 __all__ = ["join_steps"]
@@ -53,32 +54,40 @@ def join_steps(target: Path, steps: Sequence[Path]) -> None:
     Raises
     ------
     ResultsError
-        When a step is damaged, when the sub-surface points differ between steps, or when the disk is full.
+        When a step is damaged (named), when the sub-surface points differ between steps, or when the disk is full.
     """
     import h5netcdf
 
+    columns, attrs = _columns(steps)
+    with replacing(target, "results") as sink:
+        with h5netcdf.File(sink, "w") as out:
+            sizes = {dim: n for c in columns.values() for dim, n in zip(c.dims, c.shape, strict=True)}
+            out.dimensions = sizes | {"step": len(steps)}
+            for name, column in columns.items():
+                _create(out, name, column, len(steps))
+            out.attrs.update(attrs)
+        sink.check()
+        with open_hdf5(sink, "r+") as out:  # plain HDF5 fills ten times faster
+            for at, path in enumerate(steps):
+                _fill(out, at, path, columns)
+
+
+@contextmanager
+def _step(path: Path) -> Iterator[Any]:
+    """Open a stored step for reading; damage is reported by the name of its file."""
     try:
-        columns, attrs = _columns(steps)
-        with replacing(target, "results") as sink:
-            with h5netcdf.File(sink, "w") as out:
-                sizes = {dim: n for c in columns.values() for dim, n in zip(c.dims, c.shape, strict=True)}
-                out.dimensions = sizes | {"step": len(steps)}
-                for name, column in columns.items():
-                    _create(out, name, column, len(steps))
-                out.attrs.update(attrs)
-            sink.check()
-            with open_hdf5(sink, "r+") as out:  # plain HDF5 fills ten times faster
-                for at, path in enumerate(steps):
-                    _fill(out, at, path, columns)
-    except (OSError, RuntimeError, KeyError) as error:
+        with open_hdf5(path, "r") as file:
+            yield file
+    except DAMAGE as error:
         raise ResultsError(
-            f"stored steps in {steps[0].parent} must be complete (got: {reason(error)}); --resume computes the rest"
+            f"{path} must be a complete step (got: {reason(error)}); --resume computes it and those after it again "
+            "and keeps the steps before it"
         ) from error
 
 
 def _fill(out: Any, at: int, path: Path, columns: dict[str, _Column]) -> None:
     """Copy one step into its place, and what does not change from the first."""
-    with open_hdf5(path, "r") as file:
+    with _step(path) as file:
         for name, values in file.items():
             if columns[name].stepped:
                 out[name][at] = values[0]
@@ -92,7 +101,7 @@ def _columns(steps: Sequence[Path]) -> tuple[dict[str, _Column], dict[str, Any]]
     regions: set[str] = set()
     attrs: dict[str, Any] = {}
     for path in steps:
-        with open_hdf5(path, "r") as file:
+        with _step(path) as file:
             attrs = dict(file.attrs)
             regions.add(attrs["regions"])
             for name, v in file.items():

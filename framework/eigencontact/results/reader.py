@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import reason
+from eigencontact.errors import ResultsError, shown
+from eigencontact.results.atomic import DAMAGE, reason
 from eigencontact.results.layout import FORMAT
 from eigencontact.results.store import RESULTS, STEPS
 
@@ -33,13 +34,17 @@ def open_results(path: str | Path) -> xr.Dataset:
     Raises
     ------
     ResultsError
-        When there is nothing, only the steps of an interrupted run, or a file that is damaged or not ours.
+        When there is nothing, only the steps of an interrupted run, or a file that is damaged, edited or not ours.
     """
     import xarray as xr
 
-    given = Path(path)
-    file = given / RESULTS if given.is_dir() else given
-    if not file.exists():
+    try:
+        given = Path(path)
+        file = given / RESULTS if given.is_dir() else given
+        there = file.exists()
+    except (OSError, TypeError, ValueError) as error:
+        raise ResultsError(f"results must be a file or folder (got {shown(path)}); {reason(error)}") from None
+    if not there:
         steps = (given if given.is_dir() else given.parent) / STEPS
         if steps.is_dir():
             count = len(list(steps.glob("[0-9]*.h5")))
@@ -50,12 +55,34 @@ def open_results(path: str | Path) -> xr.Dataset:
         raise ResultsError(f"{file} must exist (got nothing there); give the folder of a run or its {RESULTS}")
     try:
         dataset = xr.open_dataset(file, engine="h5netcdf")
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
+    except DAMAGE as error:
         raise ResultsError(
-            f"{file} must be a complete results file (got: {reason(error)}); run the scene again"
+            f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
         ) from error
     if dataset.attrs.get("format") != FORMAT:
         found = dataset.attrs.get("format")
         dataset.close()
         raise ResultsError(f"{file} must be a file of format {FORMAT!r} (got {found!r}); it is not one of ours")
+    missing = _missing(dataset)
+    if missing:
+        dataset.close()
+        raise ResultsError(
+            f"{file} must hold what it says of its regions (got {missing}); it was changed: run the scene again with "
+            "--overwrite"
+        )
     return dataset
+
+
+def _missing(dataset: xr.Dataset) -> str:
+    """What the attribute ``regions`` lacks or names in vain, in words."""
+    try:
+        regions = json.loads(dataset.attrs["regions"])
+        wanted = [
+            f"{name}_{part}"
+            for name, region in regions.items()
+            for part in (*"xyz", *region["fields"])
+            if region["shape"] and region["body"] in (1, 2) and region["dims"]
+        ]
+    except DAMAGE as error:
+        return f"no list of them: {reason(error)}"
+    return next((f"no {name!r}" for name in wanted if name not in dataset.variables), "")

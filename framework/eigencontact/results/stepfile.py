@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import open_hdf5, reason, replacing
+from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
 from eigencontact.results.layout import FORMAT, attributes, variables
 from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
@@ -47,17 +47,28 @@ def read_attributes(path: Path) -> dict[str, Any]:
     try:
         with open_hdf5(path, "r") as file:
             found = dict(file.attrs)
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
+    except DAMAGE as error:
         raise ResultsError(_refusal(path, "complete", reason(error))) from error
     if found.get("format") != FORMAT:
         raise ResultsError(_refusal(path, f"of format {FORMAT!r}", str(found.get("format"))))
+    if not isinstance(found.get("scene_hash"), str):
+        raise ResultsError(_refusal(path, "complete", "no hash of its scene"))
     return found
 
 
 def stored_steps(path: Path) -> list[int]:
-    """Indices of the steps in a results file."""
-    with open_hdf5(path, "r") as file:
-        return [int(index) for index in file["step"][...]]
+    """Indices of the steps in a results file.
+
+    Raises
+    ------
+    ResultsError
+        When the file is damaged.
+    """
+    try:
+        with open_hdf5(path, "r") as file:
+            return [int(index) for index in file["step"][...]]
+    except DAMAGE as error:
+        raise ResultsError(_refusal(path, "complete", reason(error))) from error
 
 
 def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
@@ -77,7 +88,7 @@ def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
             if index not in steps:
                 raise ResultsError(_refusal(path, f"holding step {index}", f"steps {steps}"))
             return _record(file, index, steps.index(index), json.loads(found["regions"]))
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
+    except DAMAGE as error:
         raise ResultsError(_refusal(path, "complete", reason(error))) from error
 
 

@@ -11,15 +11,18 @@ from typing import TYPE_CHECKING
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
 from eigencontact.results.join import join_steps
+from eigencontact.results.ownership import SUMMARY, is_ours, listed_files
 from eigencontact.results.stepfile import read_attributes, read_step, stored_steps, write_step
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from eigencontact.results.records import RunInfo, StepRecord
 
 __all__ = ["RESULTS", "STEPS", "SUMMARY", "ResultStore"]
 
-#: The results of a finished run, the steps of an unfinished one, and the summary.
-RESULTS, STEPS, SUMMARY = "results.nc", "steps", "summary.json"
+#: The results of a finished run, and the steps of an unfinished one; `SUMMARY` stands beside them.
+RESULTS, STEPS = "results.nc", "steps"
 _MARK = "run.json"
 _STEP_FILE = re.compile(r"(\d{4,})\.h5")
 _OWN_IN_STEPS = re.compile(r"(\d{4,}\.h5|run\.json|\.(\d{4,}\.h5|run\.json)\.partial)")
@@ -62,7 +65,8 @@ class ResultStore:
         resume : bool
             Continue the run stored there; the scene must be the same. With nothing stored, start.
         overwrite : bool
-            Remove what an earlier run stored there: only files that this package wrote.
+            Remove what an earlier run stored there, damaged or not: only files that this package wrote
+            (`eigencontact.results.ownership`).
 
         Raises
         ------
@@ -74,7 +78,10 @@ class ResultStore:
         if resume and overwrite:
             raise ResultsError("results must be continued or replaced, not both; give --resume or --overwrite")
         try:
-            kept = _stored_hash(folder / STEPS / _MARK), _results_hash(folder / RESULTS)
+            kept = tuple(
+                _kept_hash(path, read, overwrite=overwrite)
+                for path, read in ((folder / STEPS / _MARK, _stored_hash), (folder / RESULTS, _results_hash))
+            )
             _refuse_foreign_steps(folder / STEPS)
             if not overwrite:
                 _refuse_conflict(folder, info, kept, resume=resume)
@@ -85,7 +92,7 @@ class ResultStore:
                 _remove_own(folder)
             if not (resume and store.finished):
                 store._begin()
-        except OSError as error:
+        except (OSError, ValueError) as error:  # ValueError: a zero in the path
             raise ResultsError(
                 f"output folder {folder} must be a folder that can be written (got: {reason(error)}); "
                 "choose another with -o"
@@ -96,7 +103,8 @@ class ResultStore:
     def finished(self) -> bool:
         """Whether the folder holds the results of this run and no steps of an unfinished one."""
         path = self.folder / RESULTS
-        return not (self.folder / STEPS / _MARK).exists() and _results_hash(path) == self.info.scene_hash
+        unfinished = (self.folder / STEPS / _MARK).exists() or not path.exists()
+        return not unfinished and _results_hash(path) == self.info.scene_hash
 
     def _begin(self) -> None:
         steps = self.folder / STEPS
@@ -191,21 +199,31 @@ def _step_files(steps: Path) -> dict[int, Path]:
     return {int(match[1]): path for path in paths if (match := _STEP_FILE.fullmatch(path.name))}
 
 
-def _stored_hash(mark: Path) -> str | None:
-    """Scene hash of an unfinished run; None where there is none."""
-    try:
-        return str(json.loads(mark.read_text())["scene_hash"])
-    except FileNotFoundError:
+def _kept_hash(path: Path, read: Callable[[Path], str], *, overwrite: bool) -> str | None:
+    """Scene hash of what is stored; None where there is nothing, or damage that will be overwritten."""
+    if not path.exists():
         return None
-    except (ValueError, KeyError, TypeError) as error:
-        raise ResultsError(
-            f"{mark} must be the mark of a run of ours (got: {reason(error)}); move it away or choose another -o"
-        ) from error
+    try:
+        return read(path)
+    except ResultsError as problem:
+        ours = is_ours(path)
+        if ours and overwrite:
+            return None
+        choice = "--overwrite replaces it" if ours else "move it away"
+        raise ResultsError(f"{problem}; {choice}, or choose another folder with -o") from None
 
 
-def _results_hash(path: Path) -> str | None:
-    """Scene hash of finished results; None where there are none."""
-    return str(read_attributes(path)["scene_hash"]) if path.exists() else None
+def _stored_hash(mark: Path) -> str:
+    """Scene hash of an unfinished run."""
+    try:
+        return str(json.loads(mark.read_text(encoding="utf-8"))["scene_hash"])
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ResultsError(f"{mark} must be the mark of a run of ours (got: {reason(error)})") from error
+
+
+def _results_hash(path: Path) -> str:
+    """Scene hash of finished results."""
+    return str(read_attributes(path)["scene_hash"])
 
 
 def _refuse_foreign_steps(steps: Path) -> None:
@@ -217,7 +235,7 @@ def _refuse_foreign_steps(steps: Path) -> None:
             )
 
 
-def _refuse_conflict(folder: Path, info: RunInfo, kept: tuple[str | None, str | None], *, resume: bool) -> None:
+def _refuse_conflict(folder: Path, info: RunInfo, kept: tuple[str | None, ...], *, resume: bool) -> None:
     choices = "--overwrite replaces them, another -o keeps them"
     if any(found not in (None, info.scene_hash) for found in kept):
         also = "; --resume continues the same scene only" if resume else ""
@@ -242,13 +260,7 @@ def _probe(folder: Path) -> None:
 def _remove_own(folder: Path) -> None:
     """Remove what an earlier run stored: steps, results, summary, and the files that the summary names as written."""
     _remove_steps(folder)
-    summary = folder / SUMMARY
-    try:
-        written = json.loads(summary.read_text())
-        names = [str(name) for name in written["files"]] if "scene_hash" in written else []
-        names += [SUMMARY] if "scene_hash" in written else []
-    except (FileNotFoundError, ValueError, KeyError, TypeError):
-        names = []
+    names = [*listed_files(folder), *([SUMMARY] if is_ours(folder / SUMMARY) else [])]
     inside = folder.resolve()
     for name in (*names, RESULTS, *(partial_name(folder / name).name for name in (RESULTS, SUMMARY))):
         path = folder / name

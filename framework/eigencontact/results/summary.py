@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.results.atomic import open_hdf5, replacing
 from eigencontact.results.layout import SCALARS
-from eigencontact.results.store import RESULTS, STEPS, SUMMARY
+from eigencontact.results.ownership import SUMMARY
+from eigencontact.results.store import RESULTS, STEPS
 
 if TYPE_CHECKING:
     from eigencontact.results.records import RunInfo, StepRecord

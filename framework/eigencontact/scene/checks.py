@@ -2,11 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import unicodedata
+from collections.abc import Callable, Iterator
 from math import isfinite
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
-__all__ = ["at_least", "finite", "in_range", "non_negative", "one_or_many", "positive"]
+import numpy as np
+
+from eigencontact.core.names import FOLDER_RULE, is_folder_name
+from eigencontact.core.quantities import Unit
+from eigencontact.core.units import LARGEST, NUMBER, SMALLEST
+from eigencontact.errors import SceneError
+
+__all__ = [
+    "at_least",
+    "finite",
+    "folder_name",
+    "in_range",
+    "non_negative",
+    "one_or_many",
+    "only_numbers",
+    "positive",
+    "printable",
+    "refuse_deep",
+]
 
 Check = Callable[[float], float]
 
@@ -21,29 +40,132 @@ def _check(rule: str, holds: Callable[[float], bool]) -> Check:
 
 
 def positive(unit: str) -> Check:
-    """Positive and finite."""
-    return _check(f"positive and finite [{unit}]", lambda value: value > 0 and isfinite(value))
+    """Positive and finite, of a size that can be reckoned with."""
+    return _sized(unit, _check(f"positive and finite [{unit}]", lambda value: value > 0 and isfinite(value)))
 
 
 def non_negative(unit: str) -> Check:
-    """Zero or positive, and finite."""
-    return _check(f"zero or positive, and finite [{unit}]", lambda value: value >= 0 and isfinite(value))
+    """Zero or positive, and finite, of a size that can be reckoned with."""
+    return _sized(unit, _check(f"zero or positive, and finite [{unit}]", lambda value: value >= 0 and isfinite(value)))
 
 
 def finite(unit: str) -> Check:
-    """Not NaN, not infinite."""
-    return _check(f"finite [{unit}]", isfinite)
+    """Not NaN, not infinite, not larger than can be reckoned with; rounding may have left any small number."""
+    return _sized(unit, _check(f"finite [{unit}]", isfinite), smallest=0.0)
+
+
+def _sized(unit: str, check: Check, smallest: float = SMALLEST) -> Check:
+    def validate(value: float) -> float:
+        if check(value) and not smallest <= abs(value) <= LARGEST:
+            raise ValueError(f"of a size between {smallest:g} and {LARGEST:g} [{unit}]")
+        return value
+
+    return validate
 
 
 def at_least(low: float) -> Callable[[Any], Any]:
     """`low` or more."""
-    return _check(f"{low:g} or more", lambda value: low <= value and isfinite(value))
+    return _check(f"{low:g} or more", lambda value: low <= value <= LARGEST)
 
 
 def in_range(low: float, high: float, unit: str, *, open_low: bool = False) -> Check:
     """Within an interval."""
     bracket = "(" if open_low else "["
     return _check(f"in {bracket}{low:g}, {high:g}] {unit}", lambda v: (low < v if open_low else low <= v) and v <= high)
+
+
+def folder_name(value: str) -> str:
+    """Name that is safe for a folder, or none."""
+    if value and not is_folder_name(value):
+        raise ValueError(FOLDER_RULE)
+    return value
+
+
+def printable(value: str) -> str:
+    """Text without control characters: results, pictures and terminals cannot hold them."""
+    if any(unicodedata.category(letter) in ("Cc", "Cs") and letter not in "\t\n\r" for letter in value):
+        raise ValueError("text without control characters")
+    return value
+
+
+def only_numbers(hint: Any, value: Any) -> None:
+    """Refuse what pydantic would turn into a number although it is none: booleans, complex numbers, texts.
+
+    Text is a number only where it is written as one, or where the field has a unit, which then reads it.
+
+    Parameters
+    ----------
+    hint : type or annotation
+        Of the field.
+    value : object
+        One value, or arrays of them.
+
+    Raises
+    ------
+    ValueError
+        The rule.
+    """
+    parts = list(_parts(hint))
+    if not any(part in (int, float) or (isinstance(part, int) and not isinstance(part, bool)) for part in parts):
+        return
+    choices = [part for part in parts if isinstance(part, str)]
+    text_read = str in parts or any(isinstance(part, Unit) for part in parts)
+    for item in _items(value):
+        kind = getattr(getattr(item, "dtype", None), "kind", "")
+        if isinstance(item, str):
+            good = text_read or item in choices or bool(NUMBER.fullmatch(item.strip()))
+        elif isinstance(item, bool) or kind == "b":
+            good = bool in parts
+        else:
+            good = not (isinstance(item, complex) or kind == "c" or np.ma.is_masked(item))
+        if not good:
+            raise ValueError("a number")
+
+
+def _parts(hint: Any) -> Iterator[Any]:
+    """Types, units and choices that an annotation is made of."""
+    yield hint
+    if get_origin(hint) is Literal:
+        yield from get_args(hint)
+        return
+    yield from getattr(hint, "__metadata__", ())
+    for part in get_args(hint):
+        yield from _parts(part)
+
+
+def _items(value: Any) -> Iterator[Any]:
+    """Single values of arrays in arrays; an array of numpy stands for itself, by its type."""
+    if isinstance(value, list | tuple):
+        for item in value:
+            yield from _items(item)
+    else:
+        yield value
+
+
+#: Tables and arrays of a scene nest no deeper than this; a matrix in a table in an array of tables is at six.
+_DEEPEST = 32
+
+
+def refuse_deep(data: Any) -> None:
+    """Refuse tables nested so deep that nothing could read them, before anything tries to.
+
+    Raises
+    ------
+    SceneError
+        Naming the limit.
+    """
+    level = [data]
+    for _ in range(_DEEPEST):
+        level = [
+            inner
+            for item in level
+            if isinstance(item, dict | list | tuple)
+            for inner in (item.values() if isinstance(item, dict) else item)
+            if isinstance(inner, dict | list | tuple)
+        ]
+        if not level:
+            return
+    raise SceneError(f"scene must be of tables and arrays nested at most {_DEEPEST} deep (got more)")
 
 
 def one_or_many(value: Any) -> Any:

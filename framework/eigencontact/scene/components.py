@@ -8,8 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
-from eigencontact.errors import PluginError, SceneError
+from eigencontact.errors import PluginError, SceneError, shown
 from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.scene.checks import only_numbers
 from eigencontact.scene.messages import explain_error, refuse_unknown
 
 __all__ = ["build_component", "converted", "instantiate"]
@@ -50,14 +51,22 @@ def converted(entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[s
     known = {item.name: item for item in fields(cls)}
     refuse_unknown(parameters, known, f"{where} ({entry.key})")
     given = {name.replace("-", "_"): value for name, value in parameters.items()}
+    if len(given) < len(parameters):
+        raise SceneError(f"{where} must give each key once (got {', '.join(parameters)}); '-' and '_' are one")
     for name, item in known.items():
         if name not in given and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
-    adapters, hints = _adapters(cls), _hints(cls)
+    try:
+        adapters, hints = _adapters(cls), _hints(cls)
+    except Exception as problem:
+        raise PluginError(
+            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} must have fields that a table can hold "
+            f"(got {type(problem).__name__}: {' '.join(str(problem).split())})"
+        ) from problem
     out = {}
     for name, value in given.items():
         place = f"{where}.{name.replace('_', '-')}"
-        out[name] = _convert(adapters[name], _named(hints[name], value, place), place)
+        out[name] = _convert(adapters[name], _named(hints[name], _plain(value), place), place)
     return out
 
 
@@ -92,23 +101,35 @@ def _named(hint: Any, value: Any, where: str) -> Any:
     """
     cls = _table_class(hint)
     if cls is None:
+        try:
+            only_numbers(hint, value)
+        except ValueError as problem:
+            raise SceneError(f"{where} must be {problem} (got {shown(value)})") from None
         return value
     if isinstance(value, list | tuple):
         return [_named(cls, item, f"{where}.{number}") for number, item in enumerate(value)]
     if not isinstance(value, Mapping):
         return value
     refuse_unknown(value, [item.name for item in fields(cls)], where)
-    table = {name.replace("-", "_"): part for name, part in value.items()}
+    hints = _hints(cls)
+    table = {
+        field: _named(hints[field], part, f"{where}.{name.replace('_', '-')}")
+        for name, part in value.items()
+        for field in [name.replace("-", "_")]
+    }
     return [table] if get_origin(hint) in (list, tuple) else table
+
+
+def _plain(value: Any) -> Any:
+    """Value as a table of a file would have it: numpy's arrays and numbers, and paths, come from Python."""
+    if isinstance(value, Path):
+        return str(value)
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _convert(adapter: Any, value: Any, where: str) -> Any:
     from pydantic import ValidationError
 
-    if isinstance(value, Path):
-        value = str(value)
-    if hasattr(value, "tolist"):  # numpy arrays and numbers, given from Python
-        value = value.tolist()
     try:
         return adapter.validate_python(value)
     except ValidationError as problem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eigencontact.core.names import clashes
 from eigencontact.scene.holding import TANGENTIAL_PAIRS, TRAVEL
 
 if TYPE_CHECKING:
@@ -24,12 +25,27 @@ def check_contents(scene: Scene) -> None:
     _check_steps(scene)
     _check_eigenstrain(scene)
     _check_materials(scene)
-    labels = [request.label for request in scene.stress]
-    for label in labels:
-        if labels.count(label) > 1:
-            raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
+    _check_names(scene)
     for request in scene.stress:
         _check_region(scene, request)
+
+
+def _check_names(scene: Scene) -> None:
+    """Files and variables of a region have its name; case is no difference to some systems of files."""
+    labels = [request.label for request in scene.stress]
+    for number, label in enumerate(labels):
+        if clashes(label):
+            raise ValueError(
+                f"!stress region must have a name that nothing else in results has (got {label!r}, and fields, numbers "
+                "or files of the surface are called so); choose another name"
+            )
+        for other in labels[:number]:
+            if other == label:
+                raise ValueError(f"!stress regions must have different names (got {label!r} twice); set name")
+            if other.casefold() == label.casefold():
+                raise ValueError(
+                    f"!stress regions must differ by more than case (got {other!r} and {label!r}); rename one"
+                )
 
 
 def _check_steps(scene: Scene) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, field_validator, model_validator
 
 from eigencontact.scene.checks import at_least
-from eigencontact.scene.table import FiniteLength, PositiveLength, Table
+from eigencontact.scene.table import FiniteLength, OfKind, PositiveLength, Table
 
 __all__ = ["EigenstrainPatch", "Inclusion", "eigenstrain_table"]
 
@@ -19,6 +19,7 @@ class _Component(Table):
     """Table whose further keys are the fields of the plugin that ``type`` names."""
 
     model_config = ConfigDict(extra="allow")
+    kind: ClassVar[str]
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$")] | None = None
     type: str
@@ -55,8 +56,10 @@ class Inclusion(_Component):
         The half-space it lies in.
     """
 
-    eigenstrain: Any = None
-    material: dict[str, Any] | None = None
+    kind: ClassVar[str] = "inclusion-shape"
+
+    eigenstrain: Annotated[Any, OfKind("eigenstrain-field")] = None
+    material: Annotated[dict[str, Any] | None, OfKind("constitutive-law")] = None
     centers: Annotated[list[tuple[FiniteLength, FiniteLength, FiniteLength]], Field(min_length=1)] | None = None
 
     @property
@@ -115,6 +118,8 @@ class EigenstrainPatch(_Component):
     name, body
         As of an `Inclusion`.
     """
+
+    kind: ClassVar[str] = "eigenstrain-field"
 
     depth: PositiveLength
     layers: _Layers | None = None

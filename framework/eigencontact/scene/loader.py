@@ -5,10 +5,13 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from eigencontact.errors import SceneError, nearest
+from eigencontact.core.names import to_folder_name
+from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.scene.checks import refuse_deep
 from eigencontact.scene.schema import Scene
 
 __all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file"]
@@ -30,7 +33,7 @@ def bundled_text(name: str) -> str:
 
 
 def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
-    """Scene from a TOML file or the name of a bundled scene.
+    """Scene from a TOML file, whose folder its relative paths count from, or the name of a bundled scene.
 
     Parameters
     ----------
@@ -44,9 +47,11 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
     SceneError
         Missing or unreadable file, TOML that does not parse, or a scene that is refused.
     """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(f"scene must be a TOML file, the name of a bundled scene, or its tables (got {shown(source)})")
     path = Path(source)
     if path.suffix == ".toml" or path.is_file():
-        text, name, folder = _read(path), path.stem, path.resolve().parent
+        text, name, folder = _read(path), to_folder_name(path.stem), path.resolve().parent
     elif str(source) in bundled_names():
         text, name, folder = bundled_text(str(source)), str(source), None
     else:
@@ -59,10 +64,9 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:
         raise SceneError(f"{path} must be valid TOML: {problem}") from None
-    data = apply_changes(data, changes)
-    if folder is not None:
-        _anchor_files(data, folder)
-    return Scene(**{"name": name, **data})
+    except RecursionError:
+        raise SceneError(f"{path} must be a scene (got tables or arrays nested hundreds deep)") from None
+    return Scene(**{"name": name, **apply_changes(data, changes)}).within(folder)
 
 
 def _read(path: Path) -> str:
@@ -73,27 +77,8 @@ def _read(path: Path) -> str:
             f"scene file must exist (got {str(path)!r}); bundled scenes: {', '.join(bundled_names())}"
             f"{nearest(path.stem, bundled_names())}"
         ) from None
-    except (OSError, UnicodeDecodeError) as problem:
+    except (OSError, ValueError) as problem:  # ValueError: bytes that are no text, a path with a zero in it
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
-
-
-def _anchor_files(data: Mapping[str, Any], folder: Path) -> None:
-    """Make relative ``file`` entries of components relative to the scene's folder."""
-    for group in ("geometry", "friction", "observers", "inclusions", "eigenstrain"):
-        tables = data.get(group, [])
-        for table in [tables] if isinstance(tables, dict) else tables:
-            if isinstance(table, dict):
-                for part in (table, table.get("eigenstrain"), table.get("material")):
-                    _anchor(part, folder)
-    for body in (data.get("body1"), data.get("body2")):
-        if isinstance(body, dict):
-            _anchor(body.get("medium"), folder)
-
-
-def _anchor(table: Any, folder: Path) -> None:
-    name = table.get("file") if isinstance(table, dict) else None
-    if isinstance(name, str) and not name.startswith("gallery:"):
-        table["file"] = str(folder / name)
 
 
 def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, Any]:
@@ -108,9 +93,10 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
     """
     from copy import deepcopy
 
+    refuse_deep(data)
     out = deepcopy(dict(data))
     for change in changes:
-        key, equals, text = change.partition("=")
+        key, equals, text = change.partition("=") if isinstance(change, str) else ("", "", "")
         if not equals or not key.strip():
             raise SceneError(
                 f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
@@ -123,7 +109,7 @@ def _value(text: str) -> Any:
     """Value of a change: TOML where it parses, plain text otherwise."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         return text
 
 
@@ -131,19 +117,19 @@ def _put(table: Any, path: list[str], value: Any, change: str) -> None:
     for position, part in enumerate(path):
         last = position == len(path) - 1
         if isinstance(table, list):
-            if not part.isdigit() and len(table) == 1:
+            number = part.isascii() and part.isdigit()
+            if not number and len(table) == 1:
                 table = table[0]
-            elif part.isdigit() and int(part) < len(table):
+            elif number and int(part[:9]) < len(table):
                 if last:
                     table[int(part)] = value
                 else:
                     table = table[int(part)]
                 continue
             else:
-                raise SceneError(
-                    f"--set {change!r}: {'.'.join(path[:position])} is an array of {len(table)}; "
-                    f"give a number from 0 to {len(table) - 1} (got {part!r})"
-                )
+                choice = f"give a number from 0 to {len(table) - 1}" if table else "give all of it"
+                place = ".".join(path[:position])
+                raise SceneError(f"--set {change!r}: {place} is an array of {len(table)}; {choice} (got {part!r})")
         if not isinstance(table, dict):
             raise SceneError(f"--set {change!r}: {'.'.join(path[:position])} is no table (got {table!r})")
         name = next((known for known in table if known.replace("_", "-") == part.replace("_", "-")), part)

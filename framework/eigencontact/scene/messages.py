@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from eigencontact.errors import SceneError, nearest
+from eigencontact.errors import SceneError, nearest, shown
 
 __all__ = ["explain_error", "refuse_unknown"]
 
@@ -14,11 +14,14 @@ _RULES = {
     "float_parsing": "a number",
     "int_type": "a whole number",
     "int_parsing": "a whole number",
+    "int_parsing_size": "a whole number of fewer digits",
     "int_from_float": "a whole number",
     "bool_type": "true or false",
     "bool_parsing": "true or false",
     "string_type": "text",
-    "string_pattern_mismatch": "a plain name: letters, digits, '_', and for the scene also '.' and '-'",
+    "string_pattern_mismatch": (
+        "a plain name: letters, digits and '_', beginning with a letter (for an inclusion also blanks, '.' and '-')"
+    ),
     "finite_number": "finite",
     "list_type": "an array",
     "tuple_type": "an array",
@@ -37,15 +40,15 @@ def explain_error(error: Mapping[str, Any], where: str) -> str:
         return f"{place} must be given"
     if kind == "value_error":
         text = str(context.get("error", error["msg"]))
-        return text if text.startswith("!") else f"{place} must be {text} (got {got!r})"
+        return text if text.startswith("!") else f"{place} must be {text} (got {shown(got)})"
     if kind == "literal_error":
         choices = context["expected"]
         names = [name.strip("' ") for name in choices.replace(" or ", ",").split(",")]
-        return f"{place} must be one of {choices} (got {got!r}){nearest(str(got), names)}"
+        return f"{place} must be one of {choices} (got {shown(got)}){nearest(str(got), names)}"
     if kind in ("too_short", "too_long"):
         rule = f"at least {context['min_length']}" if kind == "too_short" else f"at most {context['max_length']}"
         return f"{place} must be an array of length {rule} (got length {context['actual_length']})"
-    return f"{place} must be {_RULES.get(kind, error['msg'])} (got {got!r})"
+    return f"{place} must be {_RULES.get(kind, error['msg'])} (got {shown(got)})"
 
 
 def refuse_unknown(table: Iterable[str], known: Iterable[str], where: str) -> None:

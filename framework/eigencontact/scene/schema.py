@@ -5,16 +5,28 @@ Field names are snake_case in Python and kebab-case in TOML. Numbers are SI; tex
 
 from __future__ import annotations
 
+from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment, Stress
-from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many, positive
+from eigencontact.scene.checks import (
+    at_least,
+    finite,
+    folder_name,
+    in_range,
+    non_negative,
+    one_or_many,
+    positive,
+    printable,
+    refuse_deep,
+)
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS, TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
-from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table, Tables
+from eigencontact.scene.table import Depth, FiniteLength, OfKind, PositiveLength, Table, Tables
 
 __all__ = ["Body", "GridSpec", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
@@ -33,7 +45,7 @@ class Body(Table):
     rigid: bool = False
     young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
     poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
-    medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table)] = None
+    medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("layered-medium")] = None
 
     @model_validator(mode="after")
     def _complete(self) -> Body:
@@ -209,6 +221,8 @@ class StressRequest(Table):
             raise ValueError(f"given depths or depth-max (a {self.shape} needs one of them)")
         if deep and self.depths is not None and not self.depths:
             raise ValueError("given at least one depth")
+        if self.depths is not None and not all(low < high for low, high in pairwise(self.depths)):
+            raise ValueError("given depths that ascend, each once")
         if self.shape == "plane" and self.normal == "z" and self.at < 0:
             raise ValueError("at a depth (position) of 0 or more")
         if self.shape == "line" and (self.start is None or self.end is None):
@@ -242,7 +256,8 @@ class Scene(Table):
     Parameters
     ----------
     name : str
-        Short name, for folders; a file's name where it is not given.
+        Short name, for folders (`eigencontact.core.names.FOLDER_RULE`); where it is not given, that of the file, made
+        into such a name.
     title : str
         One line for plots and lists.
     body1, body2 : Body
@@ -274,20 +289,20 @@ class Scene(Table):
     210000000000.0
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]*$")] = ""
-    title: str = ""
-    description: str = ""
+    name: Annotated[str, AfterValidator(folder_name)] = ""
+    title: Annotated[str, AfterValidator(printable)] = ""
+    description: Annotated[str, AfterValidator(printable)] = ""
     body1: Body
     body2: Body = Body(rigid=True)
-    geometry: Tables = Field([])
-    friction: dict[str, Any] | None = None
+    geometry: Annotated[Tables, OfKind("geometry")] = Field([])
+    friction: Annotated[dict[str, Any] | None, OfKind("friction-law")] = None
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
     steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1)] = Field([Step()])
     numerics: Numerics = Numerics()
     stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = Field([])
-    observers: Tables = Field([])
+    observers: Annotated[Tables, OfKind("observer")] = Field([])
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -305,6 +320,7 @@ class Scene(Table):
         from eigencontact.errors import SceneError
         from eigencontact.scene.messages import explain_error
 
+        refuse_deep(data)
         try:
             super().__init__(**_with_tables(data))
         except ValidationError as problem:
@@ -315,6 +331,19 @@ class Scene(Table):
             more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
             raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
 
+    _folder: Path | None = None
+
+    @property
+    def folder(self) -> Path | None:
+        """Folder that relative paths in the scene count from: that of its file; None where it came from none."""
+        return self._folder
+
+    def within(self, folder: Path | None) -> Scene:
+        """Copy whose relative paths count from a folder; further copies keep it."""
+        copy = self.model_copy()
+        copy._folder = folder  # noqa: SLF001
+        return copy
+
     @property
     def label(self) -> str:
         """Name for folders and headings: `name`, or the title's first words."""
@@ -322,8 +351,14 @@ class Scene(Table):
         return self.name or "-".join(words[:6]) or "scene"
 
     def resolved(self) -> dict[str, Any]:
-        """Return every field with its default filled in, SI units, TOML names."""
-        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        """Return every field with its default filled in, SI units, TOML names, data files by absolute paths."""
+        scene = self
+        if self.folder is not None:
+            from eigencontact.scene.files import anchored
+            from eigencontact.scene.installed import installed_plugins
+
+            scene, _ = anchored(self, installed_plugins())
+        return scene.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
 def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
@@ -344,13 +379,22 @@ def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
     return out
 
 
+def _type_of(component: Any) -> str:
+    """What a scene writes to name the class of a component."""
+    from eigencontact.scene.installed import installed_plugins
+
+    registry = installed_plugins()
+    entry = next((entry for entry in registry if entry.component is type(component)), None)
+    return str(getattr(component, "key", "")) if entry is None else registry.spelling(entry)
+
+
 def _table(item: Any) -> Any:
     """Table of a component, or of a table that has one as its ``type`` or its ``eigenstrain``."""
     from dataclasses import asdict, is_dataclass
 
     if is_dataclass(item) and not isinstance(item, type):
         given = asdict(item, dict_factory=lambda pairs: {name: value for name, value in pairs if value is not None})
-        return {"type": getattr(item, "key", ""), **_table(given)}
+        return {"type": _type_of(item), **_table(given)}
     if not isinstance(item, dict):
         return item.tolist() if hasattr(item, "tolist") else item
     nested = ("type", "eigenstrain", "material", "value")

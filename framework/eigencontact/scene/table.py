@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo, field_validator
 
 from eigencontact.core.quantities import Length
-from eigencontact.scene.checks import finite, non_negative, one_or_many, positive
+from eigencontact.scene.checks import finite, non_negative, one_or_many, only_numbers, positive
 
-__all__ = ["Depth", "FiniteLength", "PositiveLength", "Table", "Tables"]
+__all__ = ["Depth", "FiniteLength", "OfKind", "PositiveLength", "Table", "Tables"]
 
 PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
 FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
 Depth = Annotated[Length, AfterValidator(non_negative("m"))]
 Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
+
+
+@dataclass(frozen=True, slots=True)
+class OfKind:
+    """Mark of a field that holds the table of a component of a kind, or several: its ``type`` names the plugin."""
+
+    kind: str
 
 
 class Table(BaseModel):
@@ -23,3 +31,10 @@ class Table(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, alias_generator=lambda name: name.replace("_", "-"), populate_by_name=True
     )
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _numbers(cls, value: Any, info: ValidationInfo) -> Any:
+        field = cls.model_fields[str(info.field_name)]
+        only_numbers(Annotated[field.annotation, None, *field.metadata], value)
+        return value

@@ -5,21 +5,27 @@ from __future__ import annotations
 import keyword
 import re
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 from eigencontact.errors import PluginError, nearest
 
 __all__ = ["TEMPLATES", "NewPackage", "write_package"]
 
+_FOLDER = Path(__file__).with_name("templates")
+_MODULE = ".module.py.txt"
+
+
+def _examples() -> dict[str, str]:
+    """Kinds that have templates, and what the example in each is: the words after "The example is" in its docstring."""
+    found = {}
+    for path in sorted(_FOLDER.glob(f"*{_MODULE}")):
+        words = re.search(r"The example is (.+?);", path.read_text(encoding="utf-8"))
+        found[path.name.removesuffix(_MODULE)] = words[1] if words else "one of its kind"
+    return found
+
+
 #: Kinds that have a template of their own, and what the example in it is.
-TEMPLATES = {
-    "inclusion-shape": "a ball, by its potentials",
-    "eigenstrain-field": "swelling that decays with depth",
-    "geometry": "a bowl of fourth order",
-    "friction-law": "friction that falls as the surfaces run in",
-    "layered-medium": "a graded coating in steps",
-}
+TEMPLATES = _examples()
 _PREFIX = "eigencontact-"
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
@@ -88,8 +94,6 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
         raise PluginError(f"name must not stand for a word of Python, {class_name} (got {name!r}); choose another")
     _refuse_taken(kind, key)
     target = Path(f"{_PREFIX}{key}") if folder is None else folder
-    if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise PluginError(f"folder must be new or empty (got {str(target)!r}); choose another with -o")
     words = {
         "package": f"{_PREFIX}{key}",
         "module": f"eigencontact_{key.replace('-', '_')}",
@@ -98,11 +102,16 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
         "version": _version(),
     }
     written = []
-    for template, place in _places(kind, words["module"]).items():
-        path = target / place
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(_fill(template, words), encoding="utf-8")
-        written.append(path)
+    try:
+        if target.exists() and (not target.is_dir() or any(target.iterdir())):
+            raise PluginError(f"folder must be new or empty (got {str(target)!r}); choose another with -o")
+        for template, place in _places(kind, words["module"]).items():
+            path = target / place
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(_fill(template, words), encoding="utf-8")
+            written.append(path)
+    except OSError as problem:
+        raise PluginError(f"folder must be one that can be written (got {problem}); choose another with -o") from None
     return NewPackage(target, tuple(written), key, kind)
 
 
@@ -111,13 +120,13 @@ def _places(kind: str, module: str) -> dict[str, str]:
     return {
         "pyproject.toml.txt": "pyproject.toml",
         f"{kind}.readme.md.txt": "README.md",
-        f"{kind}.module.py.txt": f"src/{module}/__init__.py",
+        f"{kind}{_MODULE}": f"src/{module}/__init__.py",
         f"{kind}.tests.py.txt": "tests/test_conformance.py",
     }
 
 
 def _fill(template: str, words: dict[str, str]) -> str:
-    text = files("eigencontact.skeleton").joinpath("templates", template).read_text(encoding="utf-8")
+    text = (_FOLDER / template).read_text(encoding="utf-8")
     for word, value in words.items():
         text = text.replace(f"<{word}>", value)
     return text

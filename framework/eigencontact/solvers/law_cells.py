@@ -100,14 +100,14 @@ class LawCells:
         scale = np.maximum(np.linalg.norm(foreign, axis=0), self._size * np.linalg.norm(e, axis=0))
         scale += np.finfo(float).tiny
         for _ in range(_STEPS):
-            error = np.sqrt(np.einsum("ij,ij->j", residual, residual))
+            error: FloatArray = np.sqrt(np.sum(residual * residual, axis=0))
             if np.all(error <= _ROUND_OFF * scale):
                 return e, dict(response.variables)
             tangent = np.asarray(response.tangent)
             by_cell = tangent if tangent.ndim == 2 else np.moveaxis(tangent, 2, 0)
             jacobian = by_cell @ (self._compliance @ self._alone + np.eye(6)) - self._alone
             jacobian = np.broadcast_to(jacobian, (e.shape[1], 6, 6))
-            change = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
+            change: FloatArray = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T.astype(float)
             e, response, residual = self._shortened(law, foreign, e, change, error, prestrain, before, step)
         worst = int(np.argmax(np.linalg.norm(residual, axis=0) / scale))
         raise NotConverged(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
+from eigencontact import __version__
 from eigencontact.results.atomic import replacing
 
 if TYPE_CHECKING:
@@ -181,12 +182,15 @@ def heading(dataset: xr.Dataset, step: int, what: str) -> str:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a PNG; the file appears complete or not at all.
+    """Write a PNG that names this package; the file appears complete or not at all.
 
     Raises
     ------
     ResultsError
         When it cannot be stored.
     """
+    said = {"Software": f"eigencontact {__version__}"}
     with paper_style(), replacing(path, f"picture {path.name}") as sink:
-        figure.savefig(cast("BinaryIO", sink), format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.06)
+        figure.savefig(
+            cast("BinaryIO", sink), format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.06, metadata=said
+        )

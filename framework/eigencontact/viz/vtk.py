@@ -3,7 +3,8 @@
 Coordinates are those of the results, in metres and unchanged: the surface is z = 0 and z **increases into the body**.
 In a viewer whose z points up the body therefore lies above the surface; rotate the camera, not the data. Surface
 fields are cell values (a cell of the grid is a cell of the image), sub-surface fields are point values. Stress and
-strain are stored as VTK orders symmetric tensors: xx, yy, zz, xy, yz, xz.
+strain are stored as VTK orders symmetric tensors: xx, yy, zz, xy, yz, xz. Each file says which version of this package
+wrote it: a field array ``eigencontact``, a comment in collections.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from eigencontact import __version__
+from eigencontact.core.names import SURFACE
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
@@ -74,10 +77,10 @@ def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
     regions = json.loads(results.attrs["regions"])
     times = [float(time) for time in results["time"].values]
     written: list[Path] = []
-    for name in ("surface", *regions):
+    for name in (SURFACE, *regions):
         series = []
         for at, index in enumerate(int(step) for step in results["step"].values):
-            mesh = _surface(results, at) if name == "surface" else _region(results, name, regions[name], at)
+            mesh = _surface(results, at) if name == SURFACE else _region(results, name, regions[name], at)
             series.append(_save(mesh, folder, f"{name}_{index:04d}"))
         collection = folder / f"{name}.pvd"
         with replacing(collection, f"collection {collection.name}") as sink:
@@ -159,6 +162,7 @@ def _save(mesh: Any, folder: Path, stem: str) -> Path:
     suffix = {"ImageData": ".vti", "RectilinearGrid": ".vtr", "PolyData": ".vtp"}[type(mesh).__name__]
     target = folder / f"{stem}{suffix}"
     partial = partial_name(target).with_suffix(suffix)
+    mesh.field_data["eigencontact"] = [__version__]
     try:
         mesh.save(partial)
         _arrived(partial)
@@ -189,6 +193,7 @@ def _collection(times: list[float], series: list[Path]) -> str:
     return "\n".join(
         [
             '<?xml version="1.0"?>',
+            f"<!-- eigencontact {__version__} -->",
             '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
             "  <Collection>",
             *rows,

@@ -66,6 +66,6 @@ class DepthProfile(TimedField):
 
 
 @hookimpl
-def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> Iterable[type[EigenstrainField]]:
     """Register the tabulated profile."""
     return [DepthProfile]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, SceneError, hookimpl, require, to_mandel
+from eigencontact.plugin import DataFile, EigenstrainField, SceneError, hookimpl, real_array, require, to_mandel
 from eigencontact_plugins.eigenstrain_fields.values import TimedField
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class FromFile(TimedField):
     key: ClassVar[str] = "from-file"
     references: ClassVar[tuple[str, ...]] = ("T. Mura, Micromechanics of Defects in Solids (1987), section 1",)
 
-    file: str
+    file: DataFile
     variable: str = "eigenstrain"
 
     def __post_init__(self) -> None:
@@ -54,10 +54,14 @@ class FromFile(TimedField):
         names = ("z", "y", "x")
         missing = [name for name in (*names, self.variable) if name not in data]
         require(not missing, self.key, "file", self.file, f"a file with {', '.join(missing)}")
-        axes = tuple(np.asarray(data[name], dtype=float) for name in names)
-        good = all(axis.ndim == 1 and axis.size > 1 and np.all(np.diff(axis) > 0) for axis in axes)
-        require(good, self.key, "file", self.file, "with x, y, z of two ascending numbers and more [m]")
-        values = np.asarray(data[self.variable], dtype=float)
+        rule = "with x, y, z of two ascending numbers and more [m], finite"
+        axes = tuple(real_array(data[name], self.key, "file", f"an axis {name} in {self.file!r}") for name in names)
+        good = all(
+            axis.ndim == 1 and axis.size > 1 and np.all(np.diff(axis) > 0) and np.isfinite(axis[[0, -1]]).all()
+            for axis in axes
+        )
+        require(good, self.key, "file", self.file, rule)
+        values = real_array(data[self.variable], self.key, "file", f"a lattice of {self.variable} in {self.file!r}")
         shape = tuple(axis.size for axis in axes)
         require(
             values.shape in (shape, (6, *shape)) and bool(np.all(np.isfinite(values))),
@@ -72,14 +76,14 @@ class FromFile(TimedField):
     def _read(self) -> dict[str, Any]:
         try:
             if self.file.endswith(".npz"):
-                with np.load(self.file) as data:
+                with Path(self.file).open("rb") as stream, np.load(stream, allow_pickle=False) as data:
                     return dict(data)
             import xarray
 
             with xarray.open_dataset(self.file) as data:
                 return {str(name): variable.values for name, variable in data.variables.items()}
-        except (OSError, ValueError) as problem:
-            first = str(problem).strip().split("\n")[0]
+        except Exception as problem:  # the readers raise errors of many kinds for files that are none of their own
+            first = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
             raise SceneError(
                 f"{self.key}.file must be a readable .npz or NetCDF file (got {self.file!r}): {first}"
             ) from problem
@@ -95,6 +99,6 @@ class FromFile(TimedField):
 
 
 @hookimpl
-def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> Iterable[type[EigenstrainField]]:
     """Register the field from a file."""
     return [FromFile]

@@ -83,6 +83,6 @@ class PeenedLayer(TimedField):
 
 
 @hookimpl
-def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> Iterable[type[EigenstrainField]]:
     """Register the peened layer."""
     return [PeenedLayer]

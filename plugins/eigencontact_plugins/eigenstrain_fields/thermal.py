@@ -74,6 +74,6 @@ class Thermal(TimedField):
 
 
 @hookimpl
-def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> Iterable[type[EigenstrainField]]:
     """Register thermal expansion."""
     return [Thermal]

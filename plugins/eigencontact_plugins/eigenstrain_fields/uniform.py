@@ -53,6 +53,6 @@ class Uniform(TimedField):
 
 
 @hookimpl
-def eigencontact_register_eigenstrain_fields() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> Iterable[type[EigenstrainField]]:
     """Register the uniform field."""
     return [Uniform]

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, require, to_mandel
+from eigencontact.plugin import EigenstrainField, real_points, require, to_mandel
 
 __all__ = ["Direction", "Strain", "TimedField", "directed", "mandel_strain"]
 
@@ -80,6 +80,7 @@ class TimedField(EigenstrainField):
 
     def eigenstrain(self, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:
         """Mandel eigenstrain ``(6, ...)`` [-]; see `EigenstrainField`."""
-        shape = np.broadcast_shapes(np.shape(x), np.shape(y), np.shape(z))
-        value = self.at(np.asarray(x), np.asarray(y), np.asarray(z))
+        x, y, z = real_points(self.key, x, y, z)
+        shape = np.broadcast_shapes(x.shape, y.shape, z.shape)
+        value = self.at(x, y, z)
         return np.array(np.broadcast_to(self.factor(time) * value, (6, *shape)))

@@ -47,6 +47,6 @@ class Coulomb(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> Iterable[type[FrictionLaw]]:
     """Register Coulomb friction."""
     return [Coulomb]

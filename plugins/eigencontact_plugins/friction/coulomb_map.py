@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, FrictionLaw, FrictionState, Length, SceneError, hookimpl, require
+from eigencontact.plugin import Angle, DataFile, FrictionLaw, FrictionState, Length, SceneError, hookimpl, require
 from eigencontact_plugins.friction.coulomb import check_coefficient
 from eigencontact_plugins.friction.map_file import FrictionMap, read_map
 
@@ -99,7 +99,7 @@ class CoulombMap(FrictionLaw):
     references: ClassVar[tuple[str, ...]] = ("C. A. Coulomb 1785, Theorie des machines simples",)
 
     coefficient: float | None = None
-    file: str | None = None
+    file: DataFile | None = None
     lateral_unit: Length = 1.0
     interpolation: Literal["linear", "nearest"] = "linear"
     regions: tuple[Region, ...] = ()
@@ -167,6 +167,6 @@ class CoulombMap(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> Iterable[type[FrictionLaw]]:
     """Register Coulomb friction with a map."""
     return [CoulombMap]

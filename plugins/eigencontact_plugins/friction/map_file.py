@@ -80,13 +80,19 @@ def _refusal(where: str, rule: str, file: str, reason: str) -> SceneError:
 
 
 def _read_archive(path: Path, where: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    with np.load(path, allow_pickle=False) as data:
+    with path.open("rb") as stream, np.load(stream, allow_pickle=False) as data:
         missing = [name for name in ("x", "y", "coefficient") if name not in data]
         if missing:
             reason = f"it holds {', '.join(data) or 'nothing'}"
             raise _refusal(where, f"an archive with {' and '.join(missing)}", str(path), reason)
-        x, y, values = (np.array(data[name], dtype=float) for name in ("x", "y", "coefficient"))
+        x, y, values = (_real(data[name], name) for name in ("x", "y", "coefficient"))
     return x, y, values
+
+
+def _real(values: NDArray[np.float64], name: str) -> FloatArray:
+    if values.dtype.kind not in "fiu":
+        raise ValueError(f"{name} is of type {values.dtype}")
+    return np.array(values, dtype=float)
 
 
 def _read_text(path: Path, where: str) -> tuple[FloatArray, FloatArray, FloatArray]:

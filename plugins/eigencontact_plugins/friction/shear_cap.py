@@ -47,6 +47,6 @@ class ShearCap(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register_friction_laws() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> Iterable[type[FrictionLaw]]:
     """Register friction with a shear cap."""
     return [ShearCap]

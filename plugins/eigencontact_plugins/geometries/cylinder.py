@@ -74,6 +74,6 @@ class Cylinder(Geometry):
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the cylinder."""
     return [Cylinder]

@@ -104,6 +104,6 @@ def axis_ratio(radius_ratio: float) -> float:
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the ellipsoid."""
     return [Ellipsoid]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eigencontact.plugin import require
+from eigencontact.plugin import real_points, require
 
 __all__ = ["body_axes", "check_angle", "check_center", "check_length"]
 
@@ -23,7 +23,8 @@ def body_axes(
     >>> round(float(along), 12), round(abs(float(across)), 12)
     (2.0, 0.0)
     """
-    dx, dy = np.asarray(x, dtype=float) - center[0], np.asarray(y, dtype=float) - center[1]
+    x, y = real_points("separation", x, y)
+    dx, dy = x - center[0], y - center[1]
     if angle == 0.0:
         return dx, dy
     cos, sin = np.cos(angle), np.sin(angle)

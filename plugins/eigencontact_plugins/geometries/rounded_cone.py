@@ -90,6 +90,6 @@ class RoundedCone(Geometry):
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the rounded cone."""
     return [RoundedCone]

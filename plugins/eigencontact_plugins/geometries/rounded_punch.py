@@ -77,6 +77,6 @@ class RoundedPunch(Geometry):
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the rounded punch."""
     return [RoundedPunch]

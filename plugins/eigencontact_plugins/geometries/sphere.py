@@ -91,6 +91,6 @@ class Sphere(Geometry):
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the sphere."""
     return [Sphere]

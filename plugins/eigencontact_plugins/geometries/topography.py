@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Grid, Length, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, Geometry, Grid, Length, SceneError, hookimpl, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
 from eigencontact_plugins.geometries.measurement import Measurement, read_measurement
 from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
@@ -55,7 +55,7 @@ class Topography(Geometry):
 
     key: ClassVar[str] = "topography"
 
-    file: str
+    file: DataFile
     spacing: tuple[Length, Length] | None = None
     height_unit: Length = 1.0
     lateral_unit: Length = 1.0
@@ -146,6 +146,6 @@ class Topography(Geometry):
 
 
 @hookimpl
-def eigencontact_register_geometries() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> Iterable[type[Geometry]]:
     """Register the measured surface."""
     return [Topography]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import ConstitutiveLaw, LinearLaw, Stress, frame_of, hookimpl, mandel_rotation, require
+from eigencontact.plugin import Component, LinearLaw, Stress, frame_of, hookimpl, mandel_rotation, require
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -60,6 +60,6 @@ class Cubic(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:
+def eigencontact_register() -> Iterable[type[Component]]:
     """Register cubic crystals."""
     return [Cubic]

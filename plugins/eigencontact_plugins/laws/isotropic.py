@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    ConstitutiveLaw,
+    Component,
     LinearLaw,
     SceneError,
     Stress,
@@ -68,6 +68,6 @@ class Isotropic(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:
+def eigencontact_register() -> Iterable[type[Component]]:
     """Register isotropic elasticity."""
     return [Isotropic]

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
+    Component,
     ConstitutiveLaw,
+    DataFile,
     LawStep,
     LinearLaw,
     Response,
@@ -38,7 +40,7 @@ class ElasticityMap(ConstitutiveLaw):
 
     Parameters
     ----------
-    file : str
+    file : path
         ``.npz``, or NetCDF (``.nc``), with ``x``, ``y``, ``z`` [m], ascending, ``young_modulus`` [Pa] (0 is a void) and
         ``poisson_ratio`` [-] on them ``(nz, ny, nx)``, or single numbers.
     """
@@ -46,7 +48,7 @@ class ElasticityMap(ConstitutiveLaw):
     key: ClassVar[str] = "map"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
 
-    file: str
+    file: DataFile
 
     def __post_init__(self) -> None:
         _ = self._lattice  # read and checked now, not in the middle of a run
@@ -129,6 +131,6 @@ class IsotropicPoints(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:
+def eigencontact_register() -> Iterable[type[Component]]:
     """Register the map."""
     return [ElasticityMap]

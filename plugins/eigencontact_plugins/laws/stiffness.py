@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import ConstitutiveLaw, LinearLaw, Stress, checked_stiffness, hookimpl
+from eigencontact.plugin import Component, LinearLaw, Stress, checked_stiffness, hookimpl
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -45,6 +45,6 @@ class GivenStiffness(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:
+def eigencontact_register() -> Iterable[type[Component]]:
     """Register elasticity given as a matrix."""
     return [GivenStiffness]

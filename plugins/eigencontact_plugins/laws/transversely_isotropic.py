@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    ConstitutiveLaw,
+    Component,
     LinearLaw,
     Stress,
     factors_of_compliance,
@@ -102,6 +102,6 @@ class TransverselyIsotropic(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register_constitutive_laws() -> Iterable[type[ConstitutiveLaw]]:
+def eigencontact_register() -> Iterable[type[Component]]:
     """Register elasticity that is isotropic across an axis."""
     return [TransverselyIsotropic]

@@ -36,6 +36,8 @@ ComplexArray = NDArray[np.complex128]
 
 # Stress of a uniform traction (k = 0); every other component is 0 there.
 UNIFORM = {("p", "zz"): -1.0, ("q_x", "xz"): -1.0, ("q_y", "yz"): -1.0}
+#: Thinner layers have waves of more than the largest number [m].
+THINNEST = 1e-30
 # A depth this close to an interface, in parts of its depth, is that interface: sums of thicknesses are rounded.
 SAME_DEPTH = 1e-12
 
@@ -92,6 +94,7 @@ class Layer(_Solid):
         """Refuse impossible constants or thickness; `where` names the table."""
         super().check(where)
         require(0 < self.thickness < np.inf, where, "thickness", self.thickness, "positive and finite [m]")
+        require(self.thickness >= THINNEST, where, "thickness", self.thickness, f"at least {THINNEST:g} [m]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,6 +240,6 @@ def _turned(name: str, parts: dict[str, ComplexArray], m: FloatArray, n: FloatAr
 
 
 @hookimpl
-def eigencontact_register_layered_media() -> Iterable[type[LayeredMedium]]:
+def eigencontact_register() -> Iterable[type[LayeredMedium]]:
     """Register bonded elastic layers."""
     return [BondedLayers]

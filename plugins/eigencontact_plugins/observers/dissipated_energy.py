@@ -89,6 +89,6 @@ class DissipatedEnergy(Observer):
 
 
 @hookimpl
-def eigencontact_register_observers() -> Iterable[type[Observer]]:
+def eigencontact_register() -> Iterable[type[Observer]]:
     """Register the dissipated energy."""
     return [DissipatedEnergy]

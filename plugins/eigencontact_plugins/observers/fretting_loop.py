@@ -91,6 +91,6 @@ def _ratio(value: float, of: float) -> float:
 
 
 @hookimpl
-def eigencontact_register_observers() -> Iterable[type[Observer]]:
+def eigencontact_register() -> Iterable[type[Observer]]:
     """Register the fretting loop."""
     return [FrettingLoop]

@@ -75,6 +75,6 @@ class StickRadius(Observer):
 
 
 @hookimpl
-def eigencontact_register_observers() -> Iterable[type[Observer]]:
+def eigencontact_register() -> Iterable[type[Observer]]:
     """Register the stick radius."""
     return [StickRadius]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, require
+from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, real_points, require
 from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivative
 from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, distant_from, gauss_rule
 
@@ -83,6 +83,7 @@ class Cuboid(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the cuboid or on its boundary."""
+        x, y, z = real_points(self.key, x, y, z)
         inside = (
             np.abs(t - center) <= 0.5 * edge * (1 + SNAP)
             for t, center, edge in zip((x, y, z), self.center, self.edges, strict=True)
@@ -213,6 +214,6 @@ def _corner_sum(
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the cuboid."""
     return [Cuboid]

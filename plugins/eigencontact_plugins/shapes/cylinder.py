@@ -10,7 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, hookimpl, require
+from eigencontact.plugin import InclusionShape, Length, hookimpl, real_points, require
 from eigencontact_plugins.shapes.rotation import Row, as_tuple
 
 __all__ = ["Cylinder"]
@@ -88,6 +88,7 @@ class Cylinder(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the cylinder or on its boundary."""
+        x, y, z = real_points(self.key, x, y, z)
         offset = [np.asarray(t, dtype=float) - c for t, c in zip((x, y, z), self.center, strict=True)]
         u, v, w = (float(part) for part in self.direction)
         along = u * offset[0] + v * offset[1] + w * offset[2]
@@ -97,6 +98,6 @@ class Cylinder(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the cylinder."""
     return [Cylinder]

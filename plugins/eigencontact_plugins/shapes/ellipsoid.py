@@ -10,7 +10,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, Order, PointSources, hookimpl, integrated_chi, require
+from eigencontact.plugin import (
+    Angle,
+    InclusionShape,
+    Length,
+    Order,
+    PointSources,
+    hookimpl,
+    integrated_chi,
+    real_points,
+    require,
+)
 from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi, focal_sources
 from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivatives
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
@@ -93,6 +103,7 @@ class Ellipsoid(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the ellipsoid or on its boundary."""
+        x, y, z = real_points(self.key, x, y, z)
         return np.asarray(self._level(self._own(x, y, z)) <= SNAP)
 
     def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
@@ -188,6 +199,6 @@ class Ellipsoid(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the ellipsoid."""
     return [Ellipsoid]

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, InclusionShape, Length, SceneError, hookimpl, real_points, require
 
 __all__ = ["Layer"]
 
@@ -52,7 +52,7 @@ class Layer(InclusionShape):
 
     size: tuple[Length, Length]
     thickness: Length | None = None
-    file: str | None = None
+    file: DataFile | None = None
     thickness_unit: Length = 1.0
     center: tuple[Length, Length] = (0.0, 0.0)
     top: Length = 0.0
@@ -80,6 +80,7 @@ class Layer(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the layer or on its boundary."""
+        x, y, z = real_points(self.key, x, y, z)
         thickness, below = self.thickness_at(x, y), np.asarray(z, dtype=float) - self.top
         return np.asarray((thickness > 0) & (below >= 0) & (below <= thickness))
 
@@ -89,7 +90,7 @@ class Layer(InclusionShape):
         across = (np.asarray(x, dtype=float) - self.center[0]) / self.size[0] + 0.5
         along = (np.asarray(y, dtype=float) - self.center[1]) / self.size[1] + 0.5
         within = (across >= 0) & (across <= 1) & (along >= 0) & (along <= 1)
-        column, row = np.clip(across, 0, 1) * (columns - 1), np.clip(along, 0, 1) * (rows - 1)
+        column, row = np.where(within, across, 0.0) * (columns - 1), np.where(within, along, 0.0) * (rows - 1)
         j, i = (np.minimum(t.astype(int), n - 2) for t, n in ((column, columns), (row, rows)))
         u, v = column - j, row - i
         nearer = self._map[i, j] * (1 - u) + self._map[i, j + 1] * u
@@ -126,6 +127,8 @@ def _read(file: str) -> FloatArray:
                 content = np.load(stream, allow_pickle=False)
                 if not isinstance(content, np.ndarray):
                     content = content["thickness" if "thickness" in content else content.files[0]]
+            if content.dtype.kind not in "fiu":
+                raise ValueError(f"its type is {content.dtype}")  # noqa: TRY301
         return np.asarray(content, dtype=float)
     except Exception as problem:  # NumPy raises errors of many kinds for files that are none of its own
         reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
@@ -133,6 +136,6 @@ def _read(file: str) -> FloatArray:
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the layer."""
     return [Layer]

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, hookimpl, require
+from eigencontact.plugin import Angle, DataFile, InclusionShape, Length, hookimpl, real_points, require
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
 from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
@@ -54,7 +54,7 @@ class Polyhedron(InclusionShape):
         "S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",
     )
 
-    file: str
+    file: DataFile
     scale: Length = 1.0
     rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
     offset: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
@@ -88,6 +88,7 @@ class Polyhedron(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie inside; on the surface either answer."""
+        x, y, z = real_points(self.key, x, y, z)
         points = np.broadcast_arrays(*(np.asarray(t, dtype=float) for t in (x, y, z)))
         low, high = self.bounds
         near = np.ones(points[0].shape, dtype=bool)
@@ -107,6 +108,6 @@ class Polyhedron(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the polyhedron."""
     return [Polyhedron]

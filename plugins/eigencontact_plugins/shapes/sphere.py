@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, require
+from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, real_points, require
 from eigencontact_plugins.shapes.point import PointKernels
 
 __all__ = ["SphericalInclusion"]
@@ -86,6 +86,7 @@ class SphericalInclusion(InclusionShape):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the sphere or on its boundary."""
+        x, y, z = real_points(self.key, x, y, z)
         a = self.radius
         u, v, w = ((t - center) / a for t, center in zip((x, y, z), self.center, strict=True))
         return np.asarray(np.sqrt(u * u + v * v + w * w) <= 1.0 + SNAP)
@@ -153,6 +154,6 @@ class SphericalInclusion(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> Iterable[type[InclusionShape]]:
     """Register the sphere."""
     return [SphericalInclusion]

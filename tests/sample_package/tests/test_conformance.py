@@ -1,6 +1,9 @@
-"""Both shapes and the friction law keep the promises of their kinds."""
+"""Shapes, friction law and eigenstrain field keep the promises of their kinds."""
+
+from pathlib import Path
 
 from eigencontact_sample_shapes.adhesive import Adhesive
+from eigencontact_sample_shapes.measured import Measured
 from eigencontact_sample_shapes.spheroid import Spheroid
 from eigencontact_sample_shapes.torus import Torus
 
@@ -14,9 +17,10 @@ SHAPES = [
     Spheroid(center=(0.0, 0.0, 0.2), equatorial_radius=1.0, polar_radius=0.1),
 ]
 LAWS = [Adhesive(tau0=20 * MPA, coefficient=0.1, cap=300 * MPA), Adhesive(tau0=0.0, coefficient=0.5, cap=1e12)]
+FIELDS = [Measured(measurement=str(Path(__file__).with_name("peened.txt")), factor=factor) for factor in (1.0, -0.5)]
 
 
-@parametrize_with_checks([*SHAPES, *LAWS])
+@parametrize_with_checks([*SHAPES, *LAWS, *FIELDS])
 def test_conformance(component, check):
     """One test for every component and check."""
     check(component)

@@ -263,7 +263,7 @@ def unit_length(key: str, extents: tuple[float, float, float]) -> str:
     >>> unit_length("sphere", (1.0, 1.0, 1.0)), unit_length("cuboid", (1.6, 1.0, 0.6))
     ('diameter', 'width')
     """
-    x, y, z = (bool(np.isclose(extent, 1.0)) for extent in extents)
+    x, y, z = (bool(np.isclose(extent, 1.0, atol=0)) for extent in extents)
     if x and y:
         return "edge" if key == "cuboid" else "diameter" if key in ("sphere", "ellipsoid", "cylinder") else "width"
     return "length" if x else "width" if y else "height" if z else "length unit"

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import FrozenInstanceError, fields, is_dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
@@ -21,6 +21,7 @@ __all__ = [
     "check_bad_lengths_refused",
     "check_bad_numbers_refused",
     "check_fields_are_the_table",
+    "check_files_are_marked",
     "check_frozen",
     "check_references",
     "check_registered",
@@ -101,6 +102,29 @@ def check_fields_are_the_table(component: Any) -> None:
             repr(after),
             "annotate the field with what a table can hold (Length, float, tuple of those, str, bool)",
         )
+
+
+@check
+def check_files_are_marked(component: Any) -> None:
+    """A text that is the path of a file stands in a field annotated `DataFile`: it is found and hashed by that."""
+    from eigencontact.core.quantities import FileMark
+
+    hints = get_type_hints(type(component), include_extras=True)
+    for item in fields(component):
+        value = getattr(component, item.name)
+        if isinstance(value, str | Path) and value and Path(value).is_file():
+            ensure(
+                FileMark() in _marks(hints[item.name]),
+                item.name,
+                "annotated as a file",
+                repr(hints[item.name]),
+                f"write {item.name}: DataFile, from eigencontact.plugin",
+            )
+
+
+def _marks(hint: Any) -> list[Any]:
+    """Everything that annotates a type or a part of it."""
+    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in _marks(part))]
 
 
 @check

@@ -30,6 +30,7 @@ _EVERY: tuple[Check, ...] = (
     common.check_references,
     common.check_frozen,
     common.check_fields_are_the_table,
+    common.check_files_are_marked,
     common.check_bad_numbers_refused,
     common.check_bad_lengths_refused,
 )

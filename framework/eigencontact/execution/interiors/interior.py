@@ -46,7 +46,7 @@ class Interior(Part):
         """What is iterated on from outside; empty where an image is the whole answer to the tractions."""
         return np.zeros(0)
 
-    def take(self, unknown: FloatArray) -> None:  # noqa: B027 - where there is none there is nothing to take
+    def take(self, unknown: FloatArray) -> None:
         """Put the unknown."""
 
     @abstractmethod

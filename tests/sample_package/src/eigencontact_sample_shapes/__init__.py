@@ -1,1 +1,1 @@
-"""A torus, a spheroid, and friction with adhesion for eigencontact."""
+"""A torus, a spheroid, friction with adhesion, and measured eigenstrain for eigencontact."""

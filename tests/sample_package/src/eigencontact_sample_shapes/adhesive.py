@@ -43,6 +43,6 @@ class Adhesive(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register_friction_laws():
+def eigencontact_register():
     """Register the law."""
     return [Adhesive]

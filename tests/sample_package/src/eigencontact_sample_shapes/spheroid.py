@@ -141,6 +141,6 @@ def _psi(c, within, x, y, z):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes():
+def eigencontact_register():
     """Register the spheroid."""
     return [Spheroid]

@@ -49,6 +49,6 @@ class Torus(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register_inclusion_shapes():
+def eigencontact_register():
     """Register the torus."""
     return [Torus]

@@ -1,0 +1,86 @@
+"""Arrays that callers give: real numbers of one shape, or one clear refusal."""
+
+from __future__ import annotations
+
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.units import LARGEST
+from eigencontact.errors import SceneError
+
+__all__ = ["is_real", "is_whole", "real_array", "real_points"]
+
+FloatArray = NDArray[np.float64]
+
+
+def is_real(value: object) -> bool:
+    """Whether something is one real number; booleans, texts, complex numbers and arrays are none.
+
+    Examples
+    --------
+    >>> [is_real(value) for value in (1, 2.5, np.float32(1), True, "1", 1j, [1.0])]
+    [True, True, True, False, False, False, False]
+    """
+    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
+def is_whole(value: object) -> bool:
+    """Whether something is one whole number; booleans are none."""
+    return isinstance(value, Integral) and is_real(value)
+
+
+def real_array(value: Any, where: str, field: str, rule: str) -> FloatArray:
+    """Array of real numbers, which may be infinite or NaN; what has no such array is refused, never cut to fit.
+
+    Parameters
+    ----------
+    value : array_like
+        Numbers, nested as deep as they like.
+    where, field, rule : str
+        For the message: the call, its argument, and what it must be.
+
+    Raises
+    ------
+    SceneError
+        Complex numbers, booleans, texts, masked values, rows of different length.
+    """
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise SceneError(
+            f"{where}.{field} must be {rule}, none of them masked (got {int(np.ma.getmaskarray(value).sum())} masked)"
+        )
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError, OverflowError):
+        raise SceneError(f"{where}.{field} must be {rule} (got {type(value).__name__} with no one shape)") from None
+    if array.dtype.kind == "O" and all(is_real(item) and abs(item) <= LARGEST for item in array.ravel()):
+        array = array.astype(float)  # whole numbers of Python, fractions
+    if array.dtype.kind not in "fiu":
+        raise SceneError(f"{where}.{field} must be {rule}, real numbers (got {_words(array)})")
+    return np.asarray(array, dtype=float)
+
+
+def real_points(where: str, *coordinates: Any) -> tuple[FloatArray, ...]:
+    """Coordinates x, y or x, y, z [m] as arrays of real numbers whose shapes broadcast against each other.
+
+    Examples
+    --------
+    >>> [t.shape for t in real_points("here", 1.0, [0.0, 1.0])]
+    [(), (2,)]
+    """
+    found = tuple(
+        real_array(values, where, axis, "coordinates [m]") for axis, values in zip("xyz", coordinates, strict=False)
+    )
+    try:
+        np.broadcast_shapes(*(values.shape for values in found))
+    except ValueError:
+        shapes = ", ".join(str(values.shape) for values in found)
+        raise SceneError(f"{where}: coordinates must be of shapes that broadcast (got {shapes})") from None
+    return found
+
+
+def _words(array: NDArray[Any]) -> str:
+    names = {"b": "booleans", "c": "complex numbers", "U": "text", "S": "bytes", "O": "objects"}
+    return f"{names.get(array.dtype.kind, str(array.dtype))} of shape {array.shape}"

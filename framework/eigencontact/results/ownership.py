@@ -1,0 +1,81 @@
+"""Whose a file is: a run and ``plot`` replace only files that this package wrote.
+
+Everything that it writes says so: results and stored steps by their format, ``summary.json`` by the hash of its scene,
+pictures and VTK files by the name of the package inside. Files of an earlier version that do not are known by the
+``files`` of the summary beside them. Any other file is left alone, and what would have its name is refused before
+anything is computed.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from eigencontact.core.names import PICTURES, SURFACE
+from eigencontact.errors import ResultsError
+
+__all__ = ["SUMMARY", "is_ours", "listed_files", "refuse_foreign"]
+
+SUMMARY = "summary.json"
+_NAME, _HASH = b"eigencontact", b'"scene_hash"'
+_BLOCK = 1 << 20
+
+
+def is_ours(path: Path) -> bool:
+    """Whether this package wrote a file, damaged since or not."""
+    mark = _HASH if path.suffix == ".json" else _NAME
+    return path.is_file() and (_holds(path, mark) or path.name in listed_files(path.parent))
+
+
+def listed_files(folder: Path) -> list[str]:
+    """Names of the files that the summary in a folder lists as written; none where there is no summary of ours."""
+    try:
+        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        return [str(name) for name in summary["files"]] if "scene_hash" in summary else []
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return []
+
+
+def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures: bool, vtk: bool) -> None:
+    """Refuse a folder that holds files of others under names that a run or its drawings may use.
+
+    Parameters
+    ----------
+    folder : Path
+        Where files will go; it may be missing.
+    regions : list of str
+        Names of the sub-surface regions.
+    summary, pictures, vtk : bool
+        What will be written.
+
+    Raises
+    ------
+    ResultsError
+        Names the first such file.
+    """
+    try:
+        present = sorted(folder.iterdir())
+    except (OSError, ValueError):  # missing, or no folder that can be written: that is said where it is made
+        return
+    names = "|".join(re.escape(name) for name in (SURFACE, *regions))
+    stems = "|".join(re.escape(name) for name in (*PICTURES, *regions))
+    used = [rf"({stems})\.png"] * pictures + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
+    used += [re.escape(SUMMARY)] * summary
+    for path in present:
+        if any(re.fullmatch(pattern, path.name, re.IGNORECASE) for pattern in used) and not is_ours(path):
+            raise ResultsError(
+                f"{path} must be a file that eigencontact wrote, or not be there (got a file of another origin, which "
+                "would be replaced); move it away, rename the region that asks for it, or choose another folder with -o"
+            )
+
+
+def _holds(path: Path, mark: bytes) -> bool:
+    """Whether the bytes of a file hold a mark; files of ours have it near their start."""
+    tail = b""
+    with path.open("rb") as file:
+        while block := file.read(_BLOCK):
+            if mark in tail + block:
+                return True
+            tail = block[-len(mark) :]
+    return False

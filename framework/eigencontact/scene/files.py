@@ -1,0 +1,110 @@
+"""Data files that the components of a scene name: made absolute, and listed, by the annotations of their classes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+from eigencontact.core.quantities import FileMark
+from eigencontact.errors import PluginError
+from eigencontact.hooks.registry import Registry
+from eigencontact.scene.schema import Scene
+from eigencontact.scene.table import OfKind, Table
+
+__all__ = ["anchored"]
+
+#: What a file beside the bundled scenes begins with.
+GALLERY = "gallery:"
+
+Place = Callable[[str], str]
+
+
+def anchored(scene: Scene, registry: Registry) -> tuple[Scene, tuple[Path, ...]]:
+    """Scene with absolute paths of its data files, and these files.
+
+    Parameters
+    ----------
+    scene : Scene
+        A relative path in it counts from the folder of the scene's file; without one it stays as it is.
+    registry : Registry
+        Knows which fields of a component are files (`eigencontact.core.quantities.DataFile`).
+
+    Returns
+    -------
+    Scene, tuple of Path
+        The files in the order of the scene, each once, those of the gallery too; they need not exist.
+    """
+    folder, found = scene.folder, dict[Path, None]()
+
+    def place(name: str) -> str:
+        if name.startswith(GALLERY):
+            found[Path(str(files("eigencontact") / "gallery")) / name.removeprefix(GALLERY)] = None
+            return name
+        path = Path(name) if folder is None else folder / name
+        found[path] = None
+        return str(path)
+
+    return _in_model(scene, registry, place), tuple(found)
+
+
+def _in_model(model: Any, registry: Registry, place: Place) -> Any:
+    """Copy of a table of a scene with the files in it placed."""
+    changes: dict[str, Any] = {}
+    for name, item in type(model).model_fields.items():
+        value = getattr(model, name)
+        kind = next((mark.kind for mark in item.metadata if isinstance(mark, OfKind)), None)
+        if kind is not None:
+            changes[name] = _in_component(value, kind, registry, place)
+        elif isinstance(value, Table):
+            changes[name] = _in_model(value, registry, place)
+        elif isinstance(value, list) and value and isinstance(value[0], Table):
+            changes[name] = [_in_model(one, registry, place) for one in value]
+    if model.model_extra:  # the fields of a component stand in the table itself
+        found = _in_component({"type": model.type, **model.model_extra}, model.kind, registry, place)
+        changes |= {key: found[key] for key in model.model_extra}
+    return model.model_copy(update=changes)
+
+
+def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> Any:
+    """Tables of a component, or of several; what is no table of an installed one is left for its own refusal."""
+    if isinstance(value, list | tuple):
+        return [_in_component(item, kind, registry, place) for item in value]
+    key = value.get("type") if isinstance(value, Mapping) else None
+    if not isinstance(key, str):
+        return value
+    try:
+        component = registry.get(kind, key).component
+    except PluginError:
+        return value
+    return _in_table(component, value, place)
+
+
+def _in_table(cls: type, table: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    hints = get_type_hints(cls, include_extras=True)
+    known = {item.name: hints[item.name] for item in fields(cls)}
+    return {
+        name: _placed(known[field], value, place) if (field := name.replace("-", "_")) in known else value
+        for name, value in table.items()
+    }
+
+
+def _placed(hint: Any, value: Any, place: Place) -> Any:
+    """Value of a field with its annotation; an array of tables or files item by item."""
+    if any(isinstance(mark, FileMark) for mark in getattr(hint, "__metadata__", ())):
+        return place(str(value)) if isinstance(value, str | Path) else value
+    if isinstance(hint, type) and is_dataclass(hint):
+        if isinstance(value, list | tuple):
+            return [_placed(hint, item, place) for item in value]
+        return _in_table(hint, value, place) if isinstance(value, Mapping) else value
+    if get_origin(hint) is Literal:
+        return value
+    inner = [part for part in get_args(hint) if part is not Ellipsis]
+    if get_origin(hint) in (tuple, list) and isinstance(value, list | tuple):
+        each = inner if Ellipsis not in get_args(hint) and len(inner) == len(value) else inner[:1] * len(value)
+        return [_placed(part, item, place) for part, item in zip(each, value, strict=True)]
+    for part in inner:  # of a union; at most one of its members fits the value
+        value = _placed(part, value, place)
+    return value
