@@ -14,15 +14,36 @@ from eigencontact.execution.cell_strain import Place, fractions_in, place_in, va
 from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.sources import Inhomogeneity, Source
-from eigencontact.plugin import ConstitutiveLaw
+from eigencontact.plugin import ConstitutiveLaw, LinearLaw, VariesInSpace
 
-__all__ = ["MaterialCells"]
+__all__ = ["LinearContent", "MaterialCells", "is_linear"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
 
 #: A share of a cell smaller than this is left out.
 _LEAST = 1e-3
+#: A law that is not linear fills cells of which it has this share at least.
+_HALF = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class LinearContent:
+    """What `eigencontact.solvers.equivalent_inclusions.InhomogeneousCells` takes; see `MaterialCells`."""
+
+    laws: list[ConstitutiveLaw]
+    index: IntArray
+    beside: IntArray
+    fraction: FloatArray
+    normal: FloatArray
+
+
+def is_linear(law: ConstitutiveLaw) -> bool:
+    """Whether a law is elastic, with constants that may depend on the place."""
+    if isinstance(law, VariesInSpace):
+        origin = np.zeros(1)
+        law = law.at(origin, origin, origin)
+    return isinstance(law, LinearLaw)
 
 
 class MaterialCells:
@@ -62,6 +83,24 @@ class MaterialCells:
         self.fraction = np.where(kept, np.minimum(own / np.where(both, own + other, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
         self.normal = self._gradient(left)
+
+    @property
+    def linear(self) -> LinearContent:
+        """Cells of laws that are linear, cut ones included; a law that is not fills whole cells."""
+        linear = [law for law in self.laws if is_linear(law)]
+        numbers = np.array([0, *(linear.index(law) + 1 if law in linear else 0 for law in self.laws)])
+        others = np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
+        index = np.where(others, 0, numbers[self.index])
+        return LinearContent(linear, index, numbers[self.beside], np.where(others, 1.0, self.fraction), self.normal)
+
+    @property
+    def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
+        """Laws that are not linear, and the cells that they fill at least by half."""
+        return [
+            (law, (self.index == number) & (self.fraction >= _HALF))
+            for number, law in enumerate(self.laws, 1)
+            if not is_linear(law)
+        ]
 
     def _share(self, member: int) -> tuple[Place, FloatArray]:
         """Part of the box that an inhomogeneity takes, and its share of those cells, without what later ones take."""
