@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from eigencontact.errors import NotConverged, PlanError
-from eigencontact.planning.layered_influence import LayeredInfluence
+from eigencontact.halfspace.layered_influence import LayeredInfluence
 from eigencontact.plugin import COMPONENTS, Material, SurfaceInfluence
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY

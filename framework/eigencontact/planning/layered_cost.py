@@ -1,8 +1,9 @@
-"""Predicted time of the influence coefficients of layered bodies, from two tables timed on the spot."""
+"""Predicted time of the influence coefficients of layered bodies, from a few of them timed on the spot."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from time import perf_counter
 from typing import Any
@@ -19,37 +20,72 @@ __all__ = ["layered_sampling_seconds", "layered_stress_cost", "layered_surface_c
 
 #: Tables of displacement that a contact samples: the grids from coarse to fine, and the whole window.
 _TABLES = 5
-#: A table of one component of displacement takes about this share of one of six components of stress.
-_SURFACE = 0.5
 #: Memory held while a table is found, for each of its points [bytes].
 _POINT_BYTES = 300.0
+#: Depths of the fields that are timed: two numbers tell what each depth takes.
+_DEPTHS = (9, 33)
+
+
+@dataclass(frozen=True, slots=True)
+class _Pace:
+    """Times [s]: of a field whatever its depths, of each depth more, of each table at it, of each point of a table."""
+
+    field: float = 0.0
+    depth: float = 0.0
+    table: float = 0.0
+    point: float = 0.0
 
 
 @cache
-def _table_seconds(influence: SurfaceInfluence, medium: LayeredMedium, *, periodic: bool) -> tuple[float, float]:
-    """Time of one table of six stress coefficients, whatever its size, and of each of its points [s]."""
-    sample: Any = influence.sample
-    depth = medium.interfaces[0] if medium.interfaces else 1.0
+def _stress_pace(influence: SurfaceInfluence, medium: LayeredMedium, *, periodic: bool) -> _Pace:
+    """Six stress coefficients at depths through the layers."""
+    depth = medium.interfaces[-1] if medium.interfaces else 1.0
     if periodic:
         assert isinstance(influence, HasWavenumberResponse)
         answer: Any = influence.wavenumber_response
         k = np.linspace(0.0, 8.0 / depth, 48)
         answer("stress", COMPONENTS, k[None, :2], k[:2, None], 0.5 * depth, medium)
-        began = perf_counter()
-        answer("stress", COMPONENTS, k[None, :], k[:, None], 0.5 * depth, medium)
-        return 0.0, (perf_counter() - began) / k.size**2
-    cell, times = depth / 20.0, []
-    for n in (2, 8, 144):  # the first also loads what is needed
-        x = np.arange(n) * cell
-        began = perf_counter()
-        sample("stress", COMPONENTS, x, x, 0.5 * depth, (0.5 * cell, 0.5 * cell), medium)
-        times.append(perf_counter() - began)
-    return times[1], max(times[2] - times[1], 0.0) / 144**2
+        seconds, _ = _seconds(answer, "stress", COMPONENTS, k[None, :], k[:, None], 0.5 * depth, medium)
+        return _Pace(point=seconds / k.size**2)
+    cell = depth / 20.0
+    x, half_widths = np.arange(144) * cell, (0.5 * cell, 0.5 * cell)
+    layered: Any = influence  # the influence that knows layers goes with such a body
+    times = []
+    for count in (2, *_DEPTHS):  # the first also loads what is needed
+        depths = np.linspace(0.0, 2.5 * depth, count)
+        seconds, field = _seconds(layered.at_depths, "stress", COMPONENTS, depths, half_widths, x[-1], medium)
+        times.append(seconds)
+    # Near the surface a closed kernel is sampled too: a mean over depths.
+    some = range(0, _DEPTHS[1], 4)
+    few, many = (sum(_seconds(field.on_lattice, k, x[:n], x[:n])[0] for k in some) / len(some) for n in (8, 144))
+    each = max(times[2] - times[1], 0.0) / (_DEPTHS[1] - _DEPTHS[0])
+    return _Pace(max(times[1] - _DEPTHS[0] * each, 0.0), each, few, max(many - few, 0.0) / x.size**2)
+
+
+@cache
+def _surface_pace(influence: SurfaceInfluence, medium: LayeredMedium, *, periodic: bool) -> _Pace:
+    """One component of the displacement of the surface."""
+    if periodic:
+        return _Pace(point=_stress_pace(influence, medium, periodic=True).point / 3.0)
+    cell = (medium.interfaces[-1] if medium.interfaces else 1.0) / 20.0
+    sample: Any = influence.sample
+    times = []
+    for n, part in ((96, 1.0), (96, 0.9), (96, 0.8), (8, 0.7)):  # cells of new sizes; the first finds the field
+        x = np.arange(n) * part * cell
+        half_widths = (0.5 * part * cell, 0.5 * part * cell)
+        times.append(_seconds(sample, "displacement", ("z",), x, x, 0.0, half_widths, medium)[0])
+    return _Pace(times[0], 0.0, times[3], max(times[2] - times[3], 0.0) / 96**2)
+
+
+def _seconds(call: Any, *arguments: object) -> tuple[float, Any]:
+    began = perf_counter()
+    found = call(*arguments)
+    return perf_counter() - began, found
 
 
 def layered_sampling_seconds(influence: SurfaceInfluence, medium: LayeredMedium, *, periodic: bool) -> float:
     """Measured time of six stress coefficients of a layered medium at one lattice point [s]."""
-    return _table_seconds(influence, medium, periodic=periodic)[1]
+    return _stress_pace(influence, medium, periodic=periodic).point
 
 
 def layered_surface_cost(
@@ -65,8 +101,8 @@ def layered_surface_cost(
     seconds, held = 0.0, 0.0
     for influence in influences:
         for medium in {body for body in bodies if isinstance(body, LayeredMedium)}:
-            fixed, point = _table_seconds(influence, medium, periodic=periodic)
-            seconds += _SURFACE * (_TABLES * fixed + lattice * point)
+            pace = _surface_pace(influence, medium, periodic=periodic)
+            seconds += pace.field + _TABLES * pace.table + lattice * pace.point
             held = _POINT_BYTES * lattice
     return Cost(seconds_once=seconds, transient=held)
 
@@ -86,6 +122,7 @@ def layered_stress_cost(
     """
     if not isinstance(body, LayeredMedium):
         return Cost()
-    seconds = tables * _table_seconds(influence, body, periodic=periodic)[0]
-    seconds /= 0.75 * min(threads or available_threads(), max(1, tables))
-    return Cost(seconds_per_step=seconds) if anew else Cost(seconds_once=seconds)
+    pace = _stress_pace(influence, body, periodic=periodic)
+    found = pace.field + tables * pace.depth
+    sampled = tables * pace.table / (0.75 * min(threads or available_threads(), max(1, tables)))
+    return Cost(seconds_once=found, seconds_per_step=sampled) if anew else Cost(seconds_once=found + sampled)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,14 @@ from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.tensors import COMPONENTS
 
-__all__ = ["StressKernel", "SubsurfaceStress", "stress_at_points"]
+__all__ = ["HasTablesAtDepths", "StressKernel", "SubsurfaceStress", "stress_at_points"]
 
 FloatArray = NDArray[np.float64]
+#: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
+TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]
+
+# Points whose kernels are prepared together: enough that depths share work, few enough to be small.
+_TOGETHER = 128
 
 
 class StressKernel(Protocol):
@@ -35,6 +40,38 @@ class StressKernel(Protocol):
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes for a traction wave at one depth, ``(n, nky, nkx)``."""
         ...
+
+
+@runtime_checkable
+class HasTablesAtDepths(Protocol):
+    """Optional ability of a kernel whose depths share work: tables at several depths."""
+
+    def at_depths(
+        self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
+    ) -> TableAt:
+        """Prepare tables at depths ``(nz,)`` for offsets up to `reach` [m]; they may be asked for in threads."""
+        ...
+
+
+def _tables(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
+    """Tables of all components at some depths."""
+    names = list(COMPONENTS)
+    if isinstance(kernel, HasTablesAtDepths):
+        return kernel.at_depths(names, depths, half_widths, reach)
+    return lambda number, x, y: kernel.table(names, x, y, float(depths[number]), half_widths)
+
+
+def _all_tables(
+    kernels: Sequence[StressKernel], depths: FloatArray, half_widths: tuple[float, float], reach: float, threads: int
+) -> list[TableAt]:
+    """Tables of each kernel, prepared side by side."""
+    found: dict[int, TableAt] = {}
+
+    def prepare(number: int, kernel: StressKernel) -> None:
+        found[number] = _tables(kernel, depths, half_widths, reach)
+
+    in_parallel(threads, [partial(prepare, number, kernel) for number, kernel in enumerate(kernels)])
+    return [found[number] for number in range(len(kernels))]
 
 
 class SubsurfaceStress:
@@ -91,33 +128,48 @@ class SubsurfaceStress:
         self._convolver = Convolver(self._layout, precision=precision, threads=threads)
         self._threads = threads or available_threads()
         self._spectra: list[list[list[Spectrum]]] = [[] for _ in self.depths]
-        in_parallel(self._threads, [partial(self._fill, k, list(kernels)) for k in range(self.depths.size)])
+        make = self._waves(list(kernels)) if periodic else self._coefficients(list(kernels))
+        in_parallel(self._threads, [partial(self._fill, k, make) for k in range(self.depths.size)])
 
-    def _fill(self, k: int, kernels: list[StressKernel]) -> None:
+    def _fill(self, k: int, make: Callable[[int], list[list[Spectrum]]]) -> None:
         """Spectra of one depth, ``[component][traction]``."""
+        self._spectra[k] = [list(row) for row in zip(*make(k), strict=True)]
+
+    def _waves(self, kernels: list[StressKernel]) -> Callable[[int], list[list[Spectrum]]]:
+        """Spectra of a depth from the response to waves, ``[traction][component]``."""
+        ky, kx = self._layout.wavenumbers(self.grid.dy, self.grid.dx)
         names = list(COMPONENTS)
-        by_kernel = []
-        for kernel in kernels:
-            if self._periodic:
-                ky, kx = self._layout.wavenumbers(self.grid.dy, self.grid.dx)
-                values = kernel.response(names, kx[None, :], ky[:, None], float(self.depths[k]))
-                by_kernel.append(
-                    [
-                        self._layout.spectrum_from_response(value, kernel.parity(name), precision=self._precision)
-                        for name, value in zip(names, values, strict=True)
-                    ]
-                )
-                continue
-            dx, dy = self.grid.dx, self.grid.dy
-            x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
-            tables = kernel.table(names, x, y, float(self.depths[k]), (0.5 * dx, 0.5 * dy))
-            by_kernel.append(
+
+        def make(k: int) -> list[list[Spectrum]]:
+            z = float(self.depths[k])
+            each = [(kernel, kernel.response(names, kx[None, :], ky[:, None], z)) for kernel in kernels]
+            return [
+                [
+                    self._layout.spectrum_from_response(value, kernel.parity(name), precision=self._precision)
+                    for name, value in zip(names, values, strict=True)
+                ]
+                for kernel, values in each
+            ]
+
+        return make
+
+    def _coefficients(self, kernels: list[StressKernel]) -> Callable[[int], list[list[Spectrum]]]:
+        """Spectra of a depth from tables of coefficients, ``[traction][component]``."""
+        dx, dy = self.grid.dx, self.grid.dy
+        x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
+        reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
+        prepared = _all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)
+
+        def make(k: int) -> list[list[Spectrum]]:
+            return [
                 [
                     self._layout.spectrum(table, kernel.parity(name), precision=self._precision)
-                    for name, table in zip(names, tables, strict=True)
+                    for name, table in zip(COMPONENTS, tables(k, x, y), strict=True)
                 ]
-            )
-        self._spectra[k] = [list(row) for row in zip(*by_kernel, strict=True)]
+                for kernel, tables in zip(kernels, prepared, strict=True)
+            ]
+
+        return make
 
     @property
     def nbytes(self) -> int:
@@ -183,18 +235,23 @@ def stress_at_points(
     box = Box.around(np.any([traction != 0 for traction in tractions], axis=0))
     if box is None:
         return out
-    y, x = grid.y[box.slices[0]], grid.x[box.slices[1]]
+    # Offsets (point minus cell) ascend when the cells are taken in descending order.
+    y, x = grid.y[box.slices[0]][::-1], grid.x[box.slices[1]][::-1]
     half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
     loads = [np.ascontiguousarray(traction[box.slices][::-1, ::-1]) for traction in tractions]
-
-    def superpose(numbers: range) -> None:
-        for number in numbers:
-            px, py, pz = points[number]
-            for kernel, load in zip(kernels, loads, strict=True):
-                # Offsets (point minus cell) ascend when the cells are taken in descending order.
-                table = kernel.table(list(COMPONENTS), px - x[::-1], py - y[::-1], float(pz), half_widths)
-                out[:, number] += np.einsum("kij,ij->k", table, load)
-
     workers = threads or available_threads()
-    in_parallel(workers, [partial(superpose, range(k, len(points), workers)) for k in range(workers)])
+    for begin in range(0, len(points), _TOGETHER):
+        some = points[begin : begin + _TOGETHER]
+        depths, place = np.unique(some[:, 2], return_inverse=True)
+        reach = max(float(np.abs(some[:, 0, None] - x).max()), float(np.abs(some[:, 1, None] - y).max()))
+        tables = _all_tables(kernels, depths, half_widths, reach, workers)
+
+        def superpose(numbers: range) -> None:
+            for number in numbers:
+                px, py, _ = some[number]  # noqa: B023
+                for table, load in zip(tables, loads, strict=True):  # noqa: B023
+                    values = table(int(place[number]), px - x, py - y)  # noqa: B023
+                    out[:, begin + number] += np.einsum("kij,ij->k", values, load)  # noqa: B023
+
+        in_parallel(workers, [partial(superpose, range(k, len(some), workers)) for k in range(workers)])
     return out
