@@ -238,3 +238,15 @@ class LayeredInfluence:
         if isinstance(material, Material):
             return self.base.wavenumber_response(quantity, components, kx, ky, z, material)
         return material.response(quantity, components, self.traction, kx, ky, z, side=self.side)
+
+    def wavenumber_responses(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        kx: FloatArray,
+        ky: FloatArray,
+        depths: FloatArray,
+        medium: Medium,
+    ) -> ComplexArray:
+        """Amplitudes for a traction wave at depths ``(nz,)`` [m], ``(len(components), nz, ...)``."""
+        return response_at_depths(medium, quantity, components, self.traction, (kx, ky), depths, self.side)

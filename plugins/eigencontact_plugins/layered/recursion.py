@@ -46,6 +46,7 @@ __all__ = ["Slab", "State", "Waves"]
 
 FloatArray = NDArray[np.float64]
 
+ONE = np.eye(2)[..., None]
 # Below this k h a layer is passed with its transfer matrix, above it with decaying waves.
 THIN = 1.0
 # d cosh d - sinh d = d³ Σ c_n d^(2n), to double precision up to d = 1.
@@ -62,9 +63,11 @@ class Slab:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Displacement times 2k [1/Pa] and traction [-] at some depths, per unit traction on the surface.
+    """Displacement times 2k [1/Pa] and traction [-] at some depths, per unit (p, q) or r on the surface.
 
-    `pair` and `pair_traction` are (w, a) and (p, q), ``(2, nz, n)``; `across` and `across_traction` are v and r.
+    `pair` and `pair_traction` are (w, a) and (p, q), ``(2, nz, n)``; `across` and `across_traction` are v and r. Fields
+    are returned without their phases, as a traction t along the wavevector is q = -i t: under a pressure, components
+    with one index along the surface are these numbers times i; under a shear, those with none or two are times -i.
     """
 
     k: FloatArray
@@ -73,22 +76,19 @@ class State:
     across: FloatArray
     across_traction: FloatArray
 
-    def displacement(self, phase: complex) -> dict[str, NDArray[np.complex128]]:
-        """Displacement [m/Pa] along the wavevector (s), across it (t) and z; `phase` multiplies w, a, p and q."""
+    def displacement(self) -> dict[str, FloatArray]:
+        """Displacement [m/Pa] along the wavevector (s), across it (t) and z."""
         scale = 0.5 / self.k
-        return {
-            "s": (1j * phase) * (self.pair[1] * scale), "t": self.across * scale + 0j,
-            "z": phase * (self.pair[0] * scale),
-        }  # fmt: skip
+        return {"s": self.pair[1] * scale, "t": self.across * scale, "z": self.pair[0] * scale}
 
-    def stress(self, phase: complex, material: Material) -> dict[str, NDArray[np.complex128]]:
+    def stress(self, material: Material) -> dict[str, FloatArray]:
         """Plain stress components [-] on the side where `material` is; ν = 1/2 needs no limit."""
         G, nu = material.shear_modulus, material.poisson_ratio
         p, q = self.pair_traction
         along = -(nu * p + G * self.pair[1]) / (1 - nu)
         return {
-            "ss": phase * along, "tt": phase * (nu * (along - p)), "zz": -phase * p,
-            "sz": (-1j * phase) * q, "tz": -self.across_traction + 0j, "st": 0.5j * G * self.across,
+            "ss": along, "tt": nu * (along - p), "zz": -p,
+            "sz": -q, "tz": -self.across_traction, "st": -0.5 * G * self.across,
         }  # fmt: skip
 
 
@@ -109,7 +109,7 @@ class Waves:
 
     def __init__(self, k: FloatArray, slabs: Sequence[Slab], substrate: Material, load: str) -> None:
         self.k, self.slabs, self.substrate = k, slabs, substrate
-        pair = np.broadcast_to(_half_space(substrate) / substrate.shear_modulus, (k.size, 2, 2))
+        pair = np.broadcast_to(_half_space(substrate) / substrate.shear_modulus, (2, 2, k.size))
         across = np.full(k.size, 2.0 / substrate.shear_modulus)
         # Compliances under each slab and at last on the surface, from the substrate up; matrices through each slab.
         self._compliances = [(pair, across)]
@@ -119,18 +119,18 @@ class Waves:
             across, down_across = _pass_across(k * slab.thickness, slab.material, across)
             self._compliances.insert(0, (pair, across))
             through.insert(0, (down, down_across))
-        traction = np.zeros((k.size, 2))
-        traction[:, 0 if load == "p" else 1] = 1.0
+        traction = np.zeros((2, k.size))
+        traction[0 if load == "p" else 1] = 1.0
         self._tractions = [(traction, np.ones(k.size))]
         for down, down_across in through:
             traction, shear = self._tractions[-1]
-            self._tractions.append((_applied(down, traction), down_across * shear))
+            self._tractions.append((_product(down, traction), down_across * shear))
 
     def on_interface(self, number: int) -> State:
         """State on the surface (0) or on the underside of so many slabs."""
         (pair, across), (traction, shear) = self._compliances[number], self._tractions[number]
-        moved = _applied(pair, traction)
-        return State(self.k, moved.T[:, None], traction.T[:, None], (across * shear)[None], shear[None])
+        moved = _product(pair, traction)
+        return State(self.k, moved[:, None], traction[:, None], (across * shear)[None], shear[None])
 
     def inside(self, number: int, depths: FloatArray) -> State:
         """State at depths ``(nz,)`` [m] below the top of slab `number`, or of the substrate after the last."""
@@ -138,44 +138,43 @@ class Waves:
         traction, shear = self._tractions[number]
         if number == len(self.slabs):
             G, decay = self.substrate.shear_modulus, np.exp(-d)
-            p, q = _decayed(d, decay, traction)
-            moved = np.array(_times(_half_space(self.substrate) / G, p, q))
-            return State(self.k, moved, np.array([p, q]), 2.0 / G * shear * decay, shear * decay)
-        slab, (below, below_across) = self.slabs[number], self._compliances[number + 1]
+            below = _decayed(d, traction)
+            return State(
+                self.k, _product(_half_space(self.substrate) / G, below), below, 2.0 / G * shear * decay, shear * decay
+            )
+        slab, (pair, across) = self.slabs[number], self._compliances[number + 1]
         whole, G = self.k * slab.thickness, slab.material.shear_modulus
         up = np.maximum(whole - d, 0.0)
-        states = np.empty((4, *d.shape))
+        state = np.empty((4, *d.shape))
         thin = whole < THIN
         if thin.any():
-            under = self._tractions[number + 1][0][thin]
-            state = np.concatenate([G * _applied(below[thin], under), under], axis=1)
-            states[:, :, thin] = _transferred(up[:, thin], slab.material, state)
+            under = self._tractions[number + 1][0][:, thin]
+            given = np.concatenate([G * _product(pair[..., thin], under), under])
+            state[..., thin] = _transferred(up[:, thin], slab.material, given)
         if not thin.all():
             thick = ~thin
-            states[:, :, thick] = _two_waves(
-                (d[:, thick], up[:, thick], whole[thick]), slab.material, G * below[thick], traction[thick]
-            )
-        states[:2] /= G
-        b, cosh, sinh = 0.5 * G * below_across, 1 + np.exp(-2 * up), -np.expm1(-2 * up)
+            distances = (d[:, thick], up[:, thick], whole[thick])
+            state[..., thick] = _two_waves(distances, slab.material, G * pair[..., thick], traction[:, thick])
+        state[:2] /= G
+        b, cosh, sinh = 0.5 * G * across, 1 + np.exp(-2 * up), -np.expm1(-2 * up)
         factor = shear * np.exp(-d) / (1 + np.exp(-2 * whole) - b * np.expm1(-2 * whole))
-        return State(self.k, states[:2], states[2:], 2.0 / G * factor * (b * cosh + sinh), factor * (cosh + b * sinh))
+        return State(self.k, state[:2], state[2:], 2.0 / G * factor * (b * cosh + sinh), factor * (cosh + b * sinh))
 
 
-def _applied(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Products of 2x2 matrices ``(n, 2, 2)`` with vectors ``(n, 2)``."""
-    return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
+def _product(*factors: FloatArray) -> FloatArray:
+    """Product of matrices ``(i, j, n)``, the last of which may be a vector ``(j, [nz,] n)``; n may be 1."""
+    *matrices, total = factors
+    for matrix in reversed(matrices):
+        total = np.einsum("ijn,j...n->i...n", matrix, total)
+    return total
 
 
-def _times(matrix: FloatArray, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Product of one 2x2 matrix with the vectors (p, q)."""
-    return matrix[0, 0] * p + matrix[0, 1] * q, matrix[1, 0] * p + matrix[1, 1] * q
-
-
-def _decayed(d: FloatArray, decay: FloatArray, traction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Traction P(d) (p, q) of waves ``(n, 2)`` that decay downwards."""
-    p, q = traction.T
+def _decayed(d: FloatArray, traction: FloatArray) -> FloatArray:
+    """Traction P(d) (p, q) of waves ``(2, n)`` that decay downwards, ``(2, nz, n)``."""
+    p, q = traction
+    decay = np.exp(-d)
     drop = d * decay
-    return (decay + drop) * p + drop * q, (decay - drop) * q - drop * p
+    return np.array([(decay + drop) * p + drop * q, (decay - drop) * q - drop * p])
 
 
 def _two_waves(
@@ -183,33 +182,32 @@ def _two_waves(
 ) -> FloatArray:
     """State (G w, G a, p, q) ``(4, nz, n)`` inside a thick layer from the traction above, see the module."""
     d, up, whole = distances
-    A = _half_space(material)
+    A, swap = _half_space(material), np.array([1.0, -1.0])[:, None, None]
     P, R, Q = _reflection(whole, material, B)
-    down_wave = _applied(_inverse(np.eye(2) + Q), traction)
-    up_wave = _applied(R, _applied(P, down_wave))
-    p, q = _decayed(d, np.exp(-d), down_wave)
-    # A wave that decays upwards is the mirror image: P with bars is P with the sign of q changed before and after.
-    mirrored_p, mirrored_q = _decayed(up, np.exp(-up), up_wave * (1.0, -1.0))
-    w, a = _times(A, p, q)
-    mirrored_w, mirrored_a = _times(A, mirrored_p, mirrored_q)
-    return np.array([w - mirrored_w, a + mirrored_a, p + mirrored_p, q - mirrored_q])
+    down_wave = _product(_inverse(ONE + Q), traction)
+    up_wave = _product(R, P, down_wave)
+    falling = _decayed(d, down_wave)
+    # A wave that decays upwards is the mirror image: P with a bar is P with the sign of q changed before and after.
+    rising = _decayed(up, up_wave * swap[:, 0])
+    moved = _product(A, falling) - swap * _product(A, rising)
+    return np.concatenate([moved, falling + swap * rising])
 
 
 def _half_space(material: Material) -> FloatArray:
-    """Matrix A of the module, (2, 2)."""
+    """Matrix A of the module, (2, 2, 1)."""
     nu = material.poisson_ratio
-    return np.array([[2 * (1 - nu), 1 - 2 * nu], [1 - 2 * nu, 2 * (1 - nu)]])
+    return np.array([[2 * (1 - nu), 1 - 2 * nu], [1 - 2 * nu, 2 * (1 - nu)]])[..., None]
 
 
 def _pass_pair(d: FloatArray, material: Material, pair: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Compliance over a layer from that under it, and the matrix of tractions, over to under, ``(n, 2, 2)`` each."""
+    """Compliance over a layer from that under it, and the matrix of tractions, over to under, ``(2, 2, n)`` each."""
     G = material.shear_modulus
     B = G * pair
     over, down = np.empty_like(B), np.empty_like(B)
     thin = d < THIN
     for chosen, formula in ((thin, _thin), (~thin, _thick)):
         if chosen.any():
-            over[chosen], down[chosen] = formula(d[chosen], material, B[chosen])
+            over[..., chosen], down[..., chosen] = formula(d[chosen], material, B[..., chosen])
     return over / G, down
 
 
@@ -225,49 +223,45 @@ def _transfer(d: FloatArray, material: Material) -> list[tuple[FloatArray, Float
 
 
 def _transferred(d: FloatArray, material: Material, state: FloatArray) -> FloatArray:
-    """State (G w, G a, p, q) ``(4, nz, n)`` at heights d ``(nz, n)`` over the underside, from that there ``(n, 4)``."""
+    """State (G w, G a, p, q) ``(4, nz, n)`` at heights d ``(nz, n)`` over the underside, from that there ``(4, n)``."""
     out = np.zeros((4, *d.shape))
     for factor, matrix in _transfer(d, material):
-        out += factor * (state @ matrix.T).T[:, None]
+        out += factor * (matrix @ state)[:, None]
     return out
 
 
 def _thin(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray]:
-    T = np.add.reduce([factor[:, None, None] * matrix for factor, matrix in _transfer(d, material)])
-    down = _inverse(T[:, 2:, :2] @ B + T[:, 2:, 2:])
-    return (T[:, :2, :2] @ B + T[:, :2, 2:]) @ down, down
+    T = np.add.reduce([matrix[..., None] * factor for factor, matrix in _transfer(d, material)])
+    down = _inverse(_product(T[2:, :2], B) + T[2:, 2:])
+    return _product(_product(T[:2, :2], B) + T[:2, 2:], down), down
 
 
 def _thick(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray]:
     A = _half_space(material)
     P, _, Q = _reflection(d, material, B)
-    total = _inverse(np.eye(2) + Q)
-    inner = _inverse(_mirrored(A) + B)
-    return (A - _mirrored(A) @ Q) @ total, 4 * (1 - material.poisson_ratio) * inner @ P @ total
+    total = _inverse(ONE + Q)
+    down = 4 * (1 - material.poisson_ratio) * _product(_inverse(_mirrored(A) + B), P, total)
+    return _product(A - _product(_mirrored(A), Q), total), down
 
 
 def _reflection(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Matrices P, R and Q of the module, ``(n, 2, 2)``."""
+    """Matrices P, R and Q of the module, ``(2, 2, n)``."""
     A = _half_space(material)
     decay, drop = np.exp(-d), d * np.exp(-d)
-    P = np.moveaxis(np.array([[decay + drop, drop], [-drop, decay - drop]]), -1, 0)
-    R = _inverse(_mirrored(A) + B) @ (A - B)
-    return P, R, _mirrored(P) @ R @ P
+    P = np.array([[decay + drop, drop], [-drop, decay - drop]])
+    R = _product(_inverse(_mirrored(A) + B), A - B)
+    return P, R, _product(_mirrored(P), R, P)
 
 
 def _mirrored(matrix: FloatArray) -> FloatArray:
     """Change the sign of the terms off the diagonal: the same relation for waves that decay upwards."""
-    return np.asarray(matrix * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    return np.asarray(matrix * np.array([[1.0, -1.0], [-1.0, 1.0]])[..., None])
 
 
 def _inverse(matrix: FloatArray) -> FloatArray:
     """Inverse of 2x2 matrices by cofactors."""
-    out = np.empty_like(matrix)
-    out[:, 0, 0], out[:, 1, 1] = matrix[:, 1, 1], matrix[:, 0, 0]
-    out[:, 0, 1], out[:, 1, 0] = -matrix[:, 0, 1], -matrix[:, 1, 0]
-    determinant = matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0]
-    out /= determinant[:, None, None]
-    return out
+    (a, b), (c, d) = matrix
+    return np.asarray(np.array([[d, -b], [-c, a]]) / (a * d - b * c))
 
 
 def _pass_across(d: FloatArray, material: Material, across: FloatArray) -> tuple[FloatArray, FloatArray]:

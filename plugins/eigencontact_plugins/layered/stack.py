@@ -38,6 +38,8 @@ ComplexArray = NDArray[np.complex128]
 UNIFORM = {("p", "zz"): -1.0, ("q_x", "xz"): -1.0, ("q_y", "yz"): -1.0}
 # Parts that a traction across the wavevector moves; the others answer to one along it, or along z.
 ACROSS = ("t", "tz", "st")
+# Phases of components with an even and an odd number of indices along the surface, see `State`.
+PHASES = {True: (1.0, 1j), False: (-1j, 1.0)}
 # A depth this close to an interface, in parts of its depth, is that interface: sums of thicknesses are rounded.
 SAME_DEPTH = 1e-12
 
@@ -189,8 +191,6 @@ class BondedLayers(LayeredMedium):
         place = place.reshape(k.shape)
         slabs = [Slab(layer.thickness, layer.material) for layer in self.layers]
         waves = Waves(distinct, slabs, self.deep_material, "p" if traction == "p" else "q")
-        # A traction t along the wavevector is q = -i t, see `recursion`.
-        phase = 1.0 if traction == "p" else -1j
         one, nil = np.ones(1), np.zeros(1)
         loads = {"p": (one, nil), "q_x": (m, -n), "q_y": (n, m)}[traction]
         out = np.zeros((len(components), depths.size, *k.shape), dtype=complex)
@@ -198,14 +198,13 @@ class BondedLayers(LayeredMedium):
         for layer, level in sorted(set(zip(index.tolist(), interface.tolist(), strict=True))):
             numbers = np.flatnonzero((index == layer) & (interface == level))
             state = waves.on_interface(level) if level >= 0 else waves.inside(layer, offset[numbers])
-            displacement = quantity == "displacement"
-            parts = state.displacement(phase) if displacement else state.stress(phase, self._materials[layer])
+            parts = state.displacement() if quantity == "displacement" else state.stress(self._materials[layer])
+            shares = {name: values[:, place] * loads[name in ACROSS] for name, values in parts.items()}
             for row, name in enumerate(components):
-                out[row, numbers] = _turned(name, parts, place, (m, n), loads)
-        for row, name in enumerate(components):
-            out[row, :, zero] = 0.0 if quantity == "displacement" else UNIFORM.get((traction, name), 0.0)
-            if name[0] != name[-1]:
-                out[row] *= SQRT2
+                values = _turned(name, shares, m, n)
+                values[:, zero] = 0.0 if quantity == "displacement" else UNIFORM.get((traction, name), 0.0)
+                phase = PHASES[traction == "p"][len(name.replace("z", "")) % 2]
+                out[row, numbers] = values * (phase if name[0] == name[-1] else phase * SQRT2)
         return out
 
     def _check_request(
@@ -243,20 +242,9 @@ class BondedLayers(LayeredMedium):
         return index, np.where(offset == 0, index, np.where(under, index + 1, -1)), offset
 
 
-def _turned(
-    name: str,
-    parts: Mapping[str, ComplexArray],
-    place: NDArray[np.intp],
-    direction: tuple[FloatArray, FloatArray],
-    loads: tuple[FloatArray, FloatArray],
-) -> ComplexArray:
-    """Plain component along x, y, z from components along the wavevector (s), across it (t) and z, for unit loads."""
-    m, n = direction
-
-    def part(local: str) -> ComplexArray:
-        values: ComplexArray = parts[local][:, place] * loads[local in ACROSS]
-        return values
-
+def _turned(name: str, parts: Mapping[str, FloatArray], m: FloatArray, n: FloatArray) -> FloatArray:
+    """Plain component along x, y, z from components along the wavevector (s), across it (t) and z."""
+    part = parts.__getitem__
     match name:
         case "x":
             return m * part("s") - n * part("t")
