@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from eigencontact.errors import NotConverged, PlanError
+from eigencontact.errors import NotConverged, PlanError, SceneError
+from eigencontact.halfspace import layered_influence
 from eigencontact.halfspace.layered_influence import LayeredInfluence
 from eigencontact.plugin import COMPONENTS, HasResponseAtDepths, LayeredMedium, Material, SurfaceInfluence
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
@@ -275,8 +276,20 @@ def test_a_second_lattice_and_another_component_ask_nothing_more():
     resolved = Counting.asked
     influence.sample("displacement", ["x"], 0.97 * x, x, 0.0, (0.0485, 0.05), body)
     assert Counting.asked == resolved + 2  # the depth of the substrate's kernel, along x and y
-    influence.at_depths("stress", COMPONENTS, np.linspace(0.0, 3.0, 600), (0.05, 0.05), 2.0, body)
-    assert sum(len(band.depths) for _, _, band, _ in influence._fields) <= 256
+
+
+def test_the_memory_of_fields_is_bounded(monkeypatch):
+    monkeypatch.setattr(layered_influence, "KEPT", 1e6)
+    influence, depths = LayeredInfluence(LOADS["p"]), np.linspace(0.0, 3.0, 60)
+    for part in (depths, depths[::2]):
+        influence.at_depths("stress", COMPONENTS, part, (0.05, 0.05), 2.0, STACKS["stiff"])
+        assert sum(field.nbytes for field in influence._fields.values()) <= 1e6
+
+
+def test_an_offset_beyond_the_reach_is_refused():
+    field = at_depths("p", "stress", STACKS["stiff"], [0.5], np.array([0.0, 1.0]), HALF)
+    with pytest.raises(SceneError, match=r"layers.offset must be at most the reach, 1 \[m\] \(got 1.5\)"):
+        field.on_lattice(0, np.array([1.5]), np.array([0.0]))
 
 
 class OneByOne(LayeredMedium):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from eigencontact.core.material import Material
 from eigencontact.core.products import product
 from eigencontact.core.symmetry import parity
-from eigencontact.errors import NotConverged
+from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.layered_remainder import RESOLUTIONS, NodalField, SmoothField
 from eigencontact.halfspace.layered_split import DEEP, OWN, Band
 from eigencontact.halfspace.layered_waves import DIRECTIONS, NAMES
@@ -74,6 +74,7 @@ class LayeredDepths:
 
         The lattice has the spacing of the cells, see `SurfaceInfluence.sample`.
         """
+        self._check(x, y)
         resolved, row = self._places[number]
         total = resolved.smooth.on_cells(self._rows, row, x, y, self.half_widths)
         for weight, solid, depth in resolved.shallow[row]:
@@ -88,11 +89,16 @@ class LayeredDepths:
 
     def about_points(self, number: int, x: FloatArray, y: FloatArray) -> FloatArray:
         """Coefficients at depth `number` and offsets x, y ``(m,)`` [m] of any place, ``(len(components), m)``."""
+        self._check(x, y)
         resolved, row = self._places[number]
         total = resolved.smooth.about_points(self._rows, row, x, y, self.half_widths)
         for weight, solid, depth in resolved.band.kernels[row]:
             total += weight * self._closed(self.components, x, y, depth, solid)
         return total
+
+    def _check(self, x: FloatArray, y: FloatArray) -> None:
+        far = max(float(np.abs(x).max(initial=0.0)), float(np.abs(y).max(initial=0.0)))
+        require(far <= self.reach * (1 + 1e-9), "layers", "offset", far, f"at most the reach, {self.reach:.6g} [m]")
 
     @property
     def _rows(self) -> list[int]:

@@ -34,6 +34,8 @@ FloatArray = NDArray[np.float64]
 # Up to this distance, in parts of s, the integral itself is summed: what vanishes on the axis keeps its digits, and the
 # waves that count turn slowly enough for the grid.
 CLOSE = 0.5
+# Distances whose waves are held at once.
+BLOCK = 4096
 
 
 @dataclass(frozen=True)
@@ -75,9 +77,9 @@ class LogGrid:
 
         k = self.wavenumbers
         if r.max() <= CLOSE * self.scale:
-            each = zip(responses, orders, strict=True)
-            share = self.step / (2 * np.pi)
-            return [product(share * response * k**2, special.jv(order, np.outer(k, r))) for response, order in each]
+            shares, kr = k**2 * (self.step / (2 * np.pi)), np.outer(k, r)
+            pairs = zip(responses, orders, strict=True)
+            return [product(response * shares, special.jv(order, kr)) for response, order in pairs]
         omega = 2 * np.pi / (k.size * self.step) * np.arange(k.size // 2 + 1, dtype=np.float64)
         spectra = []
         for response, order in zip(responses, orders, strict=True):
@@ -85,11 +87,14 @@ class LogGrid:
             spectrum = fft.rfft(response * k, axis=-1) * _mellin(omega, order).conj()
             spectrum[:, 1:-1] *= 2
             spectra.append(np.concatenate([spectrum.real, -spectrum.imag], axis=1))
-        phase = np.outer(omega, np.log(r * k[0]))
-        waves = np.concatenate([np.cos(phase), np.sin(phase)])
-        waves *= 1.0 / (2 * np.pi * k.size * r)
-        products = product(np.concatenate(spectra), waves)
-        return np.split(products, np.cumsum([len(response) for response in responses])[:-1])
+        series = np.concatenate(spectra)
+        found = np.empty((len(series), r.size))
+        for begin in range(0, r.size, BLOCK):
+            part = r[begin : begin + BLOCK]
+            phase = np.outer(omega, np.log(part * k[0]))
+            waves = np.concatenate([np.cos(phase), np.sin(phase)])
+            found[:, begin : begin + BLOCK] = product(series, waves) / (2 * np.pi * k.size * part)
+        return np.split(found, np.cumsum([len(response) for response in responses])[:-1])
 
 
 def _mellin(omega: FloatArray, order: int) -> NDArray[np.complex128]:

@@ -33,8 +33,8 @@ HANKEL = (
 )
 # Stretched reaches are rounded up to powers of the eighth root of 2, so that windows of about one size share fields.
 OCTAVE = 8.0
-# Depths whose smooth fields are kept, for further cells, components and steps: some 100 kB each.
-KEPT = 256
+# Memory of the smooth fields that are kept for further cells, components and steps [bytes]; a depth takes some 100 kB.
+KEPT = 1e8
 
 
 class LayeredInfluence:
@@ -175,7 +175,11 @@ class LayeredInfluence:
         for band in bands(self.base, quantity, np.asarray(depths, dtype=float), max(half_widths), medium, self.side):
             extent = 2.0 ** (float(np.ceil(OCTAVE * np.log2(np.arcsinh(edge / band.scale)))) / OCTAVE)
             fields.append((band, self._field(quantity, band, medium, extent)))
-        return LayeredDepths(self.base, quantity, tuple(components), half_widths, reach, medium.key, tuple(fields))
+        found = LayeredDepths(self.base, quantity, tuple(components), half_widths, reach, medium.key, tuple(fields))
+        with self._lock:
+            while sum(kept.nbytes for kept in self._fields.values()) > KEPT:
+                self._fields.popitem(last=False)
+        return found
 
     def _field(self, quantity: str, band: Band, medium: Medium, extent: float) -> SmoothField:
         """Smooth field of a band; those met last are kept with what was found of them."""
@@ -187,8 +191,6 @@ class LayeredInfluence:
                 known = SmoothField(response, self.traction, quantity, band.scale, band.longest, extent)
                 self._fields[key] = known
             self._fields.move_to_end(key)
-            while sum(len(of.depths) for _, _, of, _ in self._fields) > KEPT and len(self._fields) > 1:
-                self._fields.popitem(last=False)
         return known
 
     def _remainder(self, quantity: str, band: Band, medium: Medium) -> AxisResponse:

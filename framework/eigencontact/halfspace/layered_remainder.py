@@ -94,6 +94,11 @@ class SmoothField:
     extent: float
     _known: dict[float, NodalField] = field(init=False, repr=False, compare=False, default_factory=dict)
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of what was found so far."""
+        return sum(known.values.nbytes for known in list(self._known.values()))
+
     def at(self, resolution: float) -> NodalField:
         """Field on nodes; found once.
 

@@ -56,10 +56,13 @@ def _stress_pace(influence: SurfaceInfluence, medium: LayeredMedium, *, periodic
         seconds, field = _seconds(layered.at_depths, "stress", COMPONENTS, depths, half_widths, x[-1], medium)
         times.append(seconds)
     # Near the surface a closed kernel is sampled too: a mean over depths.
-    some = range(0, _DEPTHS[1], 4)
-    few, many = (sum(_seconds(field.on_lattice, k, x[:n], x[:n])[0] for k in some) / len(some) for n in (8, 144))
-    each = max(times[2] - times[1], 0.0) / (_DEPTHS[1] - _DEPTHS[0])
-    return _Pace(max(times[1] - _DEPTHS[0] * each, 0.0), each, few, max(many - few, 0.0) / x.size**2)
+    numbers = range(0, _DEPTHS[1], 4)
+    small, large = (
+        sum(_seconds(field.on_lattice, k, x[:n], x[:n])[0] for k in numbers) / len(numbers) for n in (8, 144)
+    )
+    per_depth = max(times[2] - times[1], 0.0) / (_DEPTHS[1] - _DEPTHS[0])
+    whole = max(times[1] - _DEPTHS[0] * per_depth, 0.0)
+    return _Pace(field=whole, depth=per_depth, table=small, point=max(large - small, 0.0) / x.size**2)
 
 
 @cache
@@ -74,7 +77,7 @@ def _surface_pace(influence: SurfaceInfluence, medium: LayeredMedium, *, periodi
         x = np.arange(n) * part * cell
         half_widths = (0.5 * part * cell, 0.5 * part * cell)
         times.append(_seconds(sample, "displacement", ("z",), x, x, 0.0, half_widths, medium)[0])
-    return _Pace(times[0], 0.0, times[3], max(times[2] - times[3], 0.0) / 96**2)
+    return _Pace(field=times[0], table=times[3], point=max(times[2] - times[3], 0.0) / 96**2)
 
 
 def _seconds(call: Any, *arguments: object) -> tuple[float, Any]:
