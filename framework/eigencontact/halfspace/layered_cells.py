@@ -10,7 +10,7 @@ rule in ξ, so the integral over a rectangle is a product of two vectors with th
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,15 +77,21 @@ class StretchedNodes:
         return {1: np.cos(degree * angle), -1: np.sin((degree + 1) * angle)}
 
     def _on_nodes(self, polynomials: Weights) -> Weights:
-        """Weights of nodal values from those of polynomials: interpolation on Chebyshev's points."""
-        even, odd = (2.0 / self.count * matrix.T for matrix in self._at_nodes.values())
-        even[0] *= 0.5
-        return {1: product(polynomials[1], even), -1: product(polynomials[-1], odd)}
+        """Weights of nodal values from those of polynomials."""
+        return {parity: product(rows, self._coefficients[parity]) for parity, rows in polynomials.items()}
 
     @cached_property
-    def _at_nodes(self) -> Weights:
-        degree = 2 * np.arange(self.count)
-        return {1: np.cos(np.outer(self._angles, degree)), -1: np.sin(np.outer(self._angles, degree + 1))}
+    def _coefficients(self) -> Weights:
+        """Coefficients of polynomials from nodal values: interpolation on Chebyshev's points, ``(n, n)``."""
+        degree = 2 * np.arange(self.count)[:, None]
+        even, odd = np.cos(degree * self._angles), np.sin((degree + 1) * self._angles)
+        even[0] *= 0.5
+        return {1: 2.0 / self.count * even, -1: 2.0 / self.count * odd}
+
+
+@cache
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(count)
 
 
 @lru_cache(maxsize=64)
@@ -104,7 +110,7 @@ def _integrals(nodes: StretchedNodes, centres: bytes, half_width: float) -> Weig
     step = np.repeat(length / panels, panels)
     begin = np.repeat(np.arcsinh(low), panels) + step * (np.arange(step.size) - np.repeat(first, panels))
     count = int(np.ceil(GAUSS / (2 * np.arcsinh(np.pi / step.max())))) + 1
-    points, shares = np.polynomial.legendre.leggauss(count)
+    points, shares = _gauss(count)
     xi = begin + 0.5 * step * (points[:, None] + 1.0)
     weights = np.cosh(xi) * (0.5 * nodes.scale * step) * shares[:, None]
     found = {}
