@@ -10,8 +10,8 @@ __all__ = ["product"]
 FloatArray = NDArray[np.float64]
 
 # Edge of the tiles. OpenBLAS starts threads of its own for more than 2^18 = 64³ multiplications, and these wait for
-# each other where other work holds the cores: on two shared cores the 101 sections of 'coated-sphere' took 9 s instead
-# of 0.4 s. Tiles take up to twice the time of one call on one thread.
+# each other where other work holds the cores: on two shared cores the 101 depths of 'coated-sphere' took 9 s instead of
+# 0.4 s. Tiles take up to twice the time of one call on one thread.
 TILE = 64
 
 
