@@ -5,9 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from eigencontact.errors import NotConverged, PlanError
-from eigencontact.planning.layered_influence import LayeredInfluence
-from eigencontact.plugin import COMPONENTS, Material, SurfaceInfluence
+from eigencontact.errors import NotConverged, PlanError, SceneError
+from eigencontact.halfspace import layered_influence
+from eigencontact.halfspace.layered_influence import LayeredInfluence
+from eigencontact.plugin import COMPONENTS, HasResponseAtDepths, LayeredMedium, Material, SurfaceInfluence
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
 
@@ -209,6 +210,111 @@ def test_bound_covers_another_grid(modulus, count):
     narrow = LAYERED["p"].sample("displacement", ["z"], x[:7], x[:7], 0.0, (0.5, 0.5), body)
     assert bound < 1e-6
     assert np.abs(wide[:, :7, :7] - narrow).max() <= bound * np.abs(wide).max()
+
+
+# --- many depths --------------------------------------------------------------------------------------------------
+
+
+def at_depths(traction, quantity, body, depths, x, half_widths, components=None):
+    names = components or NAMES[quantity]
+    reach = float(np.abs(x).max())
+    return LayeredInfluence(LOADS[traction]).at_depths(quantity, names, np.array(depths), half_widths, reach, body)
+
+
+@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+@pytest.mark.parametrize("quantity", ["displacement", "stress"])
+def test_depths_together_are_depths_alone(quantity, traction):
+    """Nodes, wavenumbers and transforms are shared: in the layers and below, in any order, some twice."""
+    body, x, y = STACKS["soft-on-stiff"], np.arange(12) * 0.06, np.arange(8) * 0.05
+    depths = [3.0, 0.0, 0.02, 0.3, 0.5, 0.3, 1.19, 1.2, 40.0]
+    field = at_depths(traction, quantity, body, depths, x, (0.03, 0.025))
+    assert field.bounds.shape == (len(depths),)
+    assert np.all(field.bounds < 3e-9)
+    for number, z in enumerate(depths):
+        alone = LAYERED[traction].sample(quantity, NAMES[quantity], x, y, z, (0.03, 0.025), body)
+        together = field.on_lattice(number, x, y)
+        assert np.abs(together - alone).max() < 1e-10 * np.abs(alone).max()
+        points = field.about_points(number, x[:3], y[:3])
+        assert np.abs(points - alone[:, range(3), range(3)]).max() < 1e-10 * np.abs(alone).max()
+
+
+@pytest.mark.parametrize("z", [0.3, 0.499, 0.7])
+@pytest.mark.parametrize("quantity", ["displacement", "stress"])
+@pytest.mark.parametrize("traction", ["p", "q_x"])
+def test_small_cells_at_depth(traction, quantity, z):
+    """More than twenty half-widths down, in the top layer and under it, nothing but the response itself is used."""
+    body, half_widths = STACKS["soft-on-stiff"], (0.011, 0.007)
+    expected = direct(body, quantity, traction, 0.2, -0.1, z, half_widths)
+    found = at_depths(traction, quantity, body, [z], np.array([0.2]), half_widths)
+    lattice_value = found.on_lattice(0, np.array([0.2]), np.array([-0.1]))[:, 0, 0]
+    assert np.abs(lattice_value - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+class Counting(BondedLayers):
+    asked = 0
+
+    def response_at_depths(self, *arguments, **options):
+        type(self).asked += 1
+        return super().response_at_depths(*arguments, **options)
+
+
+def test_more_depths_in_between_ask_the_medium_no_more_often():
+    body = Counting(layers=STACKS["stiff"].layers, substrate=STACKS["stiff"].substrate)
+    asked = []
+    for count in (9, 65):
+        Counting.asked = 0
+        at_depths("q_x", "stress", body, np.linspace(0.0, 2.0, count), np.arange(20) * 0.1, (0.05, 0.05))
+        asked.append(Counting.asked)
+    assert asked[1] <= asked[0] + 4  # one more band at most: two wavevectors, two resolutions
+    assert asked[0] <= 24
+
+
+def test_a_second_lattice_and_another_component_ask_nothing_more():
+    body = Counting(layers=STACKS["stiff"].layers, substrate=STACKS["stiff"].substrate)
+    influence, x = LayeredInfluence(LOADS["p"]), np.arange(20) * 0.1
+    influence.sample("displacement", ["z"], x, x, 0.0, (0.05, 0.05), body)
+    resolved = Counting.asked
+    influence.sample("displacement", ["x"], 0.97 * x, x, 0.0, (0.0485, 0.05), body)
+    assert Counting.asked == resolved + 2  # the depth of the substrate's kernel, along x and y
+
+
+def test_the_memory_of_fields_is_bounded(monkeypatch):
+    monkeypatch.setattr(layered_influence, "KEPT", 1e6)
+    influence, depths = LayeredInfluence(LOADS["p"]), np.linspace(0.0, 3.0, 60)
+    for part in (depths, depths[::2]):
+        influence.at_depths("stress", COMPONENTS, part, (0.05, 0.05), 2.0, STACKS["stiff"])
+        assert sum(field.nbytes for field in influence._fields.values()) <= 1e6
+
+
+def test_an_offset_beyond_the_reach_is_refused():
+    field = at_depths("p", "stress", STACKS["stiff"], [0.5], np.array([0.0, 1.0]), HALF)
+    with pytest.raises(SceneError, match=r"layers.offset must be at most the reach, 1 \[m\] \(got 1.5\)"):
+        field.on_lattice(0, np.array([1.5]), np.array([0.0]))
+
+
+class OneByOne(LayeredMedium):
+    """A stranger's medium: it answers for one depth at a time."""
+
+    key = "one-by-one"
+    references = ("none",)
+    stack = STACKS["soft-on-stiff"]
+    surface_material, deep_material, interfaces = stack.surface_material, stack.deep_material, stack.interfaces
+
+    def material_at(self, z, *, side="below"):
+        return self.stack.material_at(z, side=side)
+
+    def response(self, *arguments, **options):
+        return self.stack.response(*arguments, **options)
+
+
+def test_a_medium_may_leave_the_loop_over_depths_to_us():
+    x, depths = np.arange(5) * 1.0, [0.0, 0.7, 2.0]
+    assert not isinstance(OneByOne(), HasResponseAtDepths)
+    assert isinstance(OneByOne.stack, HasResponseAtDepths)
+    one, other = (at_depths("q_y", "stress", body, depths, x, HALF) for body in (OneByOne(), OneByOne.stack))
+    for number in range(len(depths)):
+        expected = other.on_lattice(number, x, x)
+        np.testing.assert_allclose(one.on_lattice(number, x, x), expected, atol=1e-13 * np.abs(expected).max())
 
 
 class NoWaves(SurfaceInfluence):

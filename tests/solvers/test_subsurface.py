@@ -145,6 +145,39 @@ def test_kept_spectra_serve_every_load_on_their_box():
     assert not operator.covers(Box(4, 9, 5, 16))
 
 
+@pytest.mark.parametrize("periodic", [False, True])
+def test_kernels_whose_depths_share_work_are_asked_for_all_of_them(periodic):
+    """Once for each traction, or some depths at a time; without the ability depth by depth, with the same stress."""
+    grid, depths = Grid(nx=12, ny=10, dx=0.1, dy=0.1), np.linspace(0.0, 1.0, 9)
+    asked = []
+
+    class Together(StressCoefficients):
+        def at_depths(self, components, depths, half_widths, reach):
+            asked.append(depths.size)
+            return super().at_depths(components, depths, half_widths, reach)
+
+        def responses(self, components, kx, ky, depths):
+            asked.append(depths.size)
+            return super().responses(components, kx, ky, depths)
+
+    class Alone:
+        def __init__(self, kernel):
+            self.parity, self.table, self.response = kernel.parity, kernel.table, kernel.response
+
+    body = Material(young_modulus=1.0, poisson_ratio=0.3)
+    loads, where = tractions(grid, 8), {"source": Box(0, 10, 0, 12), "target": grid.shape, "depths": depths}
+    fields = []
+    for kernels in ([Together(load, body) for load in LOADS], [Alone(kernel) for kernel in stress_kernels()]):
+        fields.append(SubsurfaceStress(grid, kernels, periodic=periodic, threads=2, **where).apply(loads))
+        if not periodic:
+            points = np.array([[0.03, 0.02, z] for z in (*depths, 0.25, 0.25)])
+            fields.append(stress_at_points(grid, kernels, loads, points, threads=1))
+    middle = len(fields) // 2
+    for one, other in zip(fields[:middle], fields[middle:], strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-14 * np.abs(other).max())
+    assert sorted(asked) == ([4] * 3 + [5] * 3 if periodic else [9] * 6)
+
+
 def test_spectra_on_cell_centres_are_a_quarter():
     grid = Grid(nx=32, ny=32, dx=0.1, dy=0.1)
     whole = Box(0, 32, 0, 32)

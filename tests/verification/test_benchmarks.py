@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import dblquad
 
 from close import close
-from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, trade
+from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, trade
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
@@ -396,6 +396,16 @@ def test_stress_command(fake, capsys):
     row = capsys.readouterr().out.splitlines()[2].split("|")
     assert [cell.strip() for cell in row[1:4]] == ["32", "4", f"{fake}:GOOD"]
     assert perform(task(fake, "GOOD", benchmark="stress", depths=4))["axis_error"] < 1e-15
+
+
+@pytest.mark.parametrize("case", layers.CASES)
+def test_stress_in_layers_is_measured_beside_that_in_the_bare_body(case):
+    asked = Task(benchmark="layers", code="eigencontact", n=12, depths=3, case=case, warm=1)
+    sample = perform(asked)
+    assert sample["status"] == "ok", sample
+    row = layers.summarise(asked, [sample, sample])
+    assert row["depths"] == (64 if case.startswith("line") else 3)
+    assert min(row[name] for name in ("coated_step_s", "bare_step_s", "first", "again")) > 0
 
 
 def test_nothing_measured_is_a_failure(fake, capsys):

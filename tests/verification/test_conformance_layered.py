@@ -144,6 +144,23 @@ class RealNumbers(BondedLayers):
         return np.abs(super().response(*arguments, **options))
 
 
+@plant("check_response_at_depths")
+class ForgetsTheOrder(BondedLayers):
+    def response_at_depths(self, quantity, components, traction, kx, ky, depths, *, side="below"):
+        depths = np.sort(depths)
+        return super().response_at_depths(quantity, components, traction, kx, ky, depths, side=side)
+
+
+@plant("check_response_at_depths")
+class DepthsFirst(BondedLayers):
+    def response_at_depths(self, *arguments, **options):
+        return np.swapaxes(super().response_at_depths(*arguments, **options), 0, 1)
+
+    def response(self, quantity, components, traction, kx, ky, z, *, side="below"):
+        depths = np.array([z])
+        return super().response_at_depths(quantity, components, traction, kx, ky, depths, side=side)[:, 0]
+
+
 @plant("check_response_pure")
 class Remembers(BondedLayers):
     asked = 0

@@ -33,6 +33,7 @@ __all__ = [
     "isotropic_factors",
     "isotropic_stiffness",
     "mandel_rotation",
+    "shear_ratios",
     "unit_vector",
 ]
 
@@ -96,6 +97,25 @@ def isotropic_factors(
     shear = E + 2.0 * G * (1.0 + nu)
     soft, stiff = _isotropic(soft_volume, (1.0 + nu) / shear), _isotropic(E / squeeze, E / shear)
     return soft, stiff
+
+
+def shear_ratios(elasticity: Elasticity, shear_modulus: float) -> tuple[float, float]:
+    """Least and largest stiffness against a change of shape, relative to that of the material around.
+
+    Of the six eigenvalues of the stiffness, over 2 G, the largest is left out: that against a change of volume.
+
+    Examples
+    --------
+    >>> class Twice:
+    ...     def factors(self, shear_modulus):
+    ...         return isotropic_factors(2.6 * 2.0, 0.3, shear_modulus)
+    >>> shear_ratios(Twice(), 1.0)
+    (2.0, 2.0)
+    """
+    _, stiff = elasticity.factors(shear_modulus)
+    values = np.linalg.eigvalsh(stiff)[..., :-1]
+    ratios = values / np.maximum(1.0 - values, np.finfo(float).tiny)
+    return max(float(ratios.min()), 0.0), float(ratios.max())
 
 
 def isotropic_stiffness(young_modulus: ArrayLike, poisson_ratio: ArrayLike) -> FloatArray:

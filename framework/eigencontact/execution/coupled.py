@@ -132,12 +132,28 @@ class Coupled:
             offset = self._displaced(self._contact.directions)
             answer = self._contact.solve(increment, memory, offset)
             return self._solved(answer, dict(answer.spent))
+        try:
+            return self._iterated(self._contact, increment, memory)
+        except NotConverged:
+            stubborn = [interior for interior in self._responding if not interior.answer_as_a_whole()]
+            if len(stubborn) == len(self._responding):
+                raise
         return self._iterated(self._contact, increment, memory)
 
     def _alone(self) -> Solved:
         """Interiors without tractions; bodies do not see each other then."""
         for interior in self._responding:
-            interior.image({}, self._tolerance)
+            mixer = Anderson(_DEPTH)
+            for number in range(1, _ROUNDS + 1):
+                image, residual = interior.image({}, self._tolerance)
+                if residual <= self._tolerance:
+                    break
+                if number == _ROUNDS:
+                    raise NotConverged(
+                        f"interior of body {interior.body}: residual {residual:.1e} after {number} sweeps (tolerance "
+                        f"{self._tolerance:.1e}); use smaller steps or a larger tolerance"
+                    )
+                interior.take(mixer.next(interior.unknown, image))
         return self._solved(None, {})
 
     def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:

@@ -15,8 +15,14 @@ from eigencontact.core.tractions import ALONG
 from eigencontact.execution.block import Cost
 from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.increment import Increment
-from eigencontact.execution.normal_contact import NORMAL_FIELDS, normal_cost, normal_scalars, normal_work, scaled_normal
-from eigencontact.execution.sampling import layered_surface_cost
+from eigencontact.execution.normal_contact import (
+    NORMAL_FIELDS,
+    beyond_homogeneous,
+    normal_cost,
+    normal_scalars,
+    normal_work,
+    scaled_normal,
+)
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.coupling import Coupling
 from eigencontact.model.kernels import KernelUse, PairCoefficients
@@ -71,7 +77,7 @@ class ContactWithFriction(Contact):
             KernelUse(f"displacement {i}", ALONG[j].words, keys[j], text) for i, j in coupling.pairs
         )  # fmt: skip
         self.cost = friction_cost(grid.shape, box, coupling, model.numerics)
-        self.cost += layered_surface_cost(model, [ALONG[j].name for _, j in coupling.pairs])
+        self.cost += beyond_homogeneous(model, [ALONG[j].name for _, j in coupling.pairs])
 
     def start(self) -> None:
         """See `Contact.start`."""

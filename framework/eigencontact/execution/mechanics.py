@@ -159,12 +159,15 @@ def interiors_of(model: Model, directions: str) -> list[Interior]:
 
         found.append(PrescribedEigenstrain(model, body, directions))
     for body in sorted({source.body for source in model.inhomogeneities}):
+        from eigencontact.execution.interiors.cells import Cells
+
         if model.numerics.inclusion_resolution == "whole":
             from eigencontact.execution.interiors.wholes import Wholes
 
             found.append(Wholes(model, body, directions))
         else:
-            from eigencontact.execution.interiors.cells import Cells
+            from eigencontact.execution.interiors.swept_cells import SweptCells, worth_sweeping
 
-            found.append(Cells(model, body, directions))
+            swept = worth_sweeping(model, [source for source in model.inhomogeneities if source.body == body])
+            found.append((SweptCells if swept else Cells)(model, body, directions))
     return found

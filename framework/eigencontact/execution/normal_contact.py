@@ -16,8 +16,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.execution.block import Cost
 from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.increment import Increment
-from eigencontact.execution.sampling import layered_surface_cost
-from eigencontact.model.bodies import kernel_key
+from eigencontact.model.bodies import kernel_key, layered_bodies
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.results.records import StepRecord
@@ -26,7 +25,15 @@ from eigencontact.solvers.contact_area import contact_area
 from eigencontact.solvers.normal import NormalSolver
 from eigencontact.solvers.solution import NormalSolution
 
-__all__ = ["NORMAL_FIELDS", "NormalContact", "normal_cost", "normal_scalars", "normal_work", "scaled_normal"]
+__all__ = [
+    "NORMAL_FIELDS",
+    "NormalContact",
+    "beyond_homogeneous",
+    "normal_cost",
+    "normal_scalars",
+    "normal_work",
+    "scaled_normal",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -47,7 +54,7 @@ class NormalContact(Contact):
         text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
         key = kernel_key(model.influences["p"], model.bodies)
         self.kernels = (KernelUse("displacement z", "pressure p", key, text),)
-        self.cost = normal_cost(grid.shape, box, model.numerics) + layered_surface_cost(model, ["p"])
+        self.cost = normal_cost(grid.shape, box, model.numerics) + beyond_homogeneous(model, ["p"])
 
     def start(self) -> None:
         """See `Contact.start`."""
@@ -92,6 +99,15 @@ class NormalContact(Contact):
         fields = {"pressure": solution.pressure, "gap": solution.gap, "displacement_z": solution.displacement}
         scalars = normal_scalars(solution, self._grid, periodic=self._numerics.boundary == "periodic")
         return fields, scalars
+
+
+def beyond_homogeneous(model: Model, tractions: Sequence[str]) -> Cost:
+    """Price of the surface coefficients of layered bodies, for traction names with a kernel each."""
+    if not layered_bodies(model.bodies):
+        return Cost()
+    from eigencontact.execution.layered_cost import layered_surface_cost
+
+    return layered_surface_cost(model, tractions)
 
 
 def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:

@@ -13,7 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads
 from eigencontact.execution.block import Cost
 from eigencontact.execution.interiors.interior import loads
-from eigencontact.execution.sampling import layered_tables_cost, sampling_seconds, spectra_cost
+from eigencontact.execution.sampling import sampling_seconds, spectra_cost
 from eigencontact.execution.step import Step
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.kernels import KernelUse, Solid, StressCoefficients
@@ -57,7 +57,6 @@ class TractionField:
             cells, workers = model.contact_box[0] * model.contact_box[1], numerics.threads or available_threads()
             seconds = tables * (sampling * count * cells + 1e-4) / (0.75 * workers)
             cost = Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
-            layered = layered_tables_cost(pressure, self._body, tables * count, numerics).anew
         else:
             tables, text = lattice.depths.size * lattice.finer[0] * lattice.finer[1], lattice.words
             cost = spectra_cost(self._layout(model), tables, sampling, numerics, tractions=count)
@@ -66,8 +65,12 @@ class TractionField:
                     seconds_per_step=cost.seconds_once + cost.seconds_per_step,
                     transient=cost.memory * min(1.0, _AT_ONCE / tables),
                 )
-            layered = layered_tables_cost(pressure, self._body, tables * count, numerics)
-        self.cost = cost + layered
+        self.cost = cost
+        if not isinstance(self._body, Material):
+            from eigencontact.execution.layered_cost import layered_stress_cost
+
+            anew = lattice.points is not None
+            self.cost += layered_stress_cost(pressure, self._body, tables * count, numerics, anew=anew)
         self.kernels = tuple(
             KernelUse(
                 "stress (6 components)", item.words, kernel_key(model.influences[item.name], [self._body]), text,

@@ -1,103 +1,120 @@
-"""Values and integrals over rectangles of a smooth function of the plane, known on nodes that spread like sinh.
+"""Values and integrals over cells of a smooth function of the plane, known on nodes that spread like sinh.
 
 A field that comes from depths of s and more is, in each of x and y, analytic in a strip of the stretched coordinate
-``ξ = asinh(x/s)``: its nearest singularities, x = ± i s, lie at ±iπ/2. Nodes at ξ = jΔ therefore resolve the scale s at
-the origin and ever wider ones far from it. The interpolant (local Lagrange polynomials in ξ) is integrated over any
-interval of x exactly, so the integral over a rectangle is a product of two vectors with the matrix of nodal values, for
-rectangles far smaller than s and far larger alike.
+``ξ = asinh(x/s)``: its nearest singularities, x = ± i s, lie at ±iπ/2. Chebyshev polynomials of ξ up to the largest
+coordinate X that counts, even ones or odd ones, resolve it: n nodes leave an error of about exp(-2 n asinh(π/2Ξ)),
+Ξ = asinh(X/s), whether cells are far smaller than s or far larger. The interpolant is integrated over cells by Gauss's
+rule in ξ, so the integral over a rectangle is a product of two vectors with the matrix of nodal values.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.halfspace.layered_hankel import STENCIL, interpolation_weights
+from eigencontact.core.products import product
 
 __all__ = ["StretchedNodes"]
 
 FloatArray = NDArray[np.float64]
+#: Weights ``(m, n)`` for even (1) and odd (-1) functions.
+Weights = dict[int, FloatArray]
 
-# Exact for the polynomial of degree STENCIL - 1 times dx/dξ, to rounding at the steps that are used.
-POINTS, GAUSS = np.polynomial.legendre.leggauss(10)
-MARGIN = STENCIL // 2
+# Panels of Gauss's rule are no longer than this in ξ.
+PANEL = 1.0
+# Exponent of the accuracy of Gauss's rule: exp(-36) is double precision.
+GAUSS = 36.0
 
 
 @dataclass(frozen=True)
 class StretchedNodes:
-    """Nodes x = s sinh(jΔ), j = 0, 1, ..., past `reach`; functions are even or odd in x.
+    """Nodes x = s sinh(Ξ sin φ), φ = π (2j + 1) / 4n, j = 0, 1, ..., n - 1; functions are even or odd in x.
 
     Parameters
     ----------
     scale : float
         Length s [m].
-    reach : float
-        Largest coordinate that will be asked for [m].
-    step : float
-        Spacing Δ of ξ [-].
+    extent : float
+        Largest stretched coordinate Ξ that will be asked for [-].
+    count : int
+        Number of nodes n.
     """
 
     scale: float
-    reach: float
-    step: float
+    extent: float
+    count: int
+
+    @staticmethod
+    def enough(scale: float, extent: float, digits: float) -> StretchedNodes:
+        """Nodes for an error of about exp(-digits)."""
+        return StretchedNodes(scale, extent, int(np.ceil(digits / (2 * np.arcsinh(0.5 * np.pi / extent)))) + 2)
 
     @cached_property
-    def intervals(self) -> int:
-        """Intervals between nodes up to `reach`."""
-        return int(np.arcsinh(self.reach / self.scale) / self.step) + 1
+    def _angles(self) -> FloatArray:
+        return np.pi * (2 * np.arange(self.count) + 1.0) / (4 * self.count)
 
     @cached_property
     def x(self) -> FloatArray:
-        """Coordinates of the nodes, ``(n,)`` [m]."""
-        x: FloatArray = self.scale * np.sinh(self.step * np.arange(self.intervals + MARGIN + 1))
+        """Coordinates of the nodes, ``(n,)`` [m], ascending and positive."""
+        x: FloatArray = self.scale * np.sinh(self.extent * np.sin(self._angles))
         return x
 
-    def integrals(self, low: FloatArray, high: FloatArray) -> dict[int, FloatArray]:
-        """Weights ``(m, n)`` of integrals from `low` to `high` ``(m,)`` [m], for even (1) and odd (-1) functions."""
-        upper, lower = self._primitives(high), self._primitives(low)
-        return {parity: upper[parity] - lower[parity] for parity in (1, -1)}
+    def values(self, x: FloatArray) -> Weights:
+        """Weights of the values at x ``(m,)`` [m]."""
+        return self._on_nodes(self._polynomials(np.arcsinh(x / self.scale)))
 
-    def values(self, x: FloatArray) -> dict[int, FloatArray]:
-        """Weights ``(m, n)`` of the values at `x` ``(m,)`` [m], for even (1) and odd (-1) functions."""
-        first, weights = interpolation_weights(np.arcsinh(np.abs(x) / self.scale) / self.step)
-        number = np.arange(x.size)
-        found = {parity: np.zeros((x.size, self.x.size)) for parity in (1, -1)}
-        for j in range(STENCIL):
-            node = first + j
-            for parity, rows in found.items():
-                rows[number, np.abs(node)] += np.where(node < 0, parity, 1) * weights[j]
-        found[-1] *= np.sign(x)[:, None]
-        return found
+    def integrals(self, centres: FloatArray, half_width: float) -> Weights:
+        """Weights of the integrals over cells about `centres` ``(m,)``, of this half width [m]."""
+        return _integrals(self, np.asarray(centres, dtype=float).tobytes(), half_width)
+
+    def _polynomials(self, xi: FloatArray) -> Weights:
+        """Chebyshev polynomials of even and of odd degree, up to sign, ``(m, n)``."""
+        angle = np.arcsin(np.clip(xi / self.extent, -1.0, 1.0))[:, None]
+        degree = 2 * np.arange(self.count)
+        return {1: np.cos(degree * angle), -1: np.sin((degree + 1) * angle)}
+
+    def _on_nodes(self, polynomials: Weights) -> Weights:
+        """Weights of nodal values from those of polynomials."""
+        return {parity: product(rows, self._coefficients[parity]) for parity, rows in polynomials.items()}
 
     @cached_property
-    def _prefixes(self) -> dict[int, FloatArray]:
-        """Weights of the integrals from 0 to each node, ``(intervals + 1, n)``."""
-        whole = {parity: np.zeros((self.intervals + 1, self.x.size)) for parity in (1, -1)}
-        inner = {parity: rows[1:] for parity, rows in whole.items()}
-        self._add_parts(inner, np.arange(self.intervals), np.ones(self.intervals))
-        return {parity: np.cumsum(rows, axis=0) for parity, rows in whole.items()}
+    def _coefficients(self) -> Weights:
+        """Coefficients of polynomials from nodal values: interpolation on Chebyshev's points, ``(n, n)``."""
+        degree = 2 * np.arange(self.count)[:, None]
+        even, odd = np.cos(degree * self._angles), np.sin((degree + 1) * self._angles)
+        even[0] *= 0.5
+        return {1: 2.0 / self.count * even, -1: 2.0 / self.count * odd}
 
-    def _primitives(self, edges: FloatArray) -> dict[int, FloatArray]:
-        """Weights of the integrals from 0 to each edge."""
-        t = np.arcsinh(np.abs(edges) / self.scale) / self.step
-        interval = np.minimum(t.astype(np.intp), self.intervals - 1)
-        found = {parity: rows[interval] for parity, rows in self._prefixes.items()}
-        self._add_parts(found, interval, t - interval)
-        found[1] *= np.sign(edges)[:, None]  # the primitive of an even function is odd
-        return found
 
-    def _add_parts(self, rows: dict[int, FloatArray], interval: NDArray[np.intp], part: FloatArray) -> None:
-        """Add to each row the integral over the leading `part` of one interval."""
-        inside = 0.5 * part * (POINTS[:, None] + 1.0)
-        _, weights = interpolation_weights(inside)
-        slope = np.cosh((interval + inside) * self.step)
-        slope *= GAUSS[:, None] * (0.5 * self.scale * self.step * part)
-        number = np.arange(interval.size)
-        for j in range(STENCIL):
-            node = interval - (MARGIN - 1) + j
-            share = np.sum(weights[j] * slope, axis=0)
-            for parity, target in rows.items():
-                target[number, np.abs(node)] += np.where(node < 0, parity, 1) * share
+@cache
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(count)
+
+
+@lru_cache(maxsize=64)
+def _integrals(nodes: StretchedNodes, centres: bytes, half_width: float) -> Weights:
+    """Weights of integrals over cells, see `StretchedNodes.integrals`; rows and columns of lattices are met often."""
+    middle, half = np.frombuffer(centres) / nodes.scale, half_width / nodes.scale
+    low, high = middle - half, middle + half
+    # Differences of asinh, written so that a narrow cell keeps its digits.
+    low_root, high_root = np.sqrt(1 + low * low), np.sqrt(1 + high * high)
+    apart = high * low_root - low * high_root
+    same_side = low * high > 0
+    np.divide(4 * half * middle, high * low_root + low * high_root, out=apart, where=same_side)
+    length = np.arcsinh(apart)
+    panels = np.ceil(length / PANEL).astype(np.intp)
+    first = np.cumsum(panels) - panels
+    step = np.repeat(length / panels, panels)
+    begin = np.repeat(np.arcsinh(low), panels) + step * (np.arange(step.size) - np.repeat(first, panels))
+    count = int(np.ceil(GAUSS / (2 * np.arcsinh(np.pi / step.max())))) + 1
+    points, shares = _gauss(count)
+    xi = begin + 0.5 * step * (points[:, None] + 1.0)
+    weights = np.cosh(xi) * (0.5 * nodes.scale * step) * shares[:, None]
+    found = {}
+    for parity, rows in nodes._polynomials(xi.ravel()).items():  # noqa: SLF001
+        summed = np.einsum("qp,qpn->pn", weights, rows.reshape(*xi.shape, -1))
+        found[parity] = np.add.reduceat(summed, first, axis=0)
+    return nodes._on_nodes(found)  # noqa: SLF001

@@ -4,10 +4,11 @@ For h(k) = k R(k) the field ``g(r) = (1/2π) ∫ R(k) J_n(kr) k dk`` is a convol
 
     r g(r) = (1/2π) ∫ h(k) W(kr) d(ln k),   W(x) = x J_n(x),
 
-and the Mellin transform of W, ``2^(iω) Γ((n+1+iω)/2) / Γ((n+1-iω)/2)``, has modulus 1: one FFT each way, no noise is
-amplified. With step Δ in ln k the error is exp(-πθ/Δ) where R is analytic in the sector |arg k| < θ. Damped
-oscillation in space, as of a stiff layer on a soft ground, narrows the sector (a plate on a half-space: 60°) and needs
-a smaller step, but no other treatment.
+and the Mellin transform of W, ``2^(iω) Γ((n+1+iω)/2) / Γ((n+1-iω)/2)``, has modulus 1: no noise is amplified. One FFT
+gives the spectrum of h, and the Fourier series of r g is summed at the distances that are asked for, for all functions
+in one product of matrices. With step Δ in ln k the error is exp(-πθ/Δ) where R is analytic in the sector |arg k| < θ.
+Damped oscillation in space, as of a stiff layer on a soft ground, narrows the sector (a plate on a half-space: 60°) and
+needs a smaller step, but no other treatment.
 
 References
 ----------
@@ -17,48 +18,36 @@ doi:10.1046/j.1365-8711.2000.03071.x (FFTLog).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import prod
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["STENCIL", "Interpolator", "LogGrid", "interpolation_weights"]
+from eigencontact.core.products import product
+
+__all__ = ["LogGrid"]
 
 FloatArray = NDArray[np.float64]
 
-# Points of the local polynomial interpolation on uniform grids; even, so that a point lies in the middle interval.
-STENCIL = 12
-SCALES = [1.0 / prod(j - i for i in range(STENCIL) if i != j) for j in range(STENCIL)]
-
-
-def interpolation_weights(t: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
-    """Lagrange interpolation on the integers: first point of each stencil ``(...)`` and weights ``(STENCIL, ...)``."""
-    first = np.floor(t).astype(np.intp) - (STENCIL // 2 - 1)
-    offset = t - first
-    weights = np.empty((STENCIL, *np.shape(t)))
-    # The product of all factors but the own one: those before it, then those after it.
-    product = np.ones(np.shape(t))
-    for j in range(STENCIL):
-        weights[j] = product * SCALES[j]
-        product = product * (offset - j)
-    product = np.ones(np.shape(t))
-    for j in reversed(range(STENCIL)):
-        weights[j] *= product
-        product = product * (offset - j)
-    return first, weights
+# Up to this distance, in parts of s, the integral itself is summed: what vanishes on the axis keeps its digits, and the
+# waves that count turn slowly enough for the grid.
+CLOSE = 0.5
+# Distances whose waves are held at once.
+BLOCK = 4096
 
 
 @dataclass(frozen=True)
 class LogGrid:
-    """Wavenumbers and distances, equally spaced in their logarithm, for transforms of R(k) that decay with exp(-ks).
+    """Wavenumbers, equally spaced in their logarithm, for transforms of R(k) that decay with exp(-ks).
 
     Parameters
     ----------
     scale : float
         Length s [m].
     distance : float
-        Largest distance that will be asked for [m].
+        Largest length that counts [m].
     step : float
         Spacing of ln k [-].
     lowest, highest : float
@@ -69,53 +58,48 @@ class LogGrid:
     scale: float
     distance: float
     step: float
-    lowest: float = 1e-13
-    highest: float = 60.0
+    lowest: float
+    highest: float
 
-    @property
+    @cached_property
     def wavenumbers(self) -> FloatArray:
-        """k, ascending ``(n,)`` [rad/m]."""
+        """k, descending ``(n,)``, n even [rad/m]."""
+        from scipy.fft import next_fast_len
+
         span = np.log(self.highest * max(self.distance / self.scale, 1.0) / self.lowest)
-        count = int(np.ceil(span / self.step / 32)) * 32
-        k: FloatArray = self.highest / self.scale * np.exp(-self.step * np.arange(count)[::-1])
+        count = 2 * next_fast_len(int(np.ceil(span / self.step / 2)), real=True)
+        k: FloatArray = self.highest / self.scale * np.exp(-self.step * np.arange(count))
         return k
 
-    def transform(self, values: FloatArray, order: int) -> FloatArray:
-        """Products r g(r) of h(k) ``(n,)`` at the distances ``exp((i - 1) step) / k_max``, i = 0, 1, ..., n - 1."""
-        from scipy.special import loggamma
+    def fields(self, responses: Sequence[FloatArray], orders: Sequence[int], r: FloatArray) -> list[FloatArray]:
+        """Fields g at distances r ``(m,)`` > 0 [m], ``(nz, m)`` each, of responses R ``(nz, n)`` and their orders."""
+        from scipy import fft, special
 
-        count = values.size
-        omega = 2 * np.pi * np.arange(count // 2 + 1) / (count * self.step)
-        gamma = loggamma(0.5 * (order + 1 + 1j * omega))
-        mellin = np.exp(1j * (omega * np.log(2.0) + 2 * gamma.imag))
-        spectrum = np.fft.rfft(values) * mellin
-        # The spectrum of a function of -ln r, hence the conjugate.
-        return np.asarray(np.fft.irfft(spectrum.conj(), n=count)) / (2 * np.pi)
-
-    def onto(self, r: FloatArray) -> Interpolator:
-        """Prepare the transforms to distances r [m], 0 or at least 1 / k_max, ``(m,)``."""
         k = self.wavenumbers
-        first, weights = interpolation_weights(np.log(np.where(r > 0, r, self.distance) * k[-1]) / self.step + 1.0)
-        weights *= np.where(r > 0, 1.0 / np.where(r > 0, r, 1.0), 0.0)
-        return Interpolator(self, k, r == 0, first, weights)
+        if r.max() <= CLOSE * self.scale:
+            shares, kr = k**2 * (self.step / (2 * np.pi)), np.outer(k, r)
+            pairs = zip(responses, orders, strict=True)
+            return [product(response * shares, special.jv(order, kr)) for response, order in pairs]
+        omega = 2 * np.pi / (k.size * self.step) * np.arange(k.size // 2 + 1, dtype=np.float64)
+        spectra = []
+        for response, order in zip(responses, orders, strict=True):
+            # Seen from the largest k downwards, hence the conjugate; the ends of the spectrum count once.
+            spectrum = fft.rfft(response * k, axis=-1) * _mellin(omega, order).conj()
+            spectrum[:, 1:-1] *= 2
+            spectra.append(np.concatenate([spectrum.real, -spectrum.imag], axis=1))
+        series = np.concatenate(spectra)
+        found = np.empty((len(series), r.size))
+        for begin in range(0, r.size, BLOCK):
+            part = r[begin : begin + BLOCK]
+            phase = np.outer(omega, np.log(part * k[0]))
+            waves = np.concatenate([np.cos(phase), np.sin(phase)])
+            found[:, begin : begin + BLOCK] = product(series, waves) / (2 * np.pi * k.size * part)
+        return np.split(found, np.cumsum([len(response) for response in responses])[:-1])
 
 
-@dataclass(frozen=True)
-class Interpolator:
-    """Transforms at given distances; see `LogGrid.onto`."""
+def _mellin(omega: FloatArray, order: int) -> NDArray[np.complex128]:
+    """Mellin transform of x J_n(x) at iω."""
+    from scipy.special import loggamma
 
-    grid: LogGrid
-    k: FloatArray
-    at_origin: NDArray[np.bool_]
-    first: NDArray[np.intp]
-    weights: FloatArray
-
-    def __call__(self, values: FloatArray, order: int) -> FloatArray:
-        """Field g(r), ``(m,)``, of h(k) ``(n,)``."""
-        product = self.grid.transform(values, order)
-        field: FloatArray = self.weights[0] * product[self.first]
-        for j in range(1, STENCIL):
-            field += self.weights[j] * product[self.first + j]
-        if order == 0:
-            field[self.at_origin] = float(np.sum(values * self.k)) * self.grid.step / (2 * np.pi)
-        return field
+    gamma = loggamma(0.5 * (order + 1 + 1j * omega))
+    return np.asarray(np.exp(1j * (omega * np.log(2.0) + 2 * gamma.imag)))

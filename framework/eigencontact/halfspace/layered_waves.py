@@ -2,115 +2,162 @@
 
 A traction wave along the wavevector (s), across it (t) or along z moves the body in the plane (s, z), along t, or in
 (s, z). Two wavevectors, along x and along y, show all of it; for any direction (cos φ, sin φ) the parts are turned.
-Each component is then a short Fourier series in φ (orders up to 3), and each order goes to space by a Hankel transform:
-``cos lφ`` becomes ``i^l cos lθ`` times the transform with J_l.
+Each component is then a short Fourier series in φ of a few functions of k (orders up to 3). Each of these goes to space
+by a Hankel transform: ``cos lφ`` becomes ``i^l cos lθ`` times the transform with J_l, and the same for the sine.
+
+A shear along y is the shear along x with x and y exchanged.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.symmetry import parity
-from eigencontact.core.tensors import SQRT2
+from eigencontact.core.tensors import COMPONENTS, SQRT2
 
-__all__ = ["DIRECTIONS", "AxisResponse", "angular_orders"]
+__all__ = ["DIRECTIONS", "NAMES", "AxisResponse", "Turning", "radial_functions", "turned"]
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-Parts = dict[str, ComplexArray]
-# Response of all components of a quantity, (3 or 6, n), to waves (kx, ky) of the traction.
-AxisResponse = Callable[[FloatArray, FloatArray], ComplexArray]
+#: Response of the named components to waves (kx, ky) of the traction, ``(len(names), nz, n)``.
+AxisResponse = Callable[[Sequence[str], FloatArray, FloatArray], ComplexArray]
 
+#: Direction of each traction.
+DIRECTIONS = {"p": "z", "q_x": "x", "q_y": "y"}
+#: Components of each quantity.
+NAMES: dict[str, tuple[str, ...]] = {"displacement": ("x", "y", "z"), "stress": COMPONENTS}
+SWAPPED = {"x": "y", "y": "x", "z": "z", "xx": "yy", "yy": "xx", "zz": "zz", "yz": "xz", "xz": "yz", "xy": "xy"}
 # Components along x, y, z seen with the wavevector along x, and along y (where t is -x), as names in s, t, z.
 ALONG_X = {"x": "s", "y": "t", "z": "z", "xx": "ss", "yy": "tt", "zz": "zz", "yz": "tz", "xz": "sz", "xy": "st"}
-ALONG_Y = {"x": "t", "y": "s", "z": "z", "xx": "tt", "yy": "ss", "zz": "zz", "yz": "sz", "xz": "tz", "xy": "st"}
-# Parts that a traction along s or z moves; the others belong to one along t.
-IN_PLANE = ("s", "z", "ss", "tt", "zz", "sz")
-DIRECTIONS = {"p": "z", "q_x": "x", "q_y": "y"}
-# Angles in an octant-symmetric set, enough for orders up to 3 of products with components of order 3.
-ANGLES = 16
+ALONG_Y = {SWAPPED[name]: local for name, local in ALONG_X.items()}
+# Parts that a traction across the wavevector moves; the others belong to one along it, or along z.
+ACROSS = ("t", "tz", "st")
 
 
-def angular_orders(
-    response: AxisResponse, traction: str, names: Sequence[str], components: Sequence[str], k: FloatArray
-) -> list[dict[int, FloatArray]]:
-    """Amplitudes i^l F_l(k) of ``cos lφ`` (components even in y) or ``sin lφ`` (odd), ``(n,)``, for each component.
+@dataclass(frozen=True)
+class Turning:
+    """How the parts of a field make up its components.
+
+    Parameters
+    ----------
+    radial : tuple of (order l, {part: share})
+        Functions of k: sums of parts, each to be transformed with J_l.
+    series : {component: tuple of (number of the function, sign, "cos" or "sin")}
+        Series in the angle, each term with the order of its function; a shear along x or a pressure.
+    """
+
+    radial: tuple[tuple[int, dict[str, float]], ...]
+    series: dict[str, tuple[tuple[int, float, str], ...]]
+
+
+#: For a pressure and for a shear along x. With m, n = cos φ, sin φ the load of a shear is m along s and -n along t;
+#: σ_xx = m² ss + n² tt - 2mn st, σ_xy = mn (ss - tt) + (m² - n²) st and so on, and products of m and n are turned
+#: into cosines and sines of multiples of φ.
+PRESSURE = {
+    "displacement": Turning(
+        radial=((1, {"s": 1.0}), (0, {"z": 1.0})),
+        series={"x": ((0, 1.0, "cos"),), "y": ((0, 1.0, "sin"),), "z": ((1, 1.0, "cos"),)},
+    ),
+    "stress": Turning(
+        radial=((0, {"ss": 0.5, "tt": 0.5}), (2, {"ss": 0.5, "tt": -0.5}), (0, {"zz": 1.0}), (1, {"sz": 1.0})),
+        series={
+            "xx": ((0, 1.0, "cos"), (1, 1.0, "cos")),
+            "yy": ((0, 1.0, "cos"), (1, -1.0, "cos")),
+            "zz": ((2, 1.0, "cos"),),
+            "yz": ((3, 1.0, "sin"),),
+            "xz": ((3, 1.0, "cos"),),
+            "xy": ((1, 1.0, "sin"),),
+        },
+    ),
+}
+SHEAR_X = {
+    "displacement": Turning(
+        radial=((0, {"s": 0.5, "t": 0.5}), (2, {"s": 0.5, "t": -0.5}), (1, {"z": 1.0})),
+        series={"x": ((0, 1.0, "cos"), (1, 1.0, "cos")), "y": ((1, 1.0, "sin"),), "z": ((2, 1.0, "cos"),)},
+    ),
+    "stress": Turning(
+        radial=(
+            (1, {"ss": 0.5, "tt": 0.5}),
+            (1, {"ss": 0.25, "tt": -0.25, "st": 0.5}),
+            (3, {"ss": 0.25, "tt": -0.25, "st": -0.5}),
+            (1, {"zz": 1.0}),
+            (0, {"sz": 0.5, "tz": 0.5}),
+            (2, {"sz": 0.5, "tz": -0.5}),
+        ),
+        series={
+            "xx": ((0, 1.0, "cos"), (1, 1.0, "cos"), (2, 1.0, "cos")),
+            "yy": ((0, 1.0, "cos"), (1, -1.0, "cos"), (2, -1.0, "cos")),
+            "zz": ((3, 1.0, "cos"),),
+            "yz": ((5, 1.0, "sin"),),
+            "xz": ((4, 1.0, "cos"), (5, 1.0, "cos")),
+            "xy": ((1, 1.0, "sin"), (2, 1.0, "sin")),
+        },
+    ),
+}
+
+
+def _turning(traction: str, quantity: str) -> Turning:
+    return (PRESSURE if traction == "p" else SHEAR_X)[quantity]
+
+
+def radial_functions(
+    response: AxisResponse, traction: str, quantity: str, k: FloatArray
+) -> tuple[list[FloatArray], list[int]]:
+    """Functions R_l(k) times i^l, ``(nz, n)`` each, and their orders l.
 
     Parameters
     ----------
     response : callable
-        Gives all components `names` for waves of the traction, Mandel.
-    names : sequence of str
-        All components of the quantity.
-    components : sequence of str
-        Those wanted.
+        Gives components, Mandel, for waves of the traction.
+    traction, quantity : str
     k : (n,) float64
         Wavenumbers [rad/m].
     """
-    along, across = _parts(response, traction, names, k)
-    angle = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    parts = _parts(response, traction, quantity, k)
+    functions, orders = [], []
+    for order, shares in _turning(traction, quantity).radial:
+        total = sum(share * parts[name] for name, share in shares.items())
+        functions.append(np.asarray(total * 1j**order).real)
+        orders.append(order)
+    return functions, orders
+
+
+def turned(
+    radial: Sequence[FloatArray], traction: str, quantity: str, x: FloatArray
+) -> tuple[FloatArray, list[tuple[int, int]]]:
+    """Components ``(len(NAMES), nz, n, n)``, Mandel, on the square lattice of coordinates x ``(n,)``; their parities.
+
+    `radial` are the transforms of the functions, ``(nz, n, n)`` each.
+    """
+    angle = np.arctan2(x[:, None], x[None, :])
+    turning = _turning(traction, quantity)
     found = []
-    for name in components:
-        values = np.array([_turned(name, traction, along, across, np.cos(a), np.sin(a)) for a in angle])
-        values *= 1.0 if name[0] == name[-1] else SQRT2
-        in_y, in_x = parity(name, DIRECTIONS[traction])
-        wave = np.cos if in_y > 0 else np.sin
-        odd = (in_x < 0) != (in_y < 0)
-        orders: dict[int, FloatArray] = {}
-        for order in (1, 3) if odd else (0, 2):
-            share = 1.0 if order == 0 else 2.0
-            if order == 0 and in_y < 0:
-                continue
-            amplitude = share / ANGLES * (wave(order * angle) @ values) * 1j**order
-            orders[order] = amplitude.real
-        found.append(orders)
-    return found
+    for name in NAMES[quantity]:
+        total = 0.0
+        for number, sign, wave in turning.series[SWAPPED[name] if traction == "q_y" else name]:
+            order = turning.radial[number][0]
+            total = total + radial[number] * (sign * (np.cos if wave == "cos" else np.sin)(order * angle))
+        values = np.asarray(total) * (1.0 if name[0] == name[-1] else SQRT2)
+        found.append(np.swapaxes(values, 1, 2) if traction == "q_y" else values)
+    return np.array(found), [parity(name, DIRECTIONS[traction]) for name in NAMES[quantity]]
 
 
-def _parts(response: AxisResponse, traction: str, names: Sequence[str], k: FloatArray) -> tuple[Parts, Parts]:
+def _parts(response: AxisResponse, traction: str, quantity: str, k: FloatArray) -> dict[str, ComplexArray]:
     """Plain components in s, t, z for a unit traction along s (or z), and for one along t (none for a pressure)."""
     nil = np.zeros_like(k)
-    along: Parts = {}
-    across: Parts = {}
-    directions = {"p": [(ALONG_X, along)], "q_x": [(ALONG_X, along), (ALONG_Y, across)],
-                  "q_y": [(ALONG_Y, along), (ALONG_X, across)]}[traction]  # fmt: skip
-    for table, target in directions:
-        values = response(k, nil) if table is ALONG_X else response(nil, k)
-        for name, row in zip(names, values, strict=True):
-            local = table[name]
-            if (local in IN_PLANE) == (target is along):
-                # Along y the axis t is -x: both the load q_x and the components that hold t once change sign.
-                target[local] = row / (1.0 if local[0] == local[-1] else SQRT2)
-    return along, across
-
-
-def _turned(name: str, traction: str, along: Parts, across: Parts, m: float, n: float) -> ComplexArray:
-    """Plain component in x, y, z for the wavevector k (m, n)."""
-    share_s, share_t = {"p": (1.0, 0.0), "q_x": (m, -n), "q_y": (n, m)}[traction]
-
-    def part(local: str) -> ComplexArray:
-        if local in along:
-            return share_s * along[local]
-        return share_t * across[local] if local in across else np.zeros(1, dtype=complex)
-
-    match name:
-        case "x":
-            value = m * part("s") - n * part("t")
-        case "y":
-            value = n * part("s") + m * part("t")
-        case "xx":
-            value = m * m * part("ss") + n * n * part("tt") - 2 * m * n * part("st")
-        case "yy":
-            value = n * n * part("ss") + m * m * part("tt") + 2 * m * n * part("st")
-        case "xy":
-            value = m * n * (part("ss") - part("tt")) + (m * m - n * n) * part("st")
-        case "xz":
-            value = m * part("sz") - n * part("tz")
-        case "yz":
-            value = n * part("sz") + m * part("tz")
-        case _:  # z and zz
-            value = part(name)
-    return value
+    waves = {"x": ((k, nil), ALONG_X), "y": ((nil, k), ALONG_Y)}
+    in_plane, across = ("y", "x") if traction == "q_y" else ("x", "y")
+    parts = {}
+    for axis, wanted in ((in_plane, False), (across, True)):
+        wave, table = waves[axis]
+        names = [name for name in NAMES[quantity] if (table[name] in ACROSS) == wanted]
+        if wanted and traction == "p":
+            continue
+        # Along y the axis t is -x: both the load q_x and the components that hold t once change sign.
+        for name, values in zip(names, response(names, *wave), strict=True):
+            parts[table[name]] = values / (1.0 if name[0] == name[-1] else SQRT2)
+    return parts

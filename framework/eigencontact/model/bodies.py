@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -112,9 +112,10 @@ def influence_for(registry: Registry, traction: str, bodies: Bodies) -> SurfaceI
     installed = installed_influence(registry, traction)
     if not layered_bodies(bodies):
         return installed
-    from eigencontact.planning.layered_influence import LayeredInfluence
+    from eigencontact.halfspace.layered_influence import LayeredInfluence
 
-    return LayeredInfluence(installed)
+    # It has the methods of a surface influence; `halfspace` knows no plugins, so it is none by name.
+    return cast("SurfaceInfluence", LayeredInfluence(installed))
 
 
 def kernel_key(influence: SurfaceInfluence, bodies: Sequence[Solid | None]) -> str:

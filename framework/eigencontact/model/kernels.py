@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,9 +102,30 @@ class StressCoefficients:
         """Stress at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)`` [-]."""
         return self.influence.sample("stress", components, x, y, z, half_widths, self.body)
 
+    def at_depths(
+        self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
+    ) -> Callable[[int, FloatArray, FloatArray], FloatArray]:
+        """Tables at several depths, which share work in a layered body; see `HasDepths`."""
+        if isinstance(self.body, Material):
+            return lambda number, x, y: self.table(components, x, y, float(depths[number]), half_widths)
+        layered: Any = self.influence  # the influence that knows layers goes with such a body
+        table: Callable[[int, FloatArray, FloatArray], FloatArray]
+        table = layered.at_depths("stress", components, depths, half_widths, reach, self.body).on_lattice
+        return table
+
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
         return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)
+
+    def responses(
+        self, components: list[str], kx: FloatArray, ky: FloatArray, depths: FloatArray
+    ) -> Iterable[NDArray[np.complex128]]:
+        """Amplitudes of the stress of a unit traction wave at several depths, ``(n, nky, nkx)`` each [-]."""
+        if isinstance(self.body, Material):
+            return (self.response(components, kx, ky, float(z)) for z in depths)
+        layered: Any = self.influence
+        values: NDArray[np.complex128] = layered.wavenumber_responses("stress", components, kx, ky, depths, self.body)
+        return np.moveaxis(values, 1, 0)
 
 
 def _with_waves(influence: SurfaceInfluence) -> HasWavenumberResponse:

@@ -40,7 +40,7 @@ from eigencontact.plugin.constitutive import ConstitutiveLaw, LawStep, LinearLaw
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
-from eigencontact.plugin.layered import LayeredMedium
+from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium
 from eigencontact.plugin.observer import Observer, StepView
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
 
@@ -65,6 +65,7 @@ __all__ = [
     "HasNativeGrid",
     "HasPotentials",
     "HasReferencePressure",
+    "HasResponseAtDepths",
     "HasWavenumberResponse",
     "InclusionShape",
     "Jet",

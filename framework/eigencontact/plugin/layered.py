@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
+from eigencontact.halfspace.media import HasResponseAtDepths
 from eigencontact.plugin.component import Component
 
-__all__ = ["LayeredMedium"]
+__all__ = ["HasResponseAtDepths", "LayeredMedium"]
 
 FloatArray = NDArray[np.float64]
 
@@ -22,7 +23,8 @@ class LayeredMedium(Component, ABC):
 
     The author writes its answer to tractions that vary as ``exp(i (kx x + ky y))`` on z = 0. Signs are those of
     `SurfaceInfluence`: ``"p"`` pushes along +z, ``"q_x"`` and ``"q_y"`` act on the body along +x and +y. Stress is
-    positive in tension, in the order and the Mandel scaling of `COMPONENTS`.
+    positive in tension, in the order and the Mandel scaling of `COMPONENTS`. The optional ability `HasResponseAtDepths`
+    saves time where stress is asked for at many depths.
     """
 
     kind: ClassVar[str] = "layered-medium"

@@ -23,6 +23,12 @@ one is a small difference; there the transfer matrix exp(-N d) of the state (w, 
     exp(-N d) = cosh d - N sinh d + M (d sinh d)/2 - N M (d cosh d - sinh d)/2,
 
 and the last function, which holds the bending of a thin plate, is summed as a series: it starts with d³/3.
+
+Inside a layer, d₁ below its top and d₂ above its underside (times k), the field is that of two waves,
+
+    (p, q) = P(d₁) f + P̄(d₂) g,    G (w, a) = A P(d₁) f - Ā P̄(d₂) g,    f = (1 + Q)⁻¹ (p, q) above,  g = R P f,
+
+or, where d < 1, the state on its underside times exp(-N d₂). Both amplitudes belong to the wave: all depths share them.
 """
 
 from __future__ import annotations
@@ -36,11 +42,11 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import Material
 
-__all__ = ["Slab", "State", "state_at_depth"]
+__all__ = ["Slab", "State", "Waves"]
 
 FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
+ONE = np.eye(2)[..., None]
 # Below this k h a layer is passed with its transfer matrix, above it with decaying waves.
 THIN = 1.0
 # d cosh d - sinh d = d³ Σ c_n d^(2n), to double precision up to d = 1.
@@ -49,7 +55,7 @@ BENDING = [2 * n / factorial(2 * n + 1) for n in range(1, 10)]
 
 @dataclass(frozen=True, slots=True)
 class Slab:
-    """A layer, or the part of one over or under the depth that is asked for: thickness [m] and material."""
+    """A layer: thickness [m] and material."""
 
     thickness: float
     material: Material
@@ -57,147 +63,205 @@ class Slab:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Displacement times 2k [1/Pa] and traction [-] at a depth, per unit traction on the surface.
+    """Displacement times 2k [1/Pa] and traction [-] at some depths, per unit (p, q) or r on the surface.
 
-    `pair` and `pair_traction` are (w, a) and (p, q), ``(2, ...)``; `across` and `across_traction` are v and r.
+    `pair` and `pair_traction` are (w, a) and (p, q), ``(2, nz, n)``; `across` and `across_traction` are v and r. Fields
+    are returned without their phases, as a traction t along the wavevector is q = -i t: under a pressure, components
+    with one index along the surface are these numbers times i; under a shear, those with none or two are times -i.
     """
 
     k: FloatArray
-    pair: ComplexArray
-    pair_traction: ComplexArray
+    pair: FloatArray
+    pair_traction: FloatArray
     across: FloatArray
     across_traction: FloatArray
 
-    def displacement(self) -> dict[str, ComplexArray]:
+    def displacement(self) -> dict[str, FloatArray]:
         """Displacement [m/Pa] along the wavevector (s), across it (t) and z."""
         scale = 0.5 / self.k
-        return {"s": 1j * self.pair[1] * scale, "t": self.across * scale + 0j, "z": self.pair[0] * scale}
+        return {"s": self.pair[1] * scale, "t": self.across * scale, "z": self.pair[0] * scale}
 
-    def stress(self, material: Material) -> dict[str, ComplexArray]:
+    def stress(self, material: Material) -> dict[str, FloatArray]:
         """Plain stress components [-] on the side where `material` is; ν = 1/2 needs no limit."""
         G, nu = material.shear_modulus, material.poisson_ratio
         p, q = self.pair_traction
         along = -(nu * p + G * self.pair[1]) / (1 - nu)
         return {
             "ss": along, "tt": nu * (along - p), "zz": -p,
-            "sz": -1j * q, "tz": -self.across_traction + 0j, "st": 0.5j * G * self.across,
+            "sz": -q, "tz": -self.across_traction, "st": -0.5 * G * self.across,
         }  # fmt: skip
 
 
-def state_at_depth(
-    k: FloatArray,
-    above: Sequence[Slab],
-    below: Sequence[Slab],
-    substrate: Material,
-    load: tuple[FloatArray, FloatArray, FloatArray],
-) -> State:
-    """State at the interface between the slabs `above` and those `below`, both from the surface down.
+class Waves:
+    """Waves in slabs on a substrate under a unit traction: what depends on the wave alone, and the state at any depth.
 
     Parameters
     ----------
-    k : (...) float64
+    k : (n,) float64
         Wavenumbers [rad/m], positive.
-    above, below : sequences of Slab
-        `substrate` is the half-space under the last of them.
-    load : three (...) float64
-        Traction on the surface along z, along the wavevector, across it.
+    slabs : sequence of Slab
+        From the surface down.
+    substrate : Material
+        The half-space under the last of them.
+    load : "p" or "q"
+        Traction on the surface that (w, a, p, q) answer to; v and r answer to r = 1 there.
     """
-    # The recursion knows k alone: on the lattice of an FFT most wavevectors share theirs with seven others.
-    distinct, place = np.unique(k, return_inverse=True)
-    place = place.reshape(k.shape)
-    pair, across = _compliance(distinct, below, substrate)
-    pair_over, across_over = pair, across
-    step, step_across = np.broadcast_to(np.eye(2), pair.shape), np.ones_like(across)
-    for slab in reversed(above):
-        d = distinct * slab.thickness
-        pair_over, through = _pass_pair(d, slab.material, pair_over)
-        across_over, through_across = _pass_across(d, slab.material, across_over)
-        step, step_across = step @ through, step_across * through_across
-    onto = pair @ step
-    # A traction t_s along the wavevector is i q, see the module.
-    surface = (load[0], -1j * load[1])
 
-    def applied(matrix: FloatArray) -> ComplexArray:
-        return np.array([matrix[place, row, 0] * surface[0] + matrix[place, row, 1] * surface[1] for row in range(2)])
+    def __init__(self, k: FloatArray, slabs: Sequence[Slab], substrate: Material, load: str) -> None:
+        self.k, self.slabs, self.substrate = k, slabs, substrate
+        pair = np.broadcast_to(_half_space(substrate) / substrate.shear_modulus, (2, 2, k.size))
+        across = np.full(k.size, 2.0 / substrate.shear_modulus)
+        # Compliances under each slab and at last on the surface, from the substrate up; matrices through each slab.
+        self._compliances = [(pair, across)]
+        through: list[tuple[FloatArray, FloatArray]] = []
+        for slab in reversed(slabs):
+            pair, down = _pass_pair(k * slab.thickness, slab.material, pair)
+            across, down_across = _pass_across(k * slab.thickness, slab.material, across)
+            self._compliances.insert(0, (pair, across))
+            through.insert(0, (down, down_across))
+        traction = np.zeros((2, k.size))
+        traction[0 if load == "p" else 1] = 1.0
+        self._tractions = [(traction, np.ones(k.size))]
+        for down, down_across in through:
+            traction, shear = self._tractions[-1]
+            self._tractions.append((_product(down, traction), down_across * shear))
 
-    return State(
-        k=k,
-        pair=applied(onto),
-        pair_traction=applied(step),
-        across=(across * step_across)[place] * load[2],
-        across_traction=step_across[place] * load[2],
-    )
+    def on_interface(self, number: int) -> State:
+        """State on the surface (0) or on the underside of so many slabs."""
+        (pair, across), (traction, shear) = self._compliances[number], self._tractions[number]
+        moved = _product(pair, traction)
+        return State(self.k, moved[:, None], traction[:, None], (across * shear)[None], shear[None])
+
+    def inside(self, number: int, depths: FloatArray) -> State:
+        """State at depths ``(nz,)`` [m] below the top of slab `number`, or of the substrate after the last."""
+        d = depths[:, None] * self.k
+        traction, shear = self._tractions[number]
+        if number == len(self.slabs):
+            G, decay = self.substrate.shear_modulus, np.exp(-d)
+            below = _decayed(d, traction)
+            return State(
+                self.k, _product(_half_space(self.substrate) / G, below), below, 2.0 / G * shear * decay, shear * decay
+            )
+        slab, (pair, across) = self.slabs[number], self._compliances[number + 1]
+        whole, G = self.k * slab.thickness, slab.material.shear_modulus
+        up = np.maximum(whole - d, 0.0)
+        state = np.empty((4, *d.shape))
+        thin = whole < THIN
+        if thin.any():
+            under = self._tractions[number + 1][0][:, thin]
+            given = np.concatenate([G * _product(pair[..., thin], under), under])
+            state[..., thin] = _transferred(up[:, thin], slab.material, given)
+        if not thin.all():
+            thick = ~thin
+            distances = (d[:, thick], up[:, thick], whole[thick])
+            state[..., thick] = _two_waves(distances, slab.material, G * pair[..., thick], traction[:, thick])
+        state[:2] /= G
+        b, cosh, sinh = 0.5 * G * across, 1 + np.exp(-2 * up), -np.expm1(-2 * up)
+        factor = shear * np.exp(-d) / (1 + np.exp(-2 * whole) - b * np.expm1(-2 * whole))
+        return State(self.k, state[:2], state[2:], 2.0 / G * factor * (b * cosh + sinh), factor * (cosh + b * sinh))
 
 
-def _compliance(k: FloatArray, slabs: Sequence[Slab], substrate: Material) -> tuple[FloatArray, FloatArray]:
-    """Compliances C ``(n, 2, 2)`` and c ``(n,)`` [1/Pa] of slabs on the substrate at wavenumbers ``(n,)``."""
-    G = substrate.shear_modulus
-    pair = np.broadcast_to(_half_space(substrate) / G, (k.size, 2, 2))
-    across = np.full(k.size, 2.0 / G)
-    for slab in reversed(slabs):
-        pair, _ = _pass_pair(k * slab.thickness, slab.material, pair)
-        across, _ = _pass_across(k * slab.thickness, slab.material, across)
-    return pair, across
+def _product(*factors: FloatArray) -> FloatArray:
+    """Product of matrices ``(i, j, n)``, the last of which may be a vector ``(j, [nz,] n)``; n may be 1."""
+    *matrices, total = factors
+    for matrix in reversed(matrices):
+        total = np.einsum("ijn,j...n->i...n", matrix, total)
+    return total
+
+
+def _decayed(d: FloatArray, traction: FloatArray) -> FloatArray:
+    """Traction P(d) (p, q) of waves ``(2, n)`` that decay downwards, ``(2, nz, n)``."""
+    p, q = traction
+    decay = np.exp(-d)
+    drop = d * decay
+    return np.array([(decay + drop) * p + drop * q, (decay - drop) * q - drop * p])
+
+
+def _two_waves(
+    distances: tuple[FloatArray, FloatArray, FloatArray], material: Material, B: FloatArray, traction: FloatArray
+) -> FloatArray:
+    """State (G w, G a, p, q) ``(4, nz, n)`` inside a thick layer from the traction above, see the module."""
+    d, up, whole = distances
+    A, swap = _half_space(material), np.array([1.0, -1.0])[:, None, None]
+    P, R, Q = _reflection(whole, material, B)
+    down_wave = _product(_inverse(ONE + Q), traction)
+    up_wave = _product(R, P, down_wave)
+    falling = _decayed(d, down_wave)
+    # A wave that decays upwards is the mirror image: P with a bar is P with the sign of q changed before and after.
+    rising = _decayed(up, up_wave * swap[:, 0])
+    moved = _product(A, falling) - swap * _product(A, rising)
+    return np.concatenate([moved, falling + swap * rising])
 
 
 def _half_space(material: Material) -> FloatArray:
-    """Matrix A of the module, (2, 2)."""
+    """Matrix A of the module, (2, 2, 1)."""
     nu = material.poisson_ratio
-    return np.array([[2 * (1 - nu), 1 - 2 * nu], [1 - 2 * nu, 2 * (1 - nu)]])
+    return np.array([[2 * (1 - nu), 1 - 2 * nu], [1 - 2 * nu, 2 * (1 - nu)]])[..., None]
 
 
 def _pass_pair(d: FloatArray, material: Material, pair: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Compliance over a layer from that under it, and the matrix of tractions, over to under, ``(n, 2, 2)`` each."""
+    """Compliance over a layer from that under it, and the matrix of tractions, over to under, ``(2, 2, n)`` each."""
     G = material.shear_modulus
     B = G * pair
     over, down = np.empty_like(B), np.empty_like(B)
     thin = d < THIN
     for chosen, formula in ((thin, _thin), (~thin, _thick)):
         if chosen.any():
-            over[chosen], down[chosen] = formula(d[chosen], material, B[chosen])
+            over[..., chosen], down[..., chosen] = formula(d[chosen], material, B[..., chosen])
     return over / G, down
 
 
-def _thin(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _transfer(d: FloatArray, material: Material) -> list[tuple[FloatArray, FloatArray]]:
+    """Transfer matrix exp(-N d) upwards, as factors of the shape of d and the (4, 4) matrices that they multiply."""
     nu = material.poisson_ratio
     ratio = nu / (1 - nu)
     N = np.array([[0, ratio, -(1 - 2 * nu) / (1 - nu), 0], [-1, 0, 0, -2], [0, 0, 0, 1], [0, -1 / (1 - nu), -ratio, 0]])
     M = N @ N - np.eye(4)
     sinh = np.sinh(d)
     bending = d**3 * np.polynomial.polynomial.polyval(d * d, BENDING)
+    return [(np.cosh(d), np.eye(4)), (-sinh, N), (0.5 * d * sinh, M), (-0.5 * bending, N @ M)]
 
-    def term(values: FloatArray, matrix: FloatArray) -> FloatArray:
-        return values[:, None, None] * matrix
 
-    T = term(np.cosh(d), np.eye(4)) - term(sinh, N) + term(0.5 * d * sinh, M) - term(0.5 * bending, N @ M)
-    down = _inverse(T[:, 2:, :2] @ B + T[:, 2:, 2:])
-    return (T[:, :2, :2] @ B + T[:, :2, 2:]) @ down, down
+def _transferred(d: FloatArray, material: Material, state: FloatArray) -> FloatArray:
+    """State (G w, G a, p, q) ``(4, nz, n)`` at heights d ``(nz, n)`` over the underside, from that there ``(4, n)``."""
+    out = np.zeros((4, *d.shape))
+    for factor, matrix in _transfer(d, material):
+        out += factor * (matrix @ state)[:, None]
+    return out
+
+
+def _thin(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray]:
+    T = np.add.reduce([matrix[..., None] * factor for factor, matrix in _transfer(d, material)])
+    down = _inverse(_product(T[2:, :2], B) + T[2:, 2:])
+    return _product(_product(T[:2, :2], B) + T[:2, 2:], down), down
 
 
 def _thick(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray]:
-    nu = material.poisson_ratio
+    A = _half_space(material)
+    P, _, Q = _reflection(d, material, B)
+    total = _inverse(ONE + Q)
+    down = 4 * (1 - material.poisson_ratio) * _product(_inverse(_mirrored(A) + B), P, total)
+    return _product(A - _product(_mirrored(A), Q), total), down
+
+
+def _reflection(d: FloatArray, material: Material, B: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Matrices P, R and Q of the module, ``(2, 2, n)``."""
     A = _half_space(material)
     decay, drop = np.exp(-d), d * np.exp(-d)
-    P = np.moveaxis(np.array([[decay + drop, drop], [-drop, decay - drop]]), -1, 0)
-    inner = _inverse(_mirrored(A) + B)
-    Q = _mirrored(P) @ inner @ (A - B) @ P
-    total = _inverse(np.eye(2) + Q)
-    return (A - _mirrored(A) @ Q) @ total, 4 * (1 - nu) * inner @ P @ total
+    P = np.array([[decay + drop, drop], [-drop, decay - drop]])
+    R = _product(_inverse(_mirrored(A) + B), A - B)
+    return P, R, _product(_mirrored(P), R, P)
 
 
 def _mirrored(matrix: FloatArray) -> FloatArray:
     """Change the sign of the terms off the diagonal: the same relation for waves that decay upwards."""
-    return np.asarray(matrix * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    return np.asarray(matrix * np.array([[1.0, -1.0], [-1.0, 1.0]])[..., None])
 
 
 def _inverse(matrix: FloatArray) -> FloatArray:
     """Inverse of 2x2 matrices by cofactors."""
-    out = np.empty_like(matrix)
-    out[:, 0, 0], out[:, 1, 1] = matrix[:, 1, 1], matrix[:, 0, 0]
-    out[:, 0, 1], out[:, 1, 0] = -matrix[:, 0, 1], -matrix[:, 1, 0]
-    determinant = matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0]
-    out /= determinant[:, None, None]
-    return out
+    (a, b), (c, d) = matrix
+    return np.asarray(np.array([[d, -b], [-c, a]]) / (a * d - b * c))
 
 
 def _pass_across(d: FloatArray, material: Material, across: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -24,10 +24,10 @@ from eigencontact.plugin import (
     hookimpl,
     require,
 )
-from eigencontact_plugins.layered.recursion import Slab, state_at_depth
+from eigencontact_plugins.layered.recursion import Slab, Waves
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = ["BondedLayers", "Layer", "Substrate"]
 
@@ -38,6 +38,10 @@ ComplexArray = NDArray[np.complex128]
 UNIFORM = {("p", "zz"): -1.0, ("q_x", "xz"): -1.0, ("q_y", "yz"): -1.0}
 #: Thinner layers have waves of more than the largest number [m].
 THINNEST = 1e-30
+# Parts that a traction across the wavevector moves; the others answer to one along it, or along z.
+ACROSS = ("t", "tz", "st")
+# Phases of components with an even and an odd number of indices along the surface, see `State`.
+PHASES = {True: (1.0, 1j), False: (-1j, 1.0)}
 # A depth this close to an interface, in parts of its depth, is that interface: sums of thicknesses are rounded.
 SAME_DEPTH = 1e-12
 
@@ -146,11 +150,11 @@ class BondedLayers(LayeredMedium):
     @cached_property
     def interfaces(self) -> tuple[float, ...]:
         """Depth of the underside of each layer [m]."""
-        return tuple(float(depth) for depth in np.cumsum([layer.thickness for layer in self.layers]))
+        return tuple(self._undersides.tolist())
 
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
         """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""
-        return self._cut(z, side)[2]
+        return self._materials[int(self._places(np.array([z], dtype=float), side)[0][0])]
 
     def response(
         self,
@@ -164,61 +168,85 @@ class BondedLayers(LayeredMedium):
         side: Literal["above", "below"] = "below",
     ) -> ComplexArray:
         """Amplitudes of displacement or stress for a traction wave; see `LayeredMedium.response`."""
-        self._check_request(quantity, components, traction, z, side)
+        depths = np.array([z], dtype=float)
+        return self.response_at_depths(quantity, components, traction, kx, ky, depths, side=side)[:, 0]
+
+    def response_at_depths(
+        self,
+        quantity: str,
+        components: Sequence[str],
+        traction: str,
+        kx: FloatArray,
+        ky: FloatArray,
+        depths: FloatArray,
+        *,
+        side: Literal["above", "below"] = "below",
+    ) -> ComplexArray:
+        """Amplitudes at many depths at once; see `HasResponseAtDepths`."""
+        self._check_request(quantity, components, traction, depths, side)
         kx, ky = np.broadcast_arrays(np.asarray(kx, dtype=float), np.asarray(ky, dtype=float))
         length = np.hypot(kx, ky)
         zero = length == 0
         k = np.where(zero, 1.0, length)
         m, n = kx / k, ky / k
-        above, below, material = self._cut(z, side)
-        state = state_at_depth(k, above, below, self.deep_material, _load(traction, m, n))
-        parts = state.displacement() if quantity == "displacement" else state.stress(material)
-        out = np.zeros((len(components), *k.shape), dtype=complex)
-        for row, name in enumerate(components):
-            at_zero = 0.0 if quantity == "displacement" else UNIFORM.get((traction, name), 0.0)
-            factor = 1.0 if name[0] == name[-1] else SQRT2
-            out[row] = np.where(zero, at_zero, _turned(name, parts, m, n)) * factor
+        # The recursion knows k alone: on the lattice of an FFT most wavevectors share theirs with seven others.
+        distinct, place = np.unique(k, return_inverse=True)
+        place = place.reshape(k.shape)
+        slabs = [Slab(layer.thickness, layer.material) for layer in self.layers]
+        waves = Waves(distinct, slabs, self.deep_material, "p" if traction == "p" else "q")
+        one, nil = np.ones(1), np.zeros(1)
+        loads = {"p": (one, nil), "q_x": (m, -n), "q_y": (n, m)}[traction]
+        out = np.zeros((len(components), depths.size, *k.shape), dtype=complex)
+        index, interface, offset = self._places(depths, side)
+        for layer, level in sorted(set(zip(index.tolist(), interface.tolist(), strict=True))):
+            numbers = np.flatnonzero((index == layer) & (interface == level))
+            state = waves.on_interface(level) if level >= 0 else waves.inside(layer, offset[numbers])
+            parts = state.displacement() if quantity == "displacement" else state.stress(self._materials[layer])
+            shares = {name: values[:, place] * loads[name in ACROSS] for name, values in parts.items()}
+            for row, name in enumerate(components):
+                values = _turned(name, shares, m, n)
+                values[:, zero] = 0.0 if quantity == "displacement" else UNIFORM.get((traction, name), 0.0)
+                phase = PHASES[traction == "p"][len(name.replace("z", "")) % 2]
+                out[row, numbers] = values * (phase if name[0] == name[-1] else phase * SQRT2)
         return out
 
-    def _check_request(self, quantity: str, components: Sequence[str], traction: str, z: float, side: str) -> None:
+    def _check_request(
+        self, quantity: str, components: Sequence[str], traction: str, depths: FloatArray, side: str
+    ) -> None:
         choices = {"displacement": ("x", "y", "z"), "stress": COMPONENTS}
         require(quantity in choices, self.key, "quantity", quantity, "'displacement' or 'stress'")
         for name in components:
             require(name in choices[quantity], self.key, "components", name, f"of {', '.join(choices[quantity])}")
         require(traction in ("p", "q_x", "q_y"), self.key, "traction", traction, "'p', 'q_x' or 'q_y'")
-        require(0 <= z < np.inf, self.key, "z", z, "zero or positive, and finite [m]")
+        for z in depths:
+            require(0 <= z < np.inf, self.key, "z", z, "zero or positive, and finite [m]")
         require(side in ("above", "below"), self.key, "side", side, "'above' or 'below'")
 
-    def _cut(self, z: float, side: str) -> tuple[list[Slab], list[Slab], Material]:
-        """Slabs above the depth z and below it, from the surface down, and the material at z.
+    @cached_property
+    def _undersides(self) -> FloatArray:
+        return np.cumsum([layer.thickness for layer in self.layers])
 
-        The layer that holds z is cut in two there, so that every depth is an interface to the recursion.
+    @cached_property
+    def _materials(self) -> tuple[Material, ...]:
+        """Materials from the top layer to the substrate."""
+        return (*(layer.material for layer in self.layers), self.deep_material)
+
+    def _places(self, depths: FloatArray, side: str) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+        """Number of the layer that holds each depth; of the interface that it is on, or -1; depth under its top [m].
+
+        Interface 0 is the surface, the substrate comes after the last layer.
         """
-        bottoms = np.array(self.interfaces)
-        nearest = int(np.argmin(np.abs(bottoms - z)))
-        if abs(bottoms[nearest] - z) <= SAME_DEPTH * bottoms[nearest]:
-            z = float(bottoms[nearest])
-        slabs = [Slab(layer.thickness, layer.material) for layer in self.layers]
-        index = int(np.searchsorted(bottoms, z, side="right" if side == "below" else "left"))
-        top = float(bottoms[index - 1]) if index else 0.0
-        material = slabs[index].material if index < len(slabs) else self.deep_material
-        above, below = slabs[:index], slabs[index + 1 :]
-        if z > top:
-            above.append(Slab(z - top, material))
-        if index < len(slabs) and z < bottoms[index]:
-            whole = z == top
-            below.insert(0, slabs[index] if whole else Slab(float(bottoms[index]) - z, material))
-        return above, below, material
+        bottoms = self._undersides
+        nearest = bottoms[np.argmin(np.abs(bottoms - depths[:, None]), axis=1)]
+        z = np.where(np.abs(nearest - depths) <= SAME_DEPTH * nearest, nearest, depths)
+        index = np.searchsorted(bottoms, z, side="right" if side == "below" else "left")
+        offset = z - np.append(0.0, bottoms)[index]
+        under = z == np.append(bottoms, np.inf)[index]
+        return index, np.where(offset == 0, index, np.where(under, index + 1, -1)), offset
 
 
-def _load(traction: str, m: FloatArray, n: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Traction along z, along the wavevector (m, n) and across it (-n, m)."""
-    one, nil = np.ones_like(m), np.zeros_like(m)
-    return {"p": (one, nil, nil), "q_x": (nil, m, -n), "q_y": (nil, n, m)}[traction]
-
-
-def _turned(name: str, parts: dict[str, ComplexArray], m: FloatArray, n: FloatArray) -> ComplexArray:
-    """Component along x, y, z from components along the wavevector (s), across it (t) and z."""
+def _turned(name: str, parts: Mapping[str, FloatArray], m: FloatArray, n: FloatArray) -> FloatArray:
+    """Plain component along x, y, z from components along the wavevector (s), across it (t) and z."""
     part = parts.__getitem__
     match name:
         case "x":

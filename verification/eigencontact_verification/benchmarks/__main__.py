@@ -18,6 +18,7 @@ from eigencontact_verification.benchmarks import (
     fidelity,
     hertz,
     inhomogeneity,
+    layers,
     tangential,
     trade,
 )
@@ -113,6 +114,10 @@ def parser() -> argparse.ArgumentParser:
     eight.add_argument(
         "--cases", nargs="+", choices=list(inhomogeneity.CASES), default=list(inhomogeneity.CASES), metavar="CASE"
     )
+    nine = commands.add_parser("layers", parents=[common], help="stress in a coated body against the bare one")
+    nine.add_argument("--size", type=_count, default=256, metavar="N")
+    nine.add_argument("--depths", type=_count, default=32)
+    nine.add_argument("--cases", nargs="+", choices=list(layers.CASES), default=list(layers.CASES), metavar="CASE")
     return top
 
 

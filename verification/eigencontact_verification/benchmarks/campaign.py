@@ -12,6 +12,7 @@ from eigencontact_verification.benchmarks import (
     fidelity,
     hertz,
     inhomogeneity,
+    layers,
     stress,
     tangential,
     trade,
@@ -35,6 +36,7 @@ BENCHMARKS: dict[str, tuple[Sequence[Column], Callable[[Task, list[Sample]], Row
     "trade": (trade.COLUMNS, trade.summarise),
     "tangential": (tangential.COLUMNS, tangential.summarise),
     "inhomogeneity": (inhomogeneity.COLUMNS, inhomogeneity.summarise),
+    "layers": (layers.COLUMNS, layers.summarise),
 }
 
 

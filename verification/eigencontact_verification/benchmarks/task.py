@@ -20,7 +20,7 @@ class Task:
     ----------
     benchmark : str
         ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"``,
-        ``"tangential"`` or ``"inhomogeneity"``.
+        ``"tangential"``, ``"inhomogeneity"`` or ``"layers"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
@@ -34,7 +34,7 @@ class Task:
     budget : float
         Wall time after which no further repeat is begun [s].
     depths : int
-        Number of depths (stress only).
+        Number of depths (stress and layers).
     case : str
         Where the eigenstrain is (fidelity); what is computed of it (eigenstrain); shapes (cloud); Poisson's
         ratio (tangential).

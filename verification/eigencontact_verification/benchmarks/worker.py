@@ -16,6 +16,7 @@ from eigencontact_verification.benchmarks import (
     fidelity,
     hertz,
     inhomogeneity,
+    layers,
     stress,
     tangential,
     trade,
@@ -38,6 +39,7 @@ MEASURES: dict[str, Callable[[Any, Task], Sample]] = {
     "trade": trade.measure,
     "tangential": tangential.measure,
     "inhomogeneity": inhomogeneity.measure,
+    "layers": layers.measure,
 }
 
 #: Ways of computing of benchmarks that do not compare codes, or compare what few of them do.
@@ -48,6 +50,7 @@ METHODS: dict[str, Mapping[str, Any]] = {
     "trade": trade.METHODS,
     "tangential": tangential.METHODS,
     "inhomogeneity": inhomogeneity.METHODS,
+    "layers": layers.METHODS,
 }
 
 

@@ -53,6 +53,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
         layered.check_materials,
         layered.check_response_arrays,
         layered.check_response_pure,
+        layered.check_response_at_depths,
         layered.check_load_on_surface,
         layered.check_balance_below_the_surface,
         layered.check_hooke,

@@ -7,13 +7,13 @@ the load, equilibrium, Hooke's law, continuity, reciprocity and the half-spaces 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import COMPONENTS, SQRT2, Material
+from eigencontact.plugin import COMPONENTS, SQRT2, HasResponseAtDepths, Material
 from eigencontact_verification.conformance.report import check, ensure
 from eigencontact_verification.conformance.sampling import remembered
 
@@ -29,6 +29,7 @@ __all__ = [
     "check_materials",
     "check_reciprocity",
     "check_response_arrays",
+    "check_response_at_depths",
     "check_response_pure",
     "check_short_waves",
 ]
@@ -118,6 +119,32 @@ def check_response_pure(medium: Any) -> None:
         np.array_equal(first, second) and np.array_equal(kx, kept[0]) and np.array_equal(ky, kept[1]),
         "response asked twice", "the same", "different", "keep no memory of what was asked, write to copies only",
     )  # fmt: skip
+
+
+@check
+def check_response_at_depths(medium: Any) -> None:
+    """Where many depths can be asked for at once, the answer is that of one after the other, on either side."""
+    many: Any = medium if isinstance(medium, HasResponseAtDepths) else None
+    if many is None:
+        return
+    small, large = _sizes(medium)
+    depths = np.array([2.0 * large, 0.0, 0.3 * small, *medium.interfaces[:2], 0.5 * large, 0.3 * small])
+    k = np.array([[0.0], [0.1 / large], [1.0 / small]])
+    kx, ky = k * np.cos(_ANGLES), k * np.sin(_ANGLES)
+    for traction, quantity, side in product(_TRACTIONS, ("displacement", "stress"), ("above", "below")):
+        names = _AXES if quantity == "displacement" else COMPONENTS
+        found = np.asarray(many.response_at_depths(quantity, names, traction, kx, ky, depths, side=side))
+        expected = np.stack(
+            [medium.response(quantity, names, traction, kx, ky, float(z), side=side) for z in depths], axis=1
+        )
+        what = f"{quantity} at {depths.size} depths under {traction}, {side} interfaces"
+        ensure(
+            found.shape == expected.shape, f"shape of {what}", str(expected.shape), found.shape,
+            "return (components, depths, ...)",
+        )  # fmt: skip
+        scale = np.abs(expected).max(axis=(0, 1))
+        scale[scale == 0.0] = 1.0
+        _near(what, found / scale, expected / scale, 1e-10, "the depths come in any order, some twice")
 
 
 @check

@@ -46,6 +46,10 @@ class Interior(Part):
         """What is iterated on from outside; empty where an image is the whole answer to the tractions."""
         return np.zeros(0)
 
+    def answer_as_a_whole(self) -> bool:
+        """Start the increment again, and be iterated on no more in it; False where that was so, or cannot be."""
+        return False
+
     def take(self, unknown: FloatArray) -> None:
         """Put the unknown."""
 

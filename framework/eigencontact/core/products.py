@@ -1,0 +1,35 @@
+"""Products of matrices that keep to the calling thread."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["product"]
+
+FloatArray = NDArray[np.float64]
+
+# Edge of the tiles. OpenBLAS starts threads of its own for more than 2^18 = 64³ multiplications, and these wait for
+# each other where other work holds the cores: on two shared cores the 101 depths of 'coated-sphere' took 9 s instead of
+# 0.4 s. Tiles take up to twice the time of one call on one thread.
+TILE = 64
+
+
+def product(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Product ``(m, n)`` of matrices ``(m, k)`` and ``(k, n)``.
+
+    Examples
+    --------
+    >>> float(product(np.ones((100, 70)), np.ones((70, 90)))[99, 89])
+    70.0
+    """
+    (m, k), n = left.shape, right.shape[1]
+    if m * k * n <= TILE**3:
+        return np.asarray(left @ right)
+    out = np.zeros((m, n))
+    for z in range(0, k, TILE):
+        for x in range(0, n, TILE):
+            part = right[z : z + TILE, x : x + TILE]
+            for y in range(0, m, TILE):
+                out[y : y + TILE, x : x + TILE] += left[y : y + TILE, z : z + TILE] @ part
+    return out

@@ -1,0 +1,176 @@
+"""Influence coefficients of layers at many depths: the smooth field at a sufficient resolution, and closed kernels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.core.products import product
+from eigencontact.core.symmetry import parity
+from eigencontact.errors import NotConverged, require
+from eigencontact.halfspace.layered_remainder import RESOLUTIONS, NodalField, SmoothField
+from eigencontact.halfspace.layered_split import DEEP, OWN, Band
+from eigencontact.halfspace.layered_waves import DIRECTIONS, NAMES
+from eigencontact.halfspace.media import HomogeneousInfluence
+
+__all__ = ["LayeredDepths"]
+
+FloatArray = NDArray[np.float64]
+
+# Resolutions of the smooth part are raised until two agree to TARGET, in parts of the largest value.
+TARGET = 1e-9
+ACCEPTED = 1e-5
+EPSILON = 1e-15
+# Offsets in each direction where two resolutions are compared, besides 0.
+PROBES = 10
+
+
+@dataclass(frozen=True)
+class _Resolved:
+    """The field of one band, found well enough; closed kernels of deep half-spaces ride on its nodes."""
+
+    band: Band
+    smooth: NodalField
+    #: Values of the deep closed kernels on the nodes, ``(len(components), nz, n, n)``; none where there are none.
+    deep: FloatArray | None
+    #: For each depth: kernels (weight, material, depth) that are not deep.
+    shallow: list[list[tuple[float, Material, float]]]
+
+
+@dataclass(frozen=True)
+class LayeredDepths:
+    """Influence coefficients of one rectangle at depths; see `LayeredInfluence.at_depths`.
+
+    Attributes
+    ----------
+    bounds : (nz,) float64
+        For each depth a bound of the error, in parts of the largest value of these components and of the one that the
+        traction moves most: twice the change from the resolution before the one that was taken, at up to 11 x 11
+        offsets that lie densest at the rectangle, plus an estimate of rounding.
+    """
+
+    base: HomogeneousInfluence
+    quantity: str
+    components: tuple[str, ...]
+    half_widths: tuple[float, float]
+    reach: float
+    medium: str
+    fields: tuple[tuple[Band, SmoothField], ...]
+    bounds: FloatArray = field(init=False)
+    _places: dict[int, tuple[_Resolved, int]] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bounds", np.empty(sum(len(band.numbers) for band, _ in self.fields)))
+        object.__setattr__(self, "_places", {})
+        for band, smooth in self.fields:
+            resolved = self._resolve(band, smooth)
+            self._places.update({number: (resolved, row) for row, number in enumerate(band.numbers)})
+
+    def on_lattice(self, number: int, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Coefficients at depth `number` on offsets ``x (nx,)``, ``y (ny,)`` [m], ``(len(components), ny, nx)``.
+
+        The lattice has the spacing of the cells, see `SurfaceInfluence.sample`.
+        """
+        self._check(x, y)
+        resolved, row = self._places[number]
+        total = resolved.smooth.on_cells(self._rows, row, x, y, self.half_widths)
+        for weight, solid, depth in resolved.shallow[row]:
+            closed = self.base.sample(self.quantity, self.components, x, y, depth, self.half_widths, solid)
+            total += weight * closed
+        if resolved.deep is not None:
+            across, along = resolved.smooth.nodes.values(x), resolved.smooth.nodes.values(y)
+            for n, name in enumerate(self.components):
+                in_y, in_x = parity(name, DIRECTIONS[self.base.traction])
+                total[n] += product(product(along[in_y], resolved.deep[n, row]), across[in_x].T)
+        return total
+
+    def about_points(self, number: int, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Coefficients at depth `number` and offsets x, y ``(m,)`` [m] of any place, ``(len(components), m)``."""
+        self._check(x, y)
+        resolved, row = self._places[number]
+        total = resolved.smooth.about_points(self._rows, row, x, y, self.half_widths)
+        for weight, solid, depth in resolved.band.kernels[row]:
+            total += weight * self._closed(self.components, x, y, depth, solid)
+        return total
+
+    def _check(self, x: FloatArray, y: FloatArray) -> None:
+        far = max(float(np.abs(x).max(initial=0.0)), float(np.abs(y).max(initial=0.0)))
+        require(far <= self.reach * (1 + 1e-9), "layers", "offset", far, f"at most the reach, {self.reach:.6g} [m]")
+
+    @property
+    def _rows(self) -> list[int]:
+        return [NAMES[self.quantity].index(name) for name in self.components]
+
+    def _closed(
+        self, components: tuple[str, ...], x: FloatArray, y: FloatArray, depth: float, solid: Material
+    ) -> FloatArray:
+        evaluate = self.base.displacement if self.quantity == "displacement" else self.base.stress
+        return evaluate(components, x, y, depth, self.half_widths, solid)
+
+    def _resolve(self, band: Band, smooth: SmoothField) -> _Resolved:
+        """Raise the resolution of a band until all its depths agree, and note the bounds of their errors."""
+        own = OWN[self.base.traction][self.quantity]
+        watched = (*self.components, *(() if own in self.components else (own,)))
+        rows = [NAMES[self.quantity].index(name) for name in watched]
+        x, y = (self._probes(half_width) for half_width in self.half_widths)
+        closed = np.zeros((len(watched), len(band.depths), y.size, x.size))
+        for row, kernels in enumerate(band.kernels):
+            for weight, solid, depth in kernels:
+                closed[:, row] += weight * self._closed(watched, x[None, :], y[:, None], depth, solid)
+        coarse: FloatArray | None = None
+        for resolution in RESOLUTIONS:
+            found = smooth.at(resolution)
+            each = [found.on_cells(rows, number, x, y, self.half_widths) for number in range(len(band.depths))]
+            fine = np.stack(each, axis=1)
+            if coarse is not None:
+                largest = np.abs(fine + closed).max(axis=(0, 2, 3))
+                change = np.abs(fine - coarse).max(axis=(0, 2, 3)) / largest
+                if change.max() < TARGET:
+                    break
+            coarse = fine
+        bound = 2 * change + self._rounding(band) / largest
+        if not bound.max() < ACCEPTED:
+            raise NotConverged(
+                f"influence coefficients of medium {self.medium!r} ({self.quantity} at z = "
+                f"{band.depths[int(bound.argmax())]:.3g} m) must agree to {ACCEPTED:.0e} between two resolutions (got "
+                f"{bound.max():.1e}); join layers that are much thinner than the others, or bring the moduli nearer "
+                "together"
+            )
+        self.bounds[list(band.numbers)] = bound
+        return self._with_kernels(band, found)
+
+    def _with_kernels(self, band: Band, smooth: NodalField) -> _Resolved:
+        """Closed kernels apart, those of deep half-spaces on the nodes."""
+        limit = DEEP * max(self.half_widths)
+        shallow = [[kernel for kernel in kernels if kernel[2] <= limit] for kernels in band.kernels]
+        deep: FloatArray | None = None
+        known: dict[tuple[Material, float], FloatArray] = {}
+        x = smooth.nodes.x
+        for row, kernels in enumerate(band.kernels):
+            for weight, solid, depth in kernels:
+                if depth <= limit:
+                    continue
+                if deep is None:
+                    deep = np.zeros((len(self.components), len(band.depths), x.size, x.size))
+                if (solid, depth) not in known:
+                    known[solid, depth] = self._closed(self.components, x[None, :], x[:, None], depth, solid)
+                deep[:, row] += weight * known[solid, depth]
+        return _Resolved(band, smooth, deep, shallow)
+
+    def _probes(self, half_width: float) -> FloatArray:
+        """Offsets at which two resolutions are compared: 0 and whole cells, near and far."""
+        cells = np.geomspace(1.0, max(self.reach / (2 * half_width), 1.0), PROBES)
+        return np.append(0.0, 2 * half_width * np.unique(np.floor(cells)))
+
+    def _rounding(self, band: Band) -> float:
+        """Rounding of the corner sums of displacements on the lattice; those of stress are of order 1."""
+        if self.quantity == "stress":
+            return 0.0
+        own, origin = (OWN[self.base.traction][self.quantity],), np.zeros(1)
+        limit = DEEP * max(self.half_widths)
+        shallow = [solid for _, solid, depth in band.kernels[0] if depth <= limit]
+        sums = sum(float(np.abs(self._closed(own, origin, origin, 0.0, solid)).max()) for solid in shallow)
+        return EPSILON * sums * (self.reach + max(self.half_widths)) / min(self.half_widths)

@@ -1,0 +1,129 @@
+"""Sub-surface stress in a coated body against that in the substrate alone, by the same operators on the same grid.
+
+A coating of twice the modulus, as thick as the contact radius, in n x n cells over four contact radii; pressure and, in
+the cases with friction, shear along x and y. ``planes`` are the depths of a volume down to 2.5 thicknesses, ``section``
+the same depths under the line y = 0, ``line`` 64 points of the axis. A step is a second call with the same loads.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.table import Column, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = ["CASES", "COLUMNS", "METHODS", "measure", "summarise"]
+
+FloatArray = NDArray[np.float64]
+
+CASES = tuple(f"{shape}, {loads}" for shape in ("planes", "section", "line") for loads in ("pressure", "friction"))
+METHODS = {
+    "eigencontact": Code(
+        name="eigencontact",
+        distribution="eigencontact",
+        modules=("pyfftw", "scipy.fft", "scipy.special", "eigencontact.app", "eigencontact.solvers.subsurface"),
+        settings="double precision, exact half-space; coefficients agree to 1e-9 between two resolutions",
+    )
+}
+#: Points of the line.
+_POINTS = 64
+
+
+def measure(code: Code, task: Task) -> Sample:
+    """Set up and apply on the coated and on the bare body by turns, each time from nothing."""
+    code.load()
+    times: dict[str, list[float]] = {}
+    for turn in range(1 + task.warm):
+        for name in ("coated", "bare"):
+            call, loads = _stress(task, name)
+            first = timed(lambda c=call, q=loads: c(q))[1]  # type: ignore[misc]
+            again = timed(lambda c=call, q=loads: c(q))[1]  # type: ignore[misc]
+            if turn:
+                times.setdefault(f"{name}_setup_s", []).append(first - again)
+                times.setdefault(f"{name}_step_s", []).append(again)
+    return {"status": "ok", **{name: median(values) for name, values in times.items()}}
+
+
+def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatArray], list[FloatArray]]:
+    """What makes the stress of loads, with a memory that is empty at first, and the loads; lengths in thicknesses."""
+    from eigencontact.model.bodies import influence_for
+    from eigencontact.model.kernels import StressCoefficients
+
+    from eigencontact.core.grid import Box, Grid
+    from eigencontact.library import installed_plugins
+    from eigencontact.plugin import Material
+    from eigencontact.solvers.subsurface import SubsurfaceStress, stress_at_points
+    from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
+
+    shape, friction = task.case.split(", ")
+    grid = Grid(nx=task.n, ny=task.n, dx=4.0 / task.n, dy=4.0 / task.n)
+    solid: Any = Material(young_modulus=1.0, poisson_ratio=0.3)
+    if body == "coated":
+        layer = Layer(thickness=1.0, young_modulus=2.0, poisson_ratio=0.3)
+        solid = BondedLayers(layers=(layer,), substrate=Substrate(young_modulus=1.0, poisson_ratio=0.3))
+    pressure = np.sqrt(np.maximum(1.0 - grid.x[None] ** 2 - grid.y[:, None] ** 2, 0.0))
+    loads = [pressure, 0.3 * pressure, 0.1 * pressure * grid.x] if friction == "friction" else [pressure]
+    tractions = ("p", "q_x", "q_y")[: len(loads)]
+    kernels = [StressCoefficients(influence_for(installed_plugins(), name, (solid, None)), solid) for name in tractions]
+    depths = np.linspace(0.0, 2.5, _POINTS if shape == "line" else task.depths)
+    if shape == "line":
+        points = np.stack([np.zeros(_POINTS), np.zeros(_POINTS), depths], axis=1)
+        return lambda q: stress_at_points(grid, kernels, q, points, threads=task.threads), loads
+    box = Box.around(pressure > 0)
+    assert box is not None
+    section = shape == "section"
+    known: list[SubsurfaceStress] = []
+
+    def apply(q: list[FloatArray]) -> FloatArray:
+        if not known:
+            operator = SubsurfaceStress(
+                grid,
+                kernels,
+                source=box,
+                target=(1, task.n) if section else grid.shape,
+                origin=(0.5 * (task.n - 1), 0.0) if section else (0.0, 0.0),
+                depths=depths,
+                precision=task.precision,
+                threads=task.threads,
+            )
+            known.append(operator)
+        return known[0].apply(q)
+
+    return apply, loads
+
+
+def summarise(task: Task, samples: list[Sample]) -> Row:
+    """One row from the processes of one case; medians over processes."""
+    row: Row = {"case": task.case, "code": task.code, "n": task.n, "depths": task.depths, "processes": len(samples)}
+    for name in ("coated_setup_s", "coated_step_s", "bare_setup_s", "bare_step_s"):
+        row[name] = median(s[name] for s in samples)
+    first = {name: row[f"{name}_setup_s"] + row[f"{name}_step_s"] for name in ("coated", "bare")}
+    row["first"] = first["coated"] / first["bare"]
+    row["again"] = row["coated_step_s"] / row["bare_step_s"]
+    if task.case.startswith("line"):
+        row["depths"] = _POINTS
+    return row
+
+
+COLUMNS = (
+    Column("case", "case"),
+    Column("N", "n", "d"),
+    Column("depths", "depths", "d"),
+    Column("set-up, coated [s]", "coated_setup_s", ".2g"),
+    Column("set-up, bare [s]", "bare_setup_s", ".2g"),
+    Column("step, coated [s]", "coated_step_s", ".2g"),
+    Column("step, bare [s]", "bare_step_s", ".2g"),
+    Column("first step / bare", "first", ".2f"),
+    Column("further steps / bare", "again", ".2f"),
+    Column("processes", "processes", "d", brief=False),
+)
