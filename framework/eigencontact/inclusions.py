@@ -13,7 +13,7 @@ from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
-from eigencontact.halfspace.voxels import VoxelisedShape
+from eigencontact.halfspace.voxelised import VoxelisedShape
 from eigencontact.library import installed_plugins
 from eigencontact.planning.cells import installed_cell
 from eigencontact.plugin import InclusionShape

@@ -22,7 +22,7 @@ from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["field_of_cloud", "uses_point_sources"]
+__all__ = ["cloud_sources", "field_of_cloud", "uses_point_sources"]
 
 FloatArray = NDArray[np.float64]
 
@@ -32,11 +32,15 @@ _MOST_SOURCES = 800
 
 def uses_point_sources(shape: HasPotentials) -> bool:
     """Whether a shape in a cloud is replaced by its point sources beyond their distance."""
-    return (
-        find_spec("numba") is not None
-        and isinstance(shape, HasFarField)
-        and len(shape.far_field().positions) <= _MOST_SOURCES
-    )
+    return cloud_sources(shape) is not None
+
+
+def cloud_sources(shape: HasPotentials) -> PointSources | None:
+    """Point sources that replace a shape in a cloud beyond their distance; None where its own formulas are cheaper."""
+    if find_spec("numba") is None or not isinstance(shape, HasFarField):
+        return None
+    far = shape.far_field()
+    return far if len(far.positions) <= _MOST_SOURCES else None
 
 
 def field_of_cloud(
@@ -74,9 +78,9 @@ def field_of_cloud(
     distant: dict[int, PointSources] = {}
     groups: dict[Hashable, list[int]] = {}
     for number, shape in enumerate(shapes):
-        if uses_point_sources(shape):
-            assert isinstance(shape, HasFarField)
-            distant[number] = shape.far_field()
+        far = cloud_sources(shape)
+        if far is not None:
+            distant[number] = far
             groups.setdefault((_likeness(shape), eigenstrains[number].tobytes()), []).append(number)
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **given)

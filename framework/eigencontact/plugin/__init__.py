@@ -22,6 +22,7 @@ from eigencontact.halfspace.potentials import (
     Order,
     PointSources,
 )
+from eigencontact.halfspace.voxels import HasVolumeFractions
 from eigencontact.hooks.hookspecs import hookimpl
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
@@ -50,6 +51,7 @@ __all__ = [
     "HasNativeGrid",
     "HasPotentials",
     "HasReferencePressure",
+    "HasVolumeFractions",
     "HasWavenumberResponse",
     "InclusionShape",
     "Jet",

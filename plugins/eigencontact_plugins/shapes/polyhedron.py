@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from eigencontact.plugin import Angle, InclusionShape, Length, hookimpl, require
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
 from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
+from eigencontact_plugins.shapes.polyhedron_volumes import volumes_in_cells
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
 
 __all__ = ["Polyhedron"]
@@ -22,6 +23,8 @@ Point = tuple[float, float, float]
 
 #: Pairs of point and triangle worked on together.
 PAIRS = 1 << 17
+#: Round-off of the volume in a cell: below, a cell is empty or full.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +46,8 @@ class Polyhedron(InclusionShape):
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cuboids with volume fractions. A point is inside where the surface
+    Offers no potentials: the framework cuts it into cuboids with volume fractions, which are exact unless parts of the
+    body overlap. A point is inside where the surface
     winds around it, counted along a ray; the few points whose ray meets an edge or a corner take the solid angle of the
     whole surface instead, which needs no ray.
     """
@@ -100,6 +104,14 @@ class Polyhedron(InclusionShape):
         within[doubt] = self.surface.winding_number(*candidates[doubt].T, pairs=PAIRS) > 0.5
         inside[near] = within
         return inside
+
+    def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
+        """Fraction of each cell inside, ``(nz, ny, nx)``, to round-off; None where parts of the body overlap."""
+        corners = (self.surface.vertices[self.surface.triangles] - np.array(low)) / np.array(edges)
+        volumes = volumes_in_cells(corners, shape)
+        volumes[np.abs(volumes) < ROUNDING] = 0.0
+        volumes[np.abs(volumes - 1.0) < ROUNDING] = 1.0
+        return volumes if volumes.min() >= 0 and volumes.max() <= 1 else None
 
     @cached_property
     def _bins(self) -> Bins:
