@@ -303,6 +303,23 @@ class FieldOfNoType(Box):
     spread: Any
 
 
+@plant("check_volume_fractions", depth=2.0, edge=1.0)
+@dataclass(frozen=True, kw_only=True)
+class FractionsFromTheBottom(Box):
+    """In the order of the lattice, but for the layers: they are counted upwards."""
+
+    depth: Length
+    edge: Length
+
+    def volume_fractions(self, low, edges, shape):
+        overlaps = []
+        for axis, count in zip((2, 1, 0), shape, strict=True):
+            at = low[axis] + edges[axis] * np.arange(count + 1)
+            inside = np.clip(at, self.bounds[0][axis], self.bounds[1][axis])
+            overlaps.append(np.diff(inside) / edges[axis])
+        return np.einsum("k,j,i->kji", overlaps[0][::-1], *overlaps[1:])
+
+
 class Growth(EigenstrainField):
     """A correct field, to spoil."""
 

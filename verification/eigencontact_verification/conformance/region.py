@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from eigencontact.halfspace.voxels import Voxels, volume_fractions
 from eigencontact_verification.conformance.report import check, ensure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, region, sample
 
-__all__ = ["check_bounds", "check_contains_arrays", "check_contains_pure", "check_in_body"]
+__all__ = [
+    "check_bounds",
+    "check_contains_arrays",
+    "check_contains_pure",
+    "check_in_body",
+    "check_volume_fractions",
+]
+
+#: What a thousand samples of a cell may miss of the part that a boundary cuts off it.
+_SAMPLED = 0.05
 
 
 @check
@@ -101,3 +112,33 @@ def check_contains_pure(shape: Any) -> None:
     second = np.asarray(shape.contains(*points))
     ensure(np.array_equal(points, kept), "the arrays given", "unchanged", "changed", "write to copies only")
     ensure(np.array_equal(first, second), "contains asked twice", "the same", "different", "keep no state")
+
+
+@check
+def check_volume_fractions(shape: Any) -> None:
+    """Fractions of the cells of a lattice are those that ``contains`` finds; of one that holds the shape and of a part.
+
+    A shape may leave any lattice to ``contains``.
+    """
+    box = region(shape)
+    edges = (box.high - box.low) / (4, 3, 2)
+    samples = SimpleNamespace(key=shape.key, bounds=shape.bounds, contains=shape.contains)
+    for low, size, cells in (
+        (box.low - 0.5 * edges, edges, (3, 4, 5)),
+        (box.low + 0.3 * (box.high - box.low), 0.4 * edges, (1, 2, 2)),
+    ):
+        (x, y, z), (dx, dy, dz) = low.tolist(), size.tolist()
+        given = shape.volume_fractions((x, y, z), (dx, dy, dz), cells)
+        if given is None:
+            continue
+        fractions = volume_fractions(shape, Voxels(low, size, cells))
+        sampled = volume_fractions(samples, Voxels(low, size, cells))
+        error = np.abs(fractions - sampled)
+        k, j, i = np.unravel_index(int(error.argmax()), cells)
+        ensure(
+            error.max() < _SAMPLED,
+            f"the fraction of cell (z, y, x) = {(int(k), int(j), int(i))} of {cells}",
+            f"{sampled[k, j, i]:.3f} within {_SAMPLED}, as contains finds it",
+            f"{fractions[k, j, i]:.3f}",
+            "count cells from the corner low, in the order (nz, ny, nx)",
+        )
