@@ -87,6 +87,99 @@ def test_a_body_that_is_not_convex_and_has_polygons(mesh_file):
     assert shape.contains(x, y, np.ones(5)).tolist() == [True, True, True, False, False]
 
 
+def off(points, faces, head="OFF", tail=""):
+    """Text of an OFF file."""
+    rows = [f"{head}\n{len(points)} {len(faces)} 0", *(" ".join(map(str, point)) for point in points)]
+    return "\n".join([*rows, *(" ".join(map(str, (len(face), *face))) + tail for face in faces)]) + "\n"
+
+
+def obj(points, faces, corner="{}", first=1):
+    """Text of an OBJ file."""
+    rows = ["v " + " ".join(map(str, point)) for point in points]
+    rows += ["vt 0 0", "vn 0 0 1", *("f " + " ".join(corner.format(i + first) for i in face) for face in faces)]
+    return "\n".join(rows) + "\n"
+
+
+HEXAGON = np.array([(1, 0), (2, 0), (3, 1), (2, 2), (1, 2), (0, 1.0)])
+SIX = [tuple(range(6))[::-1], tuple(range(6, 12)), *((i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6) for i in range(6))]
+
+
+def standing(outline):
+    return np.concatenate([np.c_[outline, np.zeros(6)], np.c_[outline, np.ones(6)]]).tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "volume"),
+    [
+        ("quads.off", off(CUBE, SIDES), 1.0),
+        ("mixed.off", off(CUBE, [*SIDES[:3].tolist(), *TRIANGLES[3:6].tolist(), *TRIANGLES[9:].tolist()]), 1.0),
+        ("coloured.off", off(CUBE, SIDES, tail=" 255 0 0"), 1.0),
+        ("one-line.off", off(CUBE, SIDES).replace("OFF\n", "OFF "), 1.0),
+        ("remarks.off", "# by hand\n" + off(CUBE, SIDES).replace("OFF\n", "OFF # head\n\n"), 1.0),
+        ("coloured-points.off", off(np.c_[CUBE, 0 * CUBE], SIDES, head="COFF"), 1.0),
+        ("hexagons.off", off(standing(HEXAGON), SIX), 4.0),
+        ("letter.off", off(standing(LETTER), SIX), 5.0),  # not convex
+        ("quads.obj", obj(CUBE, SIDES), 1.0),
+        ("textured.obj", obj(CUBE, SIDES, corner="{}/1/1"), 1.0),
+        ("normals.obj", obj(CUBE, SIDES, corner="{}//1"), 1.0),
+        ("counted-back.obj", obj(CUBE, SIDES, first=-8), 1.0),
+        ("letter.obj", obj(standing(LETTER), SIX), 5.0),
+    ],
+)
+def test_faces_of_many_corners(tmp_path, name, text, volume):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    shape = Polyhedron(file=str(tmp_path / name))
+    assert shape.volume == pytest.approx(volume, rel=1e-14)
+    low, high = (np.array(corner) for corner in shape.bounds)
+    at = np.random.default_rng(1).uniform(low, high, (2000, 3)).T
+    assert shape.contains(*at).mean() * np.prod(high - low) == pytest.approx(volume, rel=0.1)
+    if volume == 5.0:
+        assert np.array_equal(shape.contains(*at), (at[0] < 1) | (at[1] < 1))
+
+
+def test_points_and_faces_of_a_ply_of_polygons(mesh_file):
+    cells = [("polygon", [SIX[0], SIX[1]]), ("quad", np.array(SIX[2:]))]
+    assert Polyhedron(file=mesh_file(".ply", np.array(standing(HEXAGON)), cells)).volume == pytest.approx(4.0)
+
+
+def test_bent_faces_are_cut_around_their_middle(tmp_path):
+    """A quadrilateral whose fourth corner is pulled out: the same volume from whichever corner it begins."""
+    points = CUBE.copy()
+    points[7] = (1.0, 1.0, 1.2)
+    volumes = []
+    for turn in range(4):
+        faces = np.roll(SIDES, turn, axis=1)
+        (tmp_path / "bent.off").write_text(off(points, faces), encoding="utf-8")
+        volumes.append(Polyhedron(file=str(tmp_path / "bent.off")).volume)
+    assert volumes == pytest.approx([1.05] * 4, rel=1e-14)  # 0.2 / 4 above the old top
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        (
+            "folded.off",
+            off([*CUBE[:7].tolist(), [-0.5, -0.5, 1.5]], SIDES),
+            r"flat faces: 1 are folded, one of them at \(",
+        ),
+        ("index.off", off(CUBE, [*SIDES[:5].tolist(), [1, 5, 7, 30]]), "name its 8 points; one names point number 31"),
+        ("index.obj", obj(CUBE, SIDES, first=0), "name its 8 points; one names point number 0"),
+        ("short.off", off(CUBE, SIDES)[:-10], "announces 8 points and 6 faces and has 13 lines"),
+        ("face.off", off(CUBE, SIDES)[:-3], "names fewer corners than it announces"),
+        ("number.off", off(CUBE, SIDES).replace("4 0 1 3 2", "4 0 1 3 2.5"), "readable mesh .*2.5"),
+        ("nan.off", off(CUBE, SIDES).replace("0.0 0.0 0.0", "nan 0 0"), "finite coordinates"),
+        ("head.off", "ON\n8 6 0\n", r"first line must be OFF \(got ON\)"),
+        ("empty.off", "", "readable mesh"),
+        ("edge.obj", obj(CUBE, [[0, 1]]), r"a face must have three corners or more \(got 2\)"),
+        ("none.obj", obj(CUBE, []), "a mesh with triangles; it holds none"),
+    ],
+)
+def test_faces_that_cannot_be_used_are_refused(tmp_path, name, text, message):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError, match=message):
+        Polyhedron(file=str(tmp_path / name))
+
+
 @pytest.mark.parametrize("n", [3, 7, 200])
 def test_volume_is_that_of_the_points_inside(mesh_file, n):
     shape = Polyhedron(file=mesh_file(".obj", *[bipyramid(n)[0]], [("triangle", bipyramid(n)[1])]))

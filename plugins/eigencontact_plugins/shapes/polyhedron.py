@@ -29,13 +29,14 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class Polyhedron(InclusionShape):
-    """Region inside a closed surface of triangles (quadrilaterals and polygons are cut into triangles).
+    """Region inside a closed surface of flat faces, of any number of corners.
 
     Parameters
     ----------
     file : str
-        Surface mesh: STL, PLY, OBJ, OFF, VTK or VTU. Every edge must belong to two faces of opposite sense; faces that
-        all look inwards are turned over. Several closed parts, and cavities, are allowed.
+        Surface mesh: STL, PLY, OBJ, OFF, VTK (unstructured grid) or VTU. Every edge must belong to two faces of
+        opposite sense; faces that all look inwards are turned over. Several closed parts, and cavities, are allowed.
+        Bent faces are cut into triangles around their middle, folded ones refused.
     scale : float
         Metres per unit of the coordinates in the file.
     rotation : (3, 3) or (3,), optional
