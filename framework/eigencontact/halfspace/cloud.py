@@ -8,7 +8,7 @@ shapes hand theirs in together, and pairs that look alike, as those of a regular
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.parallel import available_threads
+from eigencontact.core.places import place_field
 from eigencontact.core.tensors import from_mandel, to_mandel
 from eigencontact.errors import require
 from eigencontact.halfspace.points import field_at_points
@@ -149,9 +150,10 @@ def _sum_of_sources(
 
 def _likeness(shape: Any) -> Hashable:
     """What two shapes share that differ by a shift only; a shape that does not say is like nothing else."""
-    if not is_dataclass(shape) or "center" not in {item.name for item in fields(shape)}:
+    place = place_field(type(shape))
+    if place is None:
         return id(shape)
-    values = [(item.name, repr(getattr(shape, item.name))) for item in fields(shape) if item.name != "center"]
+    values = [(item.name, repr(getattr(shape, item.name))) for item in fields(shape) if item.name != place]
     return (type(shape), *values)
 
 

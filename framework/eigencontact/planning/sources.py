@@ -162,7 +162,8 @@ def build_sources(scene: Scene, registry: Registry, grid: Grid | None) -> tuple[
     for number, item in enumerate(scene.inclusions):
         where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
-        for copy, table in enumerate(item.components):
+        entry = registry.get("inclusion-shape", item.type, where=where)
+        for copy, table in enumerate(item.tables(entry.component, where)):
             shape = build_component(registry, "inclusion-shape", table, where)
             name = item.name or f"{item.type} {number + 1}"
             name += f", {copy + 1}" if item.centers is not None else ""

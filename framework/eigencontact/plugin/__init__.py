@@ -10,7 +10,7 @@ from __future__ import annotations
 from eigencontact.core.grid import Grid
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, Force, Length, Moment, Stress, Unit
+from eigencontact.core.quantities import Angle, Force, Length, Moment, Place, Stress, Unit
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
@@ -19,6 +19,7 @@ from eigencontact.halfspace.potentials import (
     HasFarField,
     HasMirrorPotential,
     HasPotentials,
+    HasSidedPotentials,
     Order,
     PointSources,
 )
@@ -51,6 +52,7 @@ __all__ = [
     "HasNativeGrid",
     "HasPotentials",
     "HasReferencePressure",
+    "HasSidedPotentials",
     "HasVolumeFractions",
     "HasWavenumberResponse",
     "InclusionShape",
@@ -61,6 +63,7 @@ __all__ = [
     "Moment",
     "Observer",
     "Order",
+    "Place",
     "PointSources",
     "SceneError",
     "StepView",

@@ -11,7 +11,17 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, Order, PointSources, hookimpl, integrated_chi, require
+from eigencontact.plugin import (
+    Angle,
+    InclusionShape,
+    Length,
+    Order,
+    Place,
+    PointSources,
+    hookimpl,
+    integrated_chi,
+    require,
+)
 from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivative
 from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, distant_from, gauss_rule
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
@@ -47,9 +57,9 @@ class Cuboid(InclusionShape):
     Notes
     -----
     A derivative of order n is finite and exact to round-off inside, outside, on faces and in line with faces and
-    edges. On a face it is the mean of both sides, on a face in z = 0 the limit from the side of z's sign. On edges and
-    corners second derivatives of Phi and fourth derivatives of Psi have logarithms, higher ones poles: there they are
-    large and finite.
+    edges. On a face it is the mean of both sides, on a face in z = 0 the limit from the side that is asked for. On
+    edges and corners second derivatives of Phi and fourth derivatives of Psi have logarithms, higher ones poles: there
+    they are large and finite.
 
     The mirror image of a turned cuboid is a turned cuboid: its Psi and Phi are those of the region at mirrored points.
     Chi has a closed form where two faces are parallel to the surface (a yaw alone), else it is the framework's integral
@@ -70,12 +80,13 @@ class Cuboid(InclusionShape):
     """
 
     key: ClassVar[str] = "cuboid"
+    takes_side: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = (
         "Y. P. Chiu 1978, J. Appl. Mech. 45, 302-306",
         "S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871-878",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     edges: tuple[Length, Length, Length]
     rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
 
@@ -126,13 +137,17 @@ class Cuboid(InclusionShape):
         )
         return np.asarray(in_x & in_y & in_z)
 
-    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]."""
-        return self._differentiate("phi", orders, (x, y, z))
+    def phi(
+        self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]; `side` as the framework says."""
+        return self._differentiate("phi", orders, (x, y, z), side)
 
-    def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]."""
-        return self._differentiate("psi", orders, (x, y, z))
+    def psi(
+        self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]; `side` as the framework says."""
+        return self._differentiate("psi", orders, (x, y, z), side)
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
@@ -178,7 +193,11 @@ class Cuboid(InclusionShape):
         )
 
     def _differentiate(
-        self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]
+        self,
+        potential: str,
+        orders: Sequence[Order],
+        points: tuple[FloatArray, FloatArray, FloatArray],
+        seen_from: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Derivatives at points reflected to the octant of positive offsets, in a unit near the longest edge.
 
@@ -203,8 +222,8 @@ class Cuboid(InclusionShape):
         side: FloatArray | None = None
         if potential == "chi":
             reflected[2] = offsets[2]
-        elif flush:  # the sign of z, -0.0 included, is the side from which a point sees the face in the surface
-            side = np.where(offsets[2] < 0, np.where(np.signbit(np.ravel(points[2])), 1.0, -1.0), 0.0)
+        elif flush:
+            side = np.where(offsets[2] < 0, -np.ravel(seen_from), 0.0)
         values = _evaluate(potential, own, reflected, half, side)
         power = 2 if potential == "phi" else 4
         for row, order in enumerate(own):

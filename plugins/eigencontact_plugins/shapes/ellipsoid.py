@@ -10,7 +10,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, Order, PointSources, hookimpl, integrated_chi, require
+from eigencontact.plugin import (
+    Angle,
+    InclusionShape,
+    Length,
+    Order,
+    Place,
+    PointSources,
+    hookimpl,
+    integrated_chi,
+    require,
+)
 from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi, focal_sources
 from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivatives
 from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
@@ -57,7 +67,7 @@ class Ellipsoid(InclusionShape):
         "T. Mura 1987, Micromechanics of Defects in Solids, section 11, doi:10.1007/978-94-009-3489-4",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     semi_axes: tuple[Length, Length, Length]
     rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
 

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, hookimpl, require
+from eigencontact.plugin import Angle, InclusionShape, Length, Place, hookimpl, require
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
 from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
 from eigencontact_plugins.shapes.polyhedron_volumes import volumes_in_cells
@@ -62,7 +62,7 @@ class Polyhedron(InclusionShape):
     file: str
     scale: Length = 1.0
     rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
-    offset: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    offset: Place = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         for name in ("rotation", "offset"):

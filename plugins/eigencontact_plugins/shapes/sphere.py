@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, require
+from eigencontact.plugin import InclusionShape, Length, Order, Place, PointSources, hookimpl, require
 from eigencontact_plugins.shapes.point import PointKernels
 
 __all__ = ["SphericalInclusion"]
@@ -68,7 +68,7 @@ class SphericalInclusion(InclusionShape):
         "T. Mura 1987, Micromechanics of defects in solids, sec. 11",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     radius: Length
 
     def __post_init__(self) -> None:

@@ -37,6 +37,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
     "inclusion-shape": (
         region.check_bounds,
         region.check_in_body,
+        region.check_place,
         region.check_contains_arrays,
         region.check_contains_pure,
         surface.check_surface_traction,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from eigencontact.core.places import place_field
 from eigencontact.halfspace.voxels import Voxels, volume_fractions
 from eigencontact_verification.conformance.report import check, ensure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, region, sample
@@ -16,6 +18,7 @@ __all__ = [
     "check_contains_arrays",
     "check_contains_pure",
     "check_in_body",
+    "check_place",
     "check_volume_fractions",
 ]
 
@@ -60,6 +63,34 @@ def check_in_body(shape: Any) -> None:
         "0 or more [m]",
         f"{lowest:.6g}",
         "give the component a deeper centre; a shape refuses what sticks out of the body in __post_init__",
+    )
+
+
+@check
+def check_place(shape: Any) -> None:
+    """Another value of the field annotated `Place` moves the shape by the difference, and changes nothing else."""
+    name = place_field(type(shape))
+    if name is None:
+        return
+    box = region(shape)
+    shift = 4.0 * box.size * np.array([0.3, -0.7, 1.1])
+    moved = replace(shape, **{name: tuple((np.array(getattr(shape, name), dtype=float) + shift).tolist())})
+    error = np.abs(np.array(moved.bounds) - np.array(shape.bounds) - shift).max() / box.size
+    ensure(
+        error < 1e-9,
+        f"bounds after {name} moved by {tuple(shift.tolist())}",
+        "moved by the same",
+        moved.bounds,
+        "annotate with Place the field that says where the shape is, and no other",
+    )
+    probes = box.center + 1.2 * box.half * evenly(512)
+    lost = np.flatnonzero(inside(shape, probes) != inside(moved, probes + shift))
+    ensure(
+        lost.size < 3,  # what rounding may bring to the other side of the boundary
+        "contains of the moved shape at moved points",
+        "what it was",
+        f"{lost.size} of 512 points that differ, the first at {place_of(probes[lost])}",
+        "count coordinates from the place",
     )
 
 
