@@ -12,19 +12,7 @@ __all__ = ["place_field"]
 
 
 def place_field(cls: type) -> str | None:
-    """Name of the field of a dataclass that is annotated `Place`; None without one.
-
-    Examples
-    --------
-    >>> from dataclasses import dataclass
-    >>> from eigencontact.core.quantities import Length, Place
-    >>> @dataclass
-    ... class Tetrahedron:
-    ...     edge: Length
-    ...     apex: Place
-    >>> place_field(Tetrahedron)
-    'apex'
-    """
+    """Name of the field of a dataclass that is annotated `Place`; None without one."""
     return _found(cls)
 
 

@@ -14,6 +14,7 @@ from eigencontact.core.quantities import Angle, Force, Length, Moment, Place, St
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
+from eigencontact.halfspace.point_kernels import PointKernels
 from eigencontact.halfspace.potentials import (
     HasCornerPotentials,
     HasFarField,
@@ -64,6 +65,7 @@ __all__ = [
     "Observer",
     "Order",
     "Place",
+    "PointKernels",
     "PointSources",
     "SceneError",
     "StepView",

@@ -17,8 +17,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Order
-from eigencontact_plugins.shapes.point import PointKernels
+from eigencontact.plugin import Order, PointKernels
 
 __all__ = ["distant_derivatives", "distant_from", "gauss_rule"]
 

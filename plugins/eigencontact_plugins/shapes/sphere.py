@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Order, Place, PointSources, hookimpl, require
-from eigencontact_plugins.shapes.point import PointKernels
+from eigencontact.plugin import InclusionShape, Length, Order, Place, PointKernels, PointSources, hookimpl, require
 
 __all__ = ["SphericalInclusion"]
 
