@@ -8,6 +8,7 @@ excepted) and never changes the arrays it is given.
 from __future__ import annotations
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_arrays, read_columns, read_gridded
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
 from eigencontact.core.quantities import Angle, Force, Length, Moment, Place, Stress, Unit
@@ -38,15 +39,18 @@ __all__ = [
     "COMPONENTS",
     "KINDS",
     "SQRT2",
+    "TEXT_FILES",
     "Angle",
     "Component",
     "CornerInfluence",
     "EigenstrainField",
+    "FileArrays",
     "Force",
     "FrictionLaw",
     "FrictionState",
     "Geometry",
     "Grid",
+    "GriddedData",
     "HasCornerPotentials",
     "HasFarField",
     "HasMirrorPotential",
@@ -76,6 +80,9 @@ __all__ = [
     "hookimpl",
     "implicit",
     "integrated_chi",
+    "read_arrays",
+    "read_columns",
+    "read_gridded",
     "require",
     "to_mandel",
     "variables",
