@@ -94,7 +94,11 @@ REFUSED = {
     "an axis of two dimensions": ({"y": np.ones((2, 2))}, "z, y, x of two numbers or more each", "y is not"),
     "an axis without end": ({"y": np.array([0.0, np.inf])}, "two numbers or more each, finite", "y is not"),
     "shape": ({"young_modulus": E.T}, "young_modulus of shape (z, y, x) = (3, 2, 4), or one number", "shape (4, 2, 3)"),
-    "infinite": ({"young_modulus": np.full(SHAPE, np.inf)}, "finite young_modulus [Pa]", "24 of 24 are not, the first is inf"),
+    "infinite": (
+        {"young_modulus": np.full(SHAPE, np.inf)},
+        "finite young_modulus [Pa]",
+        "24 of 24 are not, the first is inf",
+    ),
     "NaN": ({"poisson_ratio": NU * np.nan}, "finite poisson_ratio [1]", "24 of 24 are not, the first is nan"),
     "complex": ({"young_modulus": E + 1j}, "an array of real numbers", "young_modulus is complex128"),
     "text": ({"poisson_ratio": np.array("steel")}, "an array of real numbers", "poisson_ratio is <U5"),

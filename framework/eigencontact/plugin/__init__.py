@@ -12,6 +12,7 @@ from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
 from eigencontact.core.quantities import Angle, Force, Length, Moment, Place, Stress, Unit
+from eigencontact.core.rotation import Rotation, Row, as_tuple, rotation_matrix, turned_derivatives
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
@@ -33,7 +34,9 @@ from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePr
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.layered import LayeredMedium
 from eigencontact.plugin.observer import Observer, StepView
+from eigencontact.plugin.revolution import Revolution
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
+from eigencontact.plugin.timed_field import Strain, TimedField, mandel_strain
 
 __all__ = [
     "COMPONENTS",
@@ -71,20 +74,29 @@ __all__ = [
     "Place",
     "PointKernels",
     "PointSources",
+    "Revolution",
+    "Rotation",
+    "Row",
     "SceneError",
     "StepView",
+    "Strain",
     "Stress",
     "SurfaceInfluence",
+    "TimedField",
     "Unit",
+    "as_tuple",
     "derivatives_of",
     "hookimpl",
     "implicit",
     "integrated_chi",
+    "mandel_strain",
     "read_arrays",
     "read_columns",
     "read_gridded",
     "require",
+    "rotation_matrix",
     "to_mandel",
+    "turned_derivatives",
     "variables",
 ]
 

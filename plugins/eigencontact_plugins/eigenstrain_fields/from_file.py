@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, GriddedData, hookimpl, read_gridded, to_mandel
-from eigencontact_plugins.eigenstrain_fields.values import TimedField
+from eigencontact.plugin import EigenstrainField, GriddedData, TimedField, hookimpl, read_gridded, to_mandel
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

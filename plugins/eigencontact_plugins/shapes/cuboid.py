@@ -12,19 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Angle,
     InclusionShape,
     Length,
     Order,
     Place,
     PointSources,
+    Rotation,
+    as_tuple,
     hookimpl,
     integrated_chi,
     require,
+    rotation_matrix,
+    turned_derivatives,
 )
 from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivative
 from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, distant_from, gauss_rule
-from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
 
 __all__ = ["Cuboid"]
 
@@ -88,7 +90,7 @@ class Cuboid(InclusionShape):
 
     center: Place
     edges: tuple[Length, Length, Length]
-    rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
+    rotation: Rotation | None = None
 
     def __post_init__(self) -> None:
         if self.rotation is not None:

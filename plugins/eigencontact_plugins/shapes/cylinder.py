@@ -10,8 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Place, hookimpl, require
-from eigencontact_plugins.shapes.rotation import Row, as_tuple
+from eigencontact.plugin import InclusionShape, Length, Place, Row, as_tuple, hookimpl, require
 
 __all__ = ["Cylinder"]
 

@@ -11,19 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Angle,
     InclusionShape,
     Length,
     Order,
     Place,
     PointSources,
+    Rotation,
+    as_tuple,
     hookimpl,
     integrated_chi,
     require,
+    rotation_matrix,
+    turned_derivatives,
 )
 from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi, focal_sources
 from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivatives
-from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
 
 __all__ = ["Ellipsoid"]
 
@@ -69,7 +71,7 @@ class Ellipsoid(InclusionShape):
 
     center: Place
     semi_axes: tuple[Length, Length, Length]
-    rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
+    rotation: Rotation | None = None
 
     def __post_init__(self) -> None:
         for name in ("center", "semi_axes", "rotation"):

@@ -10,11 +10,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, InclusionShape, Length, Place, hookimpl, require
+from eigencontact.plugin import InclusionShape, Length, Place, Rotation, as_tuple, hookimpl, require, rotation_matrix
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
 from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
 from eigencontact_plugins.shapes.polyhedron_volumes import volumes_in_cells
-from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
 
 __all__ = ["Polyhedron"]
 
@@ -61,7 +60,7 @@ class Polyhedron(InclusionShape):
 
     file: str
     scale: Length = 1.0
-    rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
+    rotation: Rotation | None = None
     offset: Place = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
