@@ -165,3 +165,8 @@ def test_a_table_of_a_scene_takes_angles_with_units():
     shape = ec.make("cuboid", center=(0, 0, "2 um"), edges=("1 um",) * 3, rotation=("30 deg", 0.0, 0.0))
     assert shape.rotation[0] == pytest.approx(np.pi / 6, rel=1e-15)
     assert hash(shape) == hash(ec.make("cuboid", center=(0, 0, "2 um"), edges=("1 um",) * 3, rotation=shape.rotation))
+
+
+def test_explain_tells_where_the_mirror_image_is_integrated():
+    assert turned("flush").method == "closed form"
+    assert turned("any").method == "closed form, and quadrature of the mirror image"

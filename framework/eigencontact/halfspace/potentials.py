@@ -26,13 +26,16 @@ __all__ = [
     "HasMirrorPotential",
     "HasPotentials",
     "HasSidedPotentials",
+    "HasVolumeFractions",
     "Order",
+    "Point",
     "PointSources",
     "derivatives",
 ]
 
 FloatArray = NDArray[np.float64]
 
+Point = tuple[float, float, float]
 #: How often a potential is differentiated along x, y and z.
 Order = tuple[int, int, int]
 
@@ -167,5 +170,27 @@ class HasCornerPotentials(Protocol):
 
         x, y, z broadcast; they must not lie on a coordinate plane's singular line (lattice nodes never do). For chi
         z is the distance along Z, positive.
+        """
+        ...
+
+
+@runtime_checkable
+class HasVolumeFractions(Protocol):
+    """Ability of a shape without potentials: the share of it in the cells of a lattice, without asking ``contains``.
+
+    Worth it where ``contains`` is dear: it is otherwise asked at up to a thousand points of a cell.
+    """
+
+    def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
+        """Fraction of each cell that lies in the shape, ``(nz, ny, nx)`` in 0 to 1; None leaves it to ``contains``.
+
+        Parameters
+        ----------
+        low : (x, y, z)
+            Lowest corner of the lattice [m].
+        edges : (dx, dy, dz)
+            Edges of a cell [m].
+        shape : (nz, ny, nx)
+            Numbers of cells.
         """
         ...

@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
-from eigencontact.halfspace.potentials import HasCornerPotentials, Order, PointSources
-from eigencontact.halfspace.voxels import Point, Region, volume_fractions, voxels_across
+from eigencontact.halfspace.potentials import HasCornerPotentials, Order, Point, PointSources
+from eigencontact.halfspace.voxels import Region, volume_fractions, voxels_across
 
 __all__ = ["VoxelisedShape"]
 

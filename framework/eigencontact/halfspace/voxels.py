@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.errors import SceneError, require
+from eigencontact.halfspace.potentials import HasVolumeFractions, Point
 
-__all__ = ["HasVolumeFractions", "Point", "Region", "Voxels", "volume_fractions", "voxels_across"]
+__all__ = ["Point", "Region", "Voxels", "volume_fractions", "voxels_across"]
 
 FloatArray = NDArray[np.float64]
-Point = tuple[float, float, float]
 
 _COARSE, _FINE = 3, 10  # samples per cell and axis: everywhere, and in cells that the boundary cuts
 _BATCH = 2_000_000
@@ -28,28 +28,6 @@ class Region(Protocol):
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie inside."""
-        ...
-
-
-@runtime_checkable
-class HasVolumeFractions(Protocol):
-    """Ability of a shape without potentials: the share of it in the cells of a lattice, without asking ``contains``.
-
-    Worth it where ``contains`` is dear: it is otherwise asked at up to a thousand points of a cell.
-    """
-
-    def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
-        """Fraction of each cell that lies in the shape, ``(nz, ny, nx)`` in 0 to 1; None leaves it to ``contains``.
-
-        Parameters
-        ----------
-        low : (x, y, z)
-            Lowest corner of the lattice [m].
-        edges : (dx, dy, dz)
-            Edges of a cell [m].
-        shape : (nz, ny, nx)
-            Numbers of cells.
-        """
         ...
 
 

@@ -23,10 +23,10 @@ from eigencontact.halfspace.potentials import (
     HasMirrorPotential,
     HasPotentials,
     HasSidedPotentials,
+    HasVolumeFractions,
     Order,
     PointSources,
 )
-from eigencontact.halfspace.voxels import HasVolumeFractions
 from eigencontact.hooks.hookspecs import hookimpl
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.friction import FrictionLaw, FrictionState

@@ -123,6 +123,17 @@ class Cuboid(InclusionShape):
         return None if np.array_equal(turn, np.eye(3)) else turn, (a, b, c)
 
     @property
+    def _has_closed_chi(self) -> bool:
+        """Whether two faces are parallel to the surface."""
+        turn, _ = self._frame
+        return turn is None or bool(turn[2, 2] == 1.0)
+
+    @property
+    def method(self) -> str:
+        """How the potentials are found."""
+        return "closed form" if self._has_closed_chi else "closed form, and quadrature of the mirror image"
+
+    @property
     def bounds(self) -> tuple[Point, Point]:
         """Corners of lowest and of highest coordinates [m]."""
         (x, y, z), (turn, (a, b, c)) = self.center, self._frame
@@ -153,8 +164,7 @@ class Cuboid(InclusionShape):
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
-        turn, _ = self._frame
-        if turn is not None and turn[2, 2] != 1.0:
+        if not self._has_closed_chi:
             at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
             return integrated_chi(self, orders, *at).reshape(len(orders), *np.shape(x))
         return self._differentiate("chi", orders, (x, y, z))
@@ -214,7 +224,7 @@ class Cuboid(InclusionShape):
         unit = 2.0 ** round(np.log2(max(edges)))
         half = [0.5 * edge / unit for edge in edges]
         center = [c / unit for c in self.center]
-        flush = abs(center[2] - half[2]) <= FLUSH * half[2] and (turn is None or turn[2, 2] == 1.0)
+        flush = abs(center[2] - half[2]) <= FLUSH * half[2] and self._has_closed_chi
         if flush:
             center[2] = half[2]
         if potential == "chi":
