@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.plugin import InclusionShape
+from eigencontact.plugin import InclusionShape, Place
 from eigencontact_verification.campaign.inclusions import _CELL_RATIOS, _error_of_cells
 from eigencontact_verification.conformance import ConformanceError, checks_for, parametrize_with_checks
 from eigencontact_verification.conformance import finite_elements as kit
@@ -22,7 +22,7 @@ class Wrong(InclusionShape):
     key: ClassVar[str] = "wrong-ball"
     references: ClassVar[tuple[str, ...]] = ("none: a planted fault",)
 
-    center: tuple[float, float, float]
+    center: Place
     factor: float = 1.0
 
     @property
