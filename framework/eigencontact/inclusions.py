@@ -15,7 +15,7 @@ from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
-from eigencontact.halfspace.voxels import VoxelisedShape
+from eigencontact.halfspace.voxelised import VoxelisedShape
 from eigencontact.library import field_points, installed_plugins
 from eigencontact.model.installed import installed_cell
 from eigencontact.plugin import InclusionShape

@@ -155,20 +155,25 @@ def test_mean_of_both_sides_on_a_face(axis, sign, potential, order):
 
 
 @pytest.mark.parametrize(("potential", "order"), [("phi", 2), ("phi", 3), ("phi", 4), ("psi", 4), ("psi", 5)])
-def test_face_in_the_surface_is_seen_from_the_side_of_the_sign_of_z(potential, order):
+def test_face_in_the_surface_is_seen_from_the_side_that_is_asked_for(potential, order):
+    """Whatever the sign of zero; without a side it is the mean of both, as on any other face."""
     x, y = np.array([0.1, -0.3, 0.0, 0.7, 0.5]), np.array([0.2, 0.0, 0.0, 0.1, 0.8])
-    for zero in (0.0, -0.0):
-        at = evaluate(FLUSH, potential, order, (x, y, np.full(5, zero)))
-        near = evaluate(FLUSH, potential, order, (x, y, np.full(5, np.copysign(1e-10, zero))))
+    found = {}
+    for side, zero in ((1.0, 0.0), (1.0, -0.0), (-1.0, 0.0), (-1.0, -0.0)):
+        at = getattr(FLUSH, potential)(orders(order), x, y, np.full(5, zero), np.full(5, side))
+        near = evaluate(FLUSH, potential, order, (x, y, np.full(5, 1e-10 * side)))
         np.testing.assert_allclose(at, near, rtol=0, atol=2e-7)
-    inside, outside = (FLUSH.phi([(0, 0, 2)], x, y, np.full(5, zero))[0] for zero in (0.0, -0.0))
-    np.testing.assert_allclose(inside - outside, [-4 * np.pi] * 3 + [0.0] * 2, atol=1e-13)
+        found[side] = at
+    mean = evaluate(FLUSH, potential, order, (x, y, np.zeros(5)))
+    np.testing.assert_allclose(mean, (found[1.0] + found[-1.0]) / 2, rtol=0, atol=1e-13 * np.abs(mean).max())
+    inside, above = (FLUSH.phi([(0, 0, 2)], x, y, 0.0 * x, side)[0] for side in (1.0, -1.0))
+    np.testing.assert_allclose(inside - above, [-4 * np.pi] * 3 + [0.0] * 2, atol=1e-13)
 
 
 def test_a_face_within_rounding_of_the_surface_counts_as_flush():
     shape = Cuboid(center=(0.0, 0.0, 0.5 * (1 + 4e-16)), edges=(1.0, 1.0, 1.0))
     o = np.zeros(2)
-    found = shape.phi([(0, 0, 2)], o, o, np.array([0.0, -0.0]))[0]
+    found = shape.phi([(0, 0, 2)], o, o, o, np.array([1.0, -1.0]))[0]
     np.testing.assert_allclose(found[0] - found[1], -4 * np.pi, rtol=1e-13)
 
 

@@ -170,10 +170,13 @@ def test_refusals(case):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ({}, "a file with z, y, x, eigenstrain"),
-        ({"eigenstrain": np.zeros((6, 2, 2, 3))}, "with finite eigenstrain of shape (6, 2, 2, 2) or (2, 2, 2)"),
+        ({}, "a file with z and y and x and eigenstrain"),
+        ({"eigenstrain": np.zeros((6, 2, 2, 3))}, "with eigenstrain of shape (z, y, x) = (2, 2, 2) or (6, 2, 2, 2)"),
         ({"eigenstrain": np.full((2, 2, 2), np.nan)}, "with finite eigenstrain"),
-        ({"eigenstrain": np.zeros((2, 2, 2)), "x": [1.0, 0.0]}, "with x, y, z of two ascending numbers and more [m]"),
+        (
+            {"eigenstrain": np.zeros((2, 2, 2)), "x": [1.0, 0.0]},
+            "with z, y, x of two numbers or more each, finite and ascending [m]",
+        ),
     ],
 )
 def test_files_that_are_refused(tmp_path, content, words):
@@ -186,5 +189,5 @@ def test_files_that_are_refused(tmp_path, content, words):
 
 def test_a_file_that_is_none_is_refused(tmp_path):
     (tmp_path / "a.npz").write_bytes(b"not a zip file")
-    with pytest.raises(EigencontactError, match=r"from-file\.file must be a readable \.npz or NetCDF file"):
+    with pytest.raises(EigencontactError, match=r"from-file\.file must be a readable \.npy, \.npz, NetCDF or text"):
         make("from-file", file=str(tmp_path / "a.npz"))

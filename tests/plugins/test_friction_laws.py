@@ -206,12 +206,25 @@ def test_refusals(case):
 HOLED = np.full(SHAPE, 0.1)
 HOLED[1, 2] = np.nan
 FILES = {
-    "NaN": ({"coefficient": HOLED}, "zero or positive, and finite [-]", "1 of 15 are not, the first is nan"),
-    "negative": ({"coefficient": np.full(SHAPE, -1.0)}, "zero or positive, and finite [-]", "15 of 15 are not"),
-    "transposed": ({"coefficient": HOLED.T}, "a map of shape (3, 5), rows along y", "coefficient has the shape (5, 3)"),
-    "descending": ({"x": X[0, ::-1]}, "a map with finite x and y, two ascending numbers each", "these are not"),
-    "NaN of x": ({"y": np.array([0.0, 1.0, np.nan])}, "a map with finite x and y, two ascending numbers", "are not"),
-    "text": ({"x": np.array(["a"])}, "that can be read", "x is of type <U1"),
+    "NaN": ({"coefficient": HOLED}, "a file with finite coefficient [1]", "1 of 15 are not, the first is nan"),
+    "negative": (
+        {"coefficient": np.full(SHAPE, -1.0)},
+        "zero or positive, and finite [-]",
+        "15 of 15 are negative, the smallest is -1.0",
+    ),
+    "transposed": (
+        {"coefficient": HOLED.T},
+        "coefficient of shape (y, x) = (3, 5)",
+        "coefficient has the shape (5, 3)",
+    ),
+    "descending": ({"x": X[0, ::-1]}, "y, x of two numbers or more each, finite and ascending", "x is not"),
+    "NaN of x": (
+        {"y": np.array([0.0, 1.0, np.nan])},
+        "y, x of two numbers or more each, finite and ascending",
+        "y is not",
+    ),
+    "text": ({"x": np.array(["a"])}, "an array of real numbers", "x is <U1"),
+    "complex": ({"coefficient": np.full(SHAPE, 0.1 + 0.2j)}, "an array of real numbers", "coefficient is complex128"),
 }
 
 
@@ -229,8 +242,8 @@ def test_refused_maps(case, mapped):
 
 # text of the file, words of the refusal
 TEXTS = {
-    "a hole": ("0 0 1\n1 0 1\n0 1 1\n", "a lattice with one row for every pair of its x and y"),
-    "twice": ("0 0 1\n1 0 1\n0 1 1\n0 1 1\n", "a lattice with one row for every pair of its x and y"),
+    "a hole": ("0 0 1\n1 0 1\n0 1 1\n", "a lattice with one row for every combination of its x, y"),
+    "twice": ("0 0 1\n1 0 1\n0 1 1\n0 1 1\n", "a lattice with one row for every combination of its x, y"),
     "empty": ("# x y mu\n", "a text file with rows x y coefficient"),
     "two columns": ("0 0\n1 0\n", "that can be read"),
     "words": ("0 0 high\n1 0 low\n", "that can be read"),
@@ -247,7 +260,7 @@ def test_refused_texts(case, tmp_path):
 
 def test_an_archive_names_what_it_lacks(tmp_path):
     np.savez(tmp_path / "map.npz", x=X[0], mu=np.ones(SHAPE))
-    with pytest.raises(SceneError, match=r"must be an archive with y and coefficient \(got .*; it holds x, mu"):
+    with pytest.raises(SceneError, match=r"must be a file with y and coefficient \(got .*; it holds x, mu"):
         law("coulomb-map", file=str(tmp_path / "map.npz"))
 
 

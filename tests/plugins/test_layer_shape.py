@@ -73,7 +73,7 @@ REFUSED = [
     ({"thickness": 1.0, "center": (np.nan, 0.0)}, r"layer.center must be two finite"),
     ({"thickness": 1.0, "top": -1.0}, r"layer.top must be zero or positive"),
     ({"thickness": 1.0, "thickness_unit": 0.0}, r"layer.thickness_unit must be positive"),
-    ({"file": "nowhere.npy"}, r"layer.file must be an existing file; .* \(got 'nowhere.npy'\)"),
+    ({"file": "nowhere.npy"}, r"layer.file must be an existing file \(got 'nowhere.npy'\); a relative path"),
 ]
 
 
@@ -91,7 +91,8 @@ def test_refusals(table, message):
         (np.array([[1.0, np.nan], [1, 1]]), "finite thicknesses >= 0, some of them > 0"),
         (np.array([[1.0, -1.0], [1, 1]]), "finite thicknesses"),
         (np.zeros((2, 2)), "finite thicknesses"),
-        (np.array([["a", "b"], ["c", "d"]]), "readable map of numbers"),
+        (np.array([["a", "b"], ["c", "d"]]), "an array of real numbers"),
+        (np.full((2, 2), 1 + 1j), "an array of real numbers .* its type is complex128"),
     ],
 )
 def test_unusable_maps_are_refused(thickness_file, values, message):
@@ -102,7 +103,7 @@ def test_unusable_maps_are_refused(thickness_file, values, message):
 def test_files_of_other_kinds_are_refused(tmp_path):
     for name, content, message in (
         ("map.png", b"1", "of one of the types .npy, .npz, .txt"),
-        ("map.npz", b"no archive", "readable map"),
+        ("map.npz", b"no archive", r"a readable .npy, .npz, .*; it holds no numbers of NumPy"),
         ("map.txt", b"1 2\n3\n", "readable map"),
     ):
         (tmp_path / name).write_bytes(content)

@@ -312,16 +312,17 @@ def raw(content):
 
 RASTER = "0 0 1\n1 0 2\n0 1 3\n1 1 4\n"
 SP = {"spacing": (1.0, 1.0)}
+READABLE = "a readable .npy, .npz, NetCDF or text (.txt, .csv, .dat, .xyz, .asc) file"
 
 
 @pytest.mark.parametrize(
     ("name", "write", "table", "rule", "reason"),
     [
         ("a.npy", None, SP, "an existing file", "a relative path counts from the folder of the scene"),
-        ("a.npy", raw(b"nonsense"), SP, "a readable measurement", None),
-        ("a.npy", raw(b""), SP, "a readable measurement", None),
-        ("a.npz", raw(b"PK\x03\x04 broken"), SP, "a readable measurement", None),
-        ("a.npy", array(np.array([[1, None]], dtype=object)), SP, "a readable measurement", None),
+        ("a.npy", raw(b"nonsense"), SP, READABLE, None),
+        ("a.npy", raw(b""), SP, READABLE, None),
+        ("a.npz", raw(b"PK\x03\x04 broken"), SP, READABLE, None),
+        ("a.npy", array(np.array([[1, None]], dtype=object)), SP, READABLE, None),
         ("a.npy", array(np.ones((2, 2), complex)), SP, "an array of real numbers", "its type is complex128"),
         ("a.npy", array(np.ones(5)), SP, "heights on a raster of at least 2 x 2 points", "its shape is (5,)"),
         ("a.npy", array(np.ones((1, 5))), SP, "heights on a raster of at least 2 x 2 points", "its shape is (1, 5)"),
@@ -342,7 +343,7 @@ SP = {"spacing": (1.0, 1.0)}
             "their shapes are (3,) and (3,)",
         ),
         ("a.xyz", text("# nothing\n\n"), {}, "a text file with rows x y z", "it holds no row"),
-        ("a.xyz", text("x y z\n" + RASTER), {}, "a readable measurement", None),
+        ("a.xyz", text("x y z\n" + RASTER), {}, "a text file with rows x y z that can be read", None),
         (
             "a.xyz",
             text("0 0 1\n1 0 2\n2.5 0 3\n0 1 3\n1 1 4\n2.5 1 1\n"),

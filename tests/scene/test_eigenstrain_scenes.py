@@ -1,6 +1,7 @@
 """Scenes with inclusions and eigenstrain: what may be written, and what is refused in which words."""
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -69,6 +70,15 @@ def test_many_of_a_kind_at_centers():
     planned = plan(scene(inclusions=ball(center=None, centers=[[0.0, 0.0, "2 um"], ["3 um", 0.0, "4 um"]])))
     assert [source.shape.center for source in planned.sources] == [(0.0, 0.0, 2e-6), (3e-6, 0.0, 4e-6)]
     assert [source.name for source in planned.sources] == ["sphere 1, 1", "sphere 1, 2"]
+
+
+def test_centers_are_places_whatever_a_shape_calls_them():
+    wedge = str(Path(__file__).parents[1] / "plugins" / "wedge.off")
+    shape = {"type": "polyhedron", "file": wedge, "scale": "1 um", "eigenstrain": 1e-3}
+    planned = plan(scene(inclusions={**shape, "centers": [[0.0, 0.0, "2 um"], ["3 um", 0.0, "4 um"]]}))
+    assert [source.shape.offset for source in planned.sources] == [(0.0, 0.0, 2e-6), (3e-6, 0.0, 4e-6)]
+    with pytest.raises(EigencontactError, match=r"inclusions must be at its offset, or at centers \(got both\)"):
+        plan(scene(inclusions={**shape, "offset": [0, 0, 1e-6], "centers": [[0.0, 0.0, "2 um"]]}))
 
 
 def test_relative_files_of_eigenstrain_count_from_the_scene(tmp_path, monkeypatch):
@@ -154,7 +164,15 @@ REFUSED = {
     ),
     "a center and centers": (
         {"inclusions": [ball(centers=[[0, 0, 1]])]},
-        "inclusions.0 must be at a center, or at cen",
+        "inclusions must be at its center, or at centers (got both); give one of them",
+    ),
+    "centers of a shape without a place": (
+        {
+            "inclusions": [
+                {"type": "layer", "size": [1e-6, 1e-6], "thickness": 1e-6, "centers": [[0, 0, 1]], "eigenstrain": 0}
+            ]
+        },
+        "inclusions.centers must be left out for 'layer', a shape without a field that says where it is (got 1 center",
     ),
     "a patch without size": (
         {"inclusions": [], "eigenstrain": PATCH, "grid": None},

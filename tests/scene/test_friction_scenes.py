@@ -1,6 +1,7 @@
 """Scenes with friction: the table of the law, steps along the surface, what steps keep, and what is refused."""
 
 import tomllib
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -8,11 +9,12 @@ import tomli_w
 
 from close import close
 from eigencontact import EigencontactError, load_scene, make, plan, run
+from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
 from eigencontact.errors import PluginError, SceneError
-from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS, held_steps
+from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
-from eigencontact.solvers.control import MODES as NORMAL_MODES
-from eigencontact.solvers.tangential.control import MODES
+from eigencontact.solvers.control import Control
+from eigencontact.solvers.tangential.control import TangentialControl
 
 UM = 1e-6
 COULOMB = {"type": "coulomb", "coefficient": 0.3}
@@ -54,9 +56,11 @@ def test_steps_along_the_surface_have_units(name, text, value):
     assert step.prescribed == ["normal-load", name]
 
 
-def test_pairs_of_the_scene_are_the_modes_of_the_solvers():
-    assert {tuple(reversed(pair)) for pair in NORMAL_PAIRS} == set(NORMAL_MODES)
-    assert {tuple(reversed(pair)) for pair in TANGENTIAL_PAIRS} == set(MODES)
+@pytest.mark.parametrize(("control", "modes"), [(Control, NORMAL_MODES), (TangentialControl, TANGENTIAL_MODES)])
+def test_rigid_modes_are_fields_of_steps_and_controls(control, modes):
+    names = {name for mode in modes for name in mode}
+    assert {item.name for item in fields(control)} == names
+    assert names <= set(Step.model_fields)
 
 
 # steps, what the last of them prescribes with all that it keeps

@@ -118,7 +118,7 @@ def test_constants_of_no_material_are_refused_before_the_run(case):
 # changes of a good map -> words of the message
 MAPS = {
     "no modulus": ({"young_modulus": None}, "a file with young_modulus"),
-    "axes": ({"x": np.array([1.0, 0.0])}, "two ascending numbers"),
+    "axes": ({"x": np.array([1.0, 0.0])}, "finite and ascending [m]"),
     "shape": ({"young_modulus": np.ones((2, 2))}, "of shape (z, y, x) = (2, 2, 2)"),
     "negative": ({"young_modulus": -np.ones((2, 2, 2))}, "young_modulus must be zero"),
 }

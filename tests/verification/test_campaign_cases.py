@@ -22,14 +22,14 @@ OWN = (
 LENS = """
 from dataclasses import dataclass
 from typing import ClassVar
-from eigencontact.plugin import InclusionShape, Length, hookimpl
+from eigencontact.plugin import InclusionShape, Length, Place, hookimpl
 
 @dataclass(frozen=True, kw_only=True)
 class Lens(InclusionShape):
     key: ClassVar[str] = "lens"
     references: ClassVar[tuple[str, ...]] = ("elementary",)
     {example}
-    center: tuple[Length, Length, Length]
+    center: Place
     radius: Length
     height: Length
     {more}

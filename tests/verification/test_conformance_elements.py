@@ -8,7 +8,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.plugin import InclusionShape
+from eigencontact.plugin import InclusionShape, Place
 from eigencontact_verification.campaign.inclusions import _CELL_RATIOS, _error_of_cells
 from eigencontact_verification.conformance import ConformanceError, checks_for, parametrize_with_checks
 from eigencontact_verification.conformance import finite_elements as kit
@@ -23,7 +23,7 @@ class Wrong(InclusionShape):
     key: ClassVar[str] = "wrong-ball"
     references: ClassVar[tuple[str, ...]] = ("none: a planted fault",)
 
-    center: tuple[float, float, float]
+    center: Place
     factor: float = 1.0
 
     @property

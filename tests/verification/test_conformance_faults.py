@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.plugin import EigenstrainField, FrictionLaw, Geometry, InclusionShape, Length, require
+from eigencontact.plugin import EigenstrainField, FrictionLaw, Geometry, InclusionShape, Length, Place, require
 from eigencontact_plugins.shapes.cuboid import Cuboid
 from eigencontact_verification.conformance import ConformanceError, checks_for, parametrize_with_checks
 
@@ -33,32 +33,48 @@ def scaled(values, orders, chosen, factor):
     )
 
 
+def seen_from(z):
+    return np.where(z == 0, np.where(np.signbit(z), -1.0, 1.0), 0.0)
+
+
+class Block(Cuboid):
+    """The cuboid of an author who reads the side of the surface off the sign of zero."""
+
+    takes_side = False
+
+    def phi(self, orders, x, y, z):
+        return super().phi(orders, x, y, z, seen_from(z))
+
+    def psi(self, orders, x, y, z):
+        return super().psi(orders, x, y, z, seen_from(z))
+
+
 @plant("check_psi_derivatives", "check_psi_laplacian", "check_quadrature", **DEEP)
-class PsiOrderScaled(Cuboid):
+class PsiOrderScaled(Block):
     def psi(self, orders, x, y, z):
         return scaled(super().psi(orders, x, y, z), orders, {(2, 1, 0)}, 1.01)
 
 
 @plant("check_psi_derivatives", "check_psi_laplacian", **DEEP)
-class PsiFifthOrderSign(Cuboid):
+class PsiFifthOrderSign(Block):
     def psi(self, orders, x, y, z):
         return scaled(super().psi(orders, x, y, z), orders, {(3, 1, 1)}, -1.0)
 
 
 @plant("check_equilibrium", "check_psi_derivatives", "check_psi_laplacian", **DEEP)
-class PsiFourthOrderScaled(Cuboid):
+class PsiFourthOrderScaled(Block):
     def psi(self, orders, x, y, z):
         return scaled(super().psi(orders, x, y, z), orders, {(2, 1, 1)}, 1.0 + 1e-6)
 
 
 @plant("check_phi_laplacian", "check_psi_laplacian", "check_quadrature", "check_volume", "check_decay", **DEEP)
-class PhiSign(Cuboid):
+class PhiSign(Block):
     def phi(self, orders, x, y, z):
         return -super().phi(orders, x, y, z)
 
 
 @plant("check_phi_laplacian", "check_volume", "check_quadrature", "check_far_field", **DEEP)
-class EverythingScaled(Cuboid):
+class EverythingScaled(Block):
     def phi(self, orders, x, y, z):
         return 1.001 * super().phi(orders, x, y, z)
 
@@ -67,7 +83,7 @@ class EverythingScaled(Cuboid):
 
 
 @plant("check_continuity", **DEEP)
-class HarmonicInside(Cuboid):
+class HarmonicInside(Block):
     """Inside, Phi + x² - y² and Psi + (x⁴ - y⁴) / 6: every identity holds, only the boundary tells."""
 
     def more(self, gradient, curvature, orders, x, y, z):
@@ -89,7 +105,7 @@ class HarmonicInside(Cuboid):
 
 
 @plant("check_decay", "check_quadrature", **DEEP)
-class HarmonicEverywhere(Cuboid):
+class HarmonicEverywhere(Block):
     """Phi + xy / 1000: no identity notices, the distance does."""
 
     def phi(self, orders, x, y, z):
@@ -98,38 +114,44 @@ class HarmonicEverywhere(Cuboid):
 
 
 @plant("check_face_means", **DEEP)
-class InnerValueOnFaces(Cuboid):
+class InnerValueOnFaces(Block):
     def phi(self, orders, x, y, z):
         return super().phi(orders, *(c + (t - c) * (1 - 1e-12) for t, c in zip((x, y, z), self.center, strict=True)))
 
 
 @plant("check_flush_face", "check_surface_traction", **FLUSH)
-class BlindToTheSignOfZero(Cuboid):
+class BlindToTheSignOfZero(Block):
     def psi(self, orders, x, y, z):
         return super().psi(orders, x, y, np.where(z == 0, 0.0, z))
 
 
+@plant("check_flush_face", "check_surface_traction", **FLUSH)
+class DeafToTheSide(Cuboid):
+    def phi(self, orders, x, y, z, side):  # noqa: ARG002
+        return super().phi(orders, x, y, z)
+
+
 @plant("check_parity", "check_phi_derivatives", **DEEP)
-class WrongSignAcrossTheMiddle(Cuboid):
+class WrongSignAcrossTheMiddle(Block):
     def phi(self, orders, x, y, z):
         values = super().phi(orders, x, y, z)
         return np.array([np.abs(v) if order == (1, 1, 1) else v for order, v in zip(orders, values, strict=True)])
 
 
 @plant("check_quadrature", "check_bounds", **DEEP)
-class ContainsShifted(Cuboid):
+class ContainsShifted(Block):
     def contains(self, x, y, z):
         return super().contains(x - 0.02, y, z)
 
 
 @plant("check_phi_laplacian", "check_quadrature", "check_volume", **DEEP)
-class EdgesTakenForHalfEdges(Cuboid):
+class EdgesTakenForHalfEdges(Block):
     def contains(self, x, y, z):
         return replace(self, edges=tuple(edge / 2 for edge in self.edges)).contains(x, y, z)
 
 
 @plant("check_bounds", **DEEP)
-class BoundsTooTight(Cuboid):
+class BoundsTooTight(Block):
     @property
     def bounds(self):
         (x, y, z), high = super().bounds
@@ -137,19 +159,19 @@ class BoundsTooTight(Cuboid):
 
 
 @plant("check_bounds", **DEEP)
-class BoundsReversed(Cuboid):
+class BoundsReversed(Block):
     @property
     def bounds(self):
         return super().bounds[::-1]
 
 
 @plant("check_in_body", center=(0.0, 0.0, 1.0), edges=(1.0, 1.0, 3.0))
-class AboveTheSurface(Cuboid):
+class AboveTheSurface(Block):
     pass
 
 
 @plant("check_potentials_pure", **DEEP)
-class WritesToItsInput(Cuboid):
+class WritesToItsInput(Block):
     def phi(self, orders, x, y, z):
         values = super().phi(orders, x, y, z)
         x += 0.0 if np.ndim(x) == 0 else 1e-3
@@ -157,7 +179,7 @@ class WritesToItsInput(Cuboid):
 
 
 @plant("check_potentials_pure", **DEEP)
-class KeepsState(Cuboid):
+class KeepsState(Block):
     def psi(self, orders, x, y, z):
         calls = self.__dict__.setdefault("calls", [])
         calls.append(1)
@@ -165,7 +187,7 @@ class KeepsState(Cuboid):
 
 
 @plant("check_contains_pure", **DEEP)
-class ContainsWrites(Cuboid):
+class ContainsWrites(Block):
     def contains(self, x, y, z):
         if isinstance(x, np.ndarray) and x.size:
             x *= 1.0
@@ -173,82 +195,82 @@ class ContainsWrites(Cuboid):
 
 
 @plant("check_contains_arrays", **DEEP)
-class ContainsCounts(Cuboid):
+class ContainsCounts(Block):
     def contains(self, x, y, z):
         return 1 * super().contains(x, y, z)
 
 
 @plant("check_contains_arrays", **DEEP)
-class ContainsReduces(Cuboid):
+class ContainsReduces(Block):
     def contains(self, x, y, z):
         held = super().contains(x, y, z)
         return np.full(held.shape, bool(np.any(held)))
 
 
 @plant("check_potentials_finite", **DEEP)
-class NanOnTheAxis(Cuboid):
+class NanOnTheAxis(Block):
     def psi(self, orders, x, y, z):
         on_axis = (x == self.center[0]) & (y == self.center[1]) & (z > 5)
         return np.where(on_axis, np.nan, super().psi(orders, x, y, z))
 
 
 @plant("check_potentials_finite", **DEEP)
-class DividesByZero(Cuboid):
+class DividesByZero(Block):
     def phi(self, orders, x, y, z):
         offset = x - self.center[0]
         return super().phi(orders, x, y, z) + 0.0 * np.nan_to_num(1.0 / offset)
 
 
 @plant("check_potential_arrays", **DEEP)
-class ForgetsTheShape(Cuboid):
+class ForgetsTheShape(Block):
     def phi(self, orders, x, y, z):
         return super().phi(orders, x, y, z).reshape(len(orders), -1)
 
 
 @plant("check_potential_arrays", **DEEP)
-class SortsTheOrders(Cuboid):
+class SortsTheOrders(Block):
     def psi(self, orders, x, y, z):
         return super().psi(sorted(orders), x, y, z)
 
 
 @plant("check_chi", "check_equilibrium", **DEEP)
-class ChiScaled(Cuboid):
+class ChiScaled(Block):
     def chi(self, orders, x, y, z):
         return scaled(super().chi(orders, x, y, z), orders, {(1, 1, 1), (2, 2, 0)}, 1.01)
 
 
 @plant("check_chi", **DEEP)
-class ChiOfTheRealSide(Cuboid):
+class ChiOfTheRealSide(Block):
     def chi(self, orders, x, y, z):
         return super().chi(orders, x, y, z + 0.01)
 
 
 @plant("check_psi_laplacian", **DEEP)
-class WrongAboveTheSurface(Cuboid):
+class WrongAboveTheSurface(Block):
     def psi(self, orders, x, y, z):
         return super().psi(orders, x, y, z) * np.where(z < 0, 1.001, 1.0)
 
 
 @plant("check_far_field", **DEEP)
-class FarFieldTooNear(Cuboid):
+class FarFieldTooNear(Block):
     def far_field(self):
         return replace(super().far_field(), distance=3.0)
 
 
 @plant("check_far_field", **DEEP)
-class FarFieldTooHeavy(Cuboid):
+class FarFieldTooHeavy(Block):
     def far_field(self):
         sources = super().far_field()
         return replace(sources, volumes=1.0001 * sources.volumes)
 
 
 @plant("check_references", **DEEP)
-class NoSources(Cuboid):
+class NoSources(Block):
     references: ClassVar[tuple[str, ...]] = ()
 
 
 @plant("check_registered", **DEEP)
-class OnlyASubclass(Cuboid):
+class OnlyASubclass(Block):
     key: ClassVar[str] = "only-a-subclass"
 
 
@@ -309,6 +331,36 @@ class FileWithoutMark(Box):
     depth: Length
     edge: Length
     drawing: str | None
+
+
+@plant("check_volume_fractions", depth=2.0, edge=1.0)
+@dataclass(frozen=True, kw_only=True)
+class FractionsFromTheBottom(Box):
+    """In the order of the lattice, but for the layers: they are counted upwards."""
+
+    depth: Length
+    edge: Length
+
+    def volume_fractions(self, low, edges, shape):
+        overlaps = []
+        for axis, count in zip((2, 1, 0), shape, strict=True):
+            at = low[axis] + edges[axis] * np.arange(count + 1)
+            inside = np.clip(at, self.bounds[0][axis], self.bounds[1][axis])
+            overlaps.append(np.diff(inside) / edges[axis])
+        return np.einsum("k,j,i->kji", overlaps[0][::-1], *overlaps[1:])
+
+
+@plant("check_place", corner=(-0.5, -0.5, 1.5), edge=1.0)
+@dataclass(frozen=True, kw_only=True)
+class MovesHalfTheWay(Box):
+    corner: Place
+    edge: Length
+
+    depth = 2.0
+
+    @property
+    def bounds(self):
+        return self.corner, tuple(value + 1.0 for value in self.corner)
 
 
 class Growth(EigenstrainField):

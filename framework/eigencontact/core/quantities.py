@@ -16,6 +16,8 @@ __all__ = [
     "Force",
     "Length",
     "Moment",
+    "Place",
+    "PlaceMark",
     "Quantity",
     "Stress",
     "Unit",
@@ -51,6 +53,15 @@ Stress = Annotated[float, Unit("Pa", "a stress")]
 Force = Annotated[float, Unit("N", "a force")]
 Moment = Annotated[float, Unit("N*m", "a moment")]
 Angle = Annotated[float, Unit("rad", "an angle")]
+
+
+class PlaceMark:
+    """Marks the field that says where a thing is."""
+
+
+#: Point (x, y, z) [m]. The one field with this annotation says where a thing is: another value moves the thing, and
+#: changes nothing else about it.
+Place = Annotated[tuple[Length, Length, Length], PlaceMark()]
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from eigencontact.scene.schema import Numerics
 
 __all__ = ["sampling_seconds", "spectra_cost"]
 
+
 def sampling_seconds(influence: SurfaceInfluence, body: Solid, *, periodic: bool = False) -> float:
     """Measured time of six stress coefficients at one lattice point [s]."""
     if isinstance(body, LayeredMedium):

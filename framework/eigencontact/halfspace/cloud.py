@@ -8,7 +8,7 @@ shapes hand theirs in together, and pairs that look alike, as those of a regular
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.parallel import available_threads
+from eigencontact.core.places import place_field
 from eigencontact.core.tensors import from_mandel, to_mandel
 from eigencontact.errors import require
 from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["field_of_cloud", "uses_point_sources"]
+__all__ = ["cloud_sources", "field_of_cloud", "uses_point_sources"]
 
 FloatArray = NDArray[np.float64]
 
@@ -32,11 +33,15 @@ _MOST_SOURCES = 800
 
 def uses_point_sources(shape: HasPotentials) -> bool:
     """Whether a shape in a cloud is replaced by its point sources beyond their distance."""
-    return (
-        find_spec("numba") is not None
-        and isinstance(shape, HasFarField)
-        and len(shape.far_field().positions) <= _MOST_SOURCES
-    )
+    return cloud_sources(shape) is not None
+
+
+def cloud_sources(shape: HasPotentials) -> PointSources | None:
+    """Point sources that replace a shape in a cloud beyond their distance; None where its own formulas are cheaper."""
+    if find_spec("numba") is None or not isinstance(shape, HasFarField):
+        return None
+    far = shape.far_field()
+    return far if len(far.positions) <= _MOST_SOURCES else None
 
 
 def field_of_cloud(
@@ -74,9 +79,9 @@ def field_of_cloud(
     distant: dict[int, PointSources] = {}
     groups: dict[Hashable, list[int]] = {}
     for number, shape in enumerate(shapes):
-        if uses_point_sources(shape):
-            assert isinstance(shape, HasFarField)
-            distant[number] = shape.far_field()
+        far = cloud_sources(shape)
+        if far is not None:
+            distant[number] = far
             groups.setdefault((_likeness(shape), eigenstrains[number].tobytes()), []).append(number)
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **given)
@@ -145,9 +150,10 @@ def _sum_of_sources(
 
 def _likeness(shape: Any) -> Hashable:
     """What two shapes share that differ by a shift only; a shape that does not say is like nothing else."""
-    if not is_dataclass(shape) or "center" not in {item.name for item in fields(shape)}:
+    place = place_field(type(shape))
+    if place is None:
         return id(shape)
-    values = [(item.name, repr(getattr(shape, item.name))) for item in fields(shape) if item.name != "center"]
+    values = [(item.name, repr(getattr(shape, item.name))) for item in fields(shape) if item.name != place]
     return (type(shape), *values)
 
 

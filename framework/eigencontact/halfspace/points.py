@@ -16,7 +16,14 @@ from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.halfspace.forms import INSIDE, Form, Kernel
 from eigencontact.halfspace.mirror import integrated_chi
 from eigencontact.halfspace.point_kernels import source_derivatives
-from eigencontact.halfspace.potentials import HasFarField, HasMirrorPotential, HasPotentials, Order, PointSources
+from eigencontact.halfspace.potentials import (
+    HasFarField,
+    HasMirrorPotential,
+    HasPotentials,
+    Order,
+    PointSources,
+    derivatives,
+)
 from eigencontact.halfspace.theorem import QUANTITIES, response
 
 __all__ = ["field_at_points"]
@@ -161,7 +168,7 @@ def _derivatives(
     if whose == INSIDE[0]:
         if sources is not None:
             return np.zeros((1, x.size))
-        trace = shape.phi([(2, 0, 0), (0, 2, 0), (0, 0, 2)], x, y, z).sum(axis=0)
+        trace = derivatives(shape, "phi", [(2, 0, 0), (0, 2, 0), (0, 0, 2)], x, y, z).sum(axis=0)
         # The Laplacian of Phi is -4 pi inside, a half, quarter or eighth of that on faces, edges and corners: rounding
         # errors are removed. A cell of a voxelised shape has any fraction of it, and keeps that.
         indicator = trace / (-4.0 * np.pi)
@@ -176,7 +183,7 @@ def _derivatives(
     if sources is not None:
         values = source_derivatives(sources, name, orders, x, y, z)
     else:
-        values = shape.phi(orders, x, y, z) if name == "phi" else shape.psi(orders, x, y, z)
+        values = derivatives(shape, name, orders, x, y, z)
     if whose == "image":
         signs = np.array([-1.0 if order[2] % 2 else 1.0 for order in orders])
         values = values * signs[:, None]

@@ -15,15 +15,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["HasCornerPotentials", "HasFarField", "HasMirrorPotential", "HasPotentials", "Order", "PointSources"]
+__all__ = [
+    "HasCornerPotentials",
+    "HasFarField",
+    "HasMirrorPotential",
+    "HasPotentials",
+    "HasSidedPotentials",
+    "HasVolumeFractions",
+    "Order",
+    "Point",
+    "PointSources",
+    "derivatives",
+]
 
 FloatArray = NDArray[np.float64]
 
+Point = tuple[float, float, float]
 #: How often a potential is differentiated along x, y and z.
 Order = tuple[int, int, int]
 
@@ -33,9 +45,8 @@ class HasPotentials(Protocol):
     """Ability of a shape: derivatives of its potentials in full space, inside, outside and on the boundary.
 
     The framework asks for Psi of order 3 (displacement), 4 and 5 (strain, stress), Phi of order 1 to 4. On a face,
-    where second derivatives of Phi jump, return the mean of both sides. A region that touches the surface is asked
-    at ``z = +0.0`` for the limit from inside the body and at ``z = -0.0`` for the limit from above (the mirror
-    point): where its face lies in z = 0 it returns that one-sided limit (`numpy.signbit` tells them apart).
+    where second derivatives of Phi jump, return the mean of both sides; on a flat face in the surface the limit from
+    one side (`HasSidedPotentials`).
     """
 
     @property
@@ -50,6 +61,44 @@ class HasPotentials(Protocol):
     def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Psi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
         ...
+
+
+@runtime_checkable
+class HasSidedPotentials(Protocol):
+    """Ability of a shape with potentials that may have a flat face in the surface: it is told the side that is meant.
+
+    Points of the body see such a face from inside, their mirror points see it from above. Where a shape sets
+    ``takes_side = True``, `phi` and `psi` are given that as `side`, an array of the shape of z: 1 where z = 0 is seen
+    from inside the body, -1 where it is seen from above, 0 off the surface; 0 there is the mean, as on other faces.
+    Without the ability the sign of zero says it (`numpy.signbit`): ``z = +0.0`` from inside, ``z = -0.0`` from above.
+    """
+
+    takes_side: ClassVar[bool]
+
+    def phi(
+        self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """See `HasPotentials.phi`."""
+        ...
+
+    def psi(
+        self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """See `HasPotentials.psi`."""
+        ...
+
+
+def derivatives(
+    shape: HasPotentials, potential: str, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray
+) -> FloatArray:
+    """Derivatives of ``"phi"`` or ``"psi"`` of a shape; z of -0.0 is the surface seen from above.
+
+    Shapes that want to be told the side are, so that only the framework needs to know of signed zeros.
+    """
+    if isinstance(shape, HasSidedPotentials) and shape.takes_side:
+        side = np.where(z == 0, np.where(np.signbit(z), -1.0, 1.0), 0.0)
+        return (shape.phi if potential == "phi" else shape.psi)(orders, x, y, z, side)
+    return (shape.phi if potential == "phi" else shape.psi)(orders, x, y, z)
 
 
 @runtime_checkable
@@ -121,5 +170,27 @@ class HasCornerPotentials(Protocol):
 
         x, y, z broadcast; they must not lie on a coordinate plane's singular line (lattice nodes never do). For chi
         z is the distance along Z, positive.
+        """
+        ...
+
+
+@runtime_checkable
+class HasVolumeFractions(Protocol):
+    """Ability of a shape without potentials: the share of it in the cells of a lattice, without asking ``contains``.
+
+    Worth it where ``contains`` is dear: it is otherwise asked at up to a thousand points of a cell.
+    """
+
+    def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
+        """Fraction of each cell that lies in the shape, ``(nz, ny, nx)`` in 0 to 1; None leaves it to ``contains``.
+
+        Parameters
+        ----------
+        low : (x, y, z)
+            Lowest corner of the lattice [m].
+        edges : (dx, dy, dz)
+            Edges of a cell [m].
+        shape : (nz, ny, nx)
+            Numbers of cells.
         """
         ...

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import require
-from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, uses_point_sources
+from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, cloud_sources
 from eigencontact.halfspace.points import _CHUNK, _evaluate, _weighted
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import response
@@ -66,11 +66,8 @@ class RegionMeans:
         self._shapes, self._space = list(shapes), space
         self._given: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": "stress"}
         self._threads = threads
-        self._far = {
-            number: shape.far_field()
-            for number, shape in enumerate(shapes)
-            if isinstance(shape, HasFarField) and uses_point_sources(shape)
-        }
+        sources = {number: cloud_sources(shape) for number, shape in enumerate(shapes)}
+        self._far = {number: far for number, far in sources.items() if far is not None}
         self._few = _Rules([averaging_points(shape) for shape in shapes])
         bounds = np.array([shape.bounds for shape in shapes], dtype=float)
         self._radii = 0.5 * (bounds[:, 1] - bounds[:, 0]).max(axis=1)

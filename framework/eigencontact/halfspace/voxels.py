@@ -1,26 +1,21 @@
-"""Shapes that offer only ``contains``: cut into cells with volume fractions, whose potentials add up to the shape's."""
+"""Lattices of cells, and the fraction of each cell that lies in a region."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.errors import SceneError, require
-from eigencontact.halfspace.potentials import Order, PointSources
+from eigencontact.halfspace.potentials import HasVolumeFractions, Point
 
-__all__ = ["Region", "VoxelisedShape", "Voxels", "volume_fractions", "voxels_across"]
+__all__ = ["Point", "Region", "Voxels", "volume_fractions", "voxels_across"]
 
 FloatArray = NDArray[np.float64]
-Point = tuple[float, float, float]
-CellShape = Callable[[Point, Point], Any]  # centre and edges -> a shape with potentials
 
 _COARSE, _FINE = 3, 10  # samples per cell and axis: everywhere, and in cells that the boundary cuts
 _BATCH = 2_000_000
-_PAIRS = 8192  # of a cell and a field point, taken at a time
 
 
 class Region(Protocol):
@@ -66,14 +61,36 @@ def voxels_across(bounds: tuple[Point, Point], cells: int) -> Voxels:
 def volume_fractions(region: Region, voxels: Voxels) -> FloatArray:
     """Fraction of each cell that lies in the region, ``(nz, ny, nx)``.
 
-    Cells are sampled at 3 points each way, those that the boundary cuts at 10; a smooth boundary then leaves an error
-    of about 1e-3 in a cut cell and far less in the sum.
+    Regions that know their fractions (`HasVolumeFractions`) give them. Else cells are sampled at 3 points each way,
+    those that the boundary cuts at 10; a smooth boundary then leaves an error of about 1e-3 in a cut cell and far less
+    in the sum.
 
     Raises
     ------
     SceneError
-        ``contains`` answers with the wrong shape or type.
+        ``contains`` or ``volume_fractions`` answers with the wrong shape, type or values.
     """
+    given = _given(region, voxels)
+    return _sampled_twice(region, voxels) if given is None else given
+
+
+def _given(region: Region, voxels: Voxels) -> FloatArray | None:
+    """Fractions that a region knows itself."""
+    if not isinstance(region, HasVolumeFractions):
+        return None
+    (x, y, z), (dx, dy, dz) = voxels.low.tolist(), voxels.edges.tolist()
+    answer = region.volume_fractions((x, y, z), (dx, dy, dz), voxels.shape)
+    if answer is None:
+        return None
+    fractions = np.array(answer, dtype=float)
+    where, rule = _name(region), f"of shape {voxels.shape}, in 0 to 1"
+    require(fractions.shape == voxels.shape, where, "volume_fractions", f"shape {fractions.shape}", rule)
+    wrong = ~((fractions >= 0) & (fractions <= 1))
+    require(not wrong.any(), where, "volume_fractions", fractions[wrong][:1].tolist(), rule)
+    return fractions
+
+
+def _sampled_twice(region: Region, voxels: Voxels) -> FloatArray:
     fractions = _sampled(region, voxels, _COARSE)
     cut = (fractions > 0) & (fractions < 1)
     for axis in range(3):  # a neighbour that differs: the boundary may cut a corner that the samples missed
@@ -125,129 +142,11 @@ def _asked(region: Region, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArr
     wanted = np.broadcast_shapes(x.shape, y.shape, z.shape)
     if inside.dtype != np.bool_ or inside.shape != wanted:
         raise SceneError(
-            f"{getattr(region, 'key', type(region).__name__)}.contains must return booleans of the broadcast shape "
+            f"{_name(region)}.contains must return booleans of the broadcast shape "
             f"{wanted} (got {inside.dtype} of shape {inside.shape})"
         )
     return inside
 
 
-class VoxelisedShape:
-    """A region as a sum of cells weighted by volume fraction, with potentials like any other shape.
-
-    Parameters
-    ----------
-    region : Region
-        The shape.
-    cell : callable
-        ``cell(centre, edges)`` makes the shape of one cell, with potentials.
-    cells : int
-        Cells across the longest extent. Outside, the error falls with the square of their size: at half a radius from a
-        sphere 16 cells across leave 0.05 to 0.6 % (measured).
-
-    Attributes
-    ----------
-    count : int
-        Boxes that the potentials are summed over.
-
-    Notes
-    -----
-    Full cells that adjoin are merged into boxes, so a field costs in proportion to the square of `cells`.
-    """
-
-    def __init__(self, region: Region, cell: CellShape, cells: int) -> None:
-        self.region, self.voxels = region, voxels_across(region.bounds, cells)
-        self.fractions = volume_fractions(region, self.voxels)
-        require(self.fractions.any(), "voxels", "cells", cells, "enough to find a part of the region")
-        boxes = self._boxes()
-        self.count = len(boxes)
-        alike: dict[tuple[Point, float], list[tuple[float, float, float]]] = {}
-        for weight, (x, y, z), edges in boxes:
-            alike.setdefault((edges, z), []).append((x, y, weight))
-        self._parts = [(cell((0.0, 0.0, z), edges), np.array(rows).T) for (edges, z), rows in alike.items()]
-
-    @property
-    def bounds(self) -> tuple[Point, Point]:
-        """Bounds of the region."""
-        return self.region.bounds
-
-    @property
-    def volume(self) -> float:
-        """Volume of the cells [m^3]."""
-        return float(self.fractions.sum() * np.prod(self.voxels.edges))
-
-    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Phi, summed over the boxes."""
-        return self._sum("phi", orders, x, y, z)
-
-    def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Psi, summed over the boxes."""
-        return self._sum("psi", orders, x, y, z)
-
-    def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Chi, summed over the boxes."""
-        return self._sum("chi", orders, x, y, z)
-
-    def far_field(self) -> PointSources:
-        """Cell centres; at eight times the region's size their error is below 1e-10."""
-        return self._far
-
-    @cached_property
-    def _far(self) -> PointSources:
-        low, high = (np.asarray(corner) for corner in self.bounds)
-        filled = np.argwhere(self.fractions > 0)
-        weights = self.fractions[tuple(filled.T)] * np.prod(self.voxels.edges)
-        positions = self.voxels.low + (filled[:, ::-1] + 0.5) * self.voxels.edges
-        spread = float(np.mean(self.voxels.edges**2)) / 12.0
-        return PointSources(
-            center=0.5 * (low + high),
-            distance=8.0 * float(np.linalg.norm(high - low)),
-            positions=positions,
-            volumes=weights,
-            spreads=np.full(len(weights), spread),
-        )
-
-    def _sum(self, name: str, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        total = np.zeros((len(orders), *x.shape))
-        for part, (left, back, weights) in self._parts:
-            step = max(1, _PAIRS // max(1, x.size))
-            for first in range(0, weights.size, step):
-                some = slice(first, first + step)
-                column = (-1, *[1] * x.ndim)
-                at = np.broadcast_arrays(x - left[some].reshape(column), y - back[some].reshape(column), z)
-                total += np.einsum("s,ks...->k...", weights[some], getattr(part, name)(orders, *at))
-        return total
-
-    def _boxes(self) -> list[tuple[float, Point, Point]]:
-        """Weight, centre, edges of boxes: cut cells singly, full ones in runs along x, equal runs stacked along y."""
-        runs: dict[tuple[int, int], list[tuple[int, int]]] = {}
-        out: list[tuple[float, Point, Point]] = []
-        full = self.fractions == 1.0
-        for k, j, i in np.argwhere((self.fractions > 0) & ~full):
-            out.append(self._box(float(self.fractions[k, j, i]), (i, i + 1), (j, j + 1), (k, k + 1)))
-        edges = np.diff(np.pad(full, ((0, 0), (0, 0), (1, 1))).astype(np.int8), axis=2)
-        starts, stops = np.argwhere(edges == 1), np.argwhere(edges == -1)
-        stacks: dict[tuple[int, int, int], tuple[int, int]] = {}
-        for (k, j, first), (_, _, stop) in zip(starts, stops, strict=True):
-            runs.setdefault((int(k), int(j)), []).append((int(first), int(stop)))
-        for (k, j), row in sorted(runs.items()):
-            for first, stop in row:
-                began = stacks.get((k, first, stop))
-                if began is not None and began[1] == j:
-                    stacks[k, first, stop] = (began[0], j + 1)
-                    continue
-                if began is not None:
-                    out.append(self._box(1.0, (first, stop), began, (k, k + 1)))
-                stacks[k, first, stop] = (j, j + 1)
-        out += [self._box(1.0, (first, stop), rows, (k, k + 1)) for (k, first, stop), rows in stacks.items()]
-        return out
-
-    def _box(
-        self, weight: float, nx: tuple[int, int], ny: tuple[int, int], nz: tuple[int, int]
-    ) -> tuple[float, Point, Point]:
-        spans = np.array([nx, ny, nz], dtype=float)
-        edges = (spans[:, 1] - spans[:, 0]) * self.voxels.edges
-        centre = self.voxels.low + spans.mean(axis=1) * self.voxels.edges
-        if self.voxels.low[2] == 0.0 and nz[0] == 0:  # flush with the surface, to the last digit
-            centre[2] = 0.5 * edges[2]
-        (x, y, z), (dx, dy, dz) = centre.tolist(), edges.tolist()
-        return weight, (x, y, z), (dx, dy, dz)
+def _name(region: Region) -> str:
+    return str(getattr(region, "key", type(region).__name__))

@@ -24,6 +24,7 @@ Bodies = tuple[Solid | None, Solid | None]
 
 FloatArray = NDArray[np.float64]
 
+
 @dataclass(frozen=True, slots=True)
 class KernelUse:
     """One influence coefficient that a plan needs, for `explain` and for the cost."""

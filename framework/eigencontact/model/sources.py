@@ -178,7 +178,8 @@ def build_sources(
         where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
         law = None if item.material is None else _law(registry, item.material, f"{where}.material")
-        for copy, table in enumerate(item.components):
+        entry = registry.get("inclusion-shape", item.type, where=where)
+        for copy, table in enumerate(item.tables(entry.component, where)):
             shape = build_component(registry, "inclusion-shape", table, where)
             name = item.name or f"{item.type} {number + 1}"
             name += f", {copy + 1}" if item.centers is not None else ""

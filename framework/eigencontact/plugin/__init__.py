@@ -19,18 +19,23 @@ from eigencontact.core.elasticity import (
     unit_vector,
 )
 from eigencontact.core.grid import Grid
+from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_arrays, read_columns, read_gridded
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, DataFile, Force, Length, Moment, Stress, Unit
+from eigencontact.core.quantities import Angle, DataFile, Force, Length, Moment, Place, Stress, Unit
+from eigencontact.core.rotation import Rotation, Row, as_tuple, rotation_matrix, turned_derivatives
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
+from eigencontact.halfspace.point_kernels import PointKernels
 from eigencontact.halfspace.potentials import (
     HasCornerPotentials,
     HasFarField,
     HasMirrorPotential,
     HasPotentials,
+    HasSidedPotentials,
+    HasVolumeFractions,
     Order,
     PointSources,
 )
@@ -42,23 +47,28 @@ from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePr
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium
 from eigencontact.plugin.observer import Observer, StepView
+from eigencontact.plugin.revolution import Revolution
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
+from eigencontact.plugin.timed_field import Strain, TimedField, mandel_strain
 
 __all__ = [
     "COMPONENTS",
     "KINDS",
     "SQRT2",
+    "TEXT_FILES",
     "Angle",
     "Component",
     "ConstitutiveLaw",
     "CornerInfluence",
     "DataFile",
     "EigenstrainField",
+    "FileArrays",
     "Force",
     "FrictionLaw",
     "FrictionState",
     "Geometry",
     "Grid",
+    "GriddedData",
     "HasCornerPotentials",
     "HasFarField",
     "HasMirrorPotential",
@@ -66,6 +76,8 @@ __all__ = [
     "HasPotentials",
     "HasReferencePressure",
     "HasResponseAtDepths",
+    "HasSidedPotentials",
+    "HasVolumeFractions",
     "HasWavenumberResponse",
     "InclusionShape",
     "Jet",
@@ -77,15 +89,23 @@ __all__ = [
     "Moment",
     "Observer",
     "Order",
+    "Place",
+    "PointKernels",
     "PointSources",
     "Response",
+    "Revolution",
+    "Rotation",
+    "Row",
     "SceneError",
     "StepView",
+    "Strain",
     "Stress",
     "SurfaceInfluence",
+    "TimedField",
     "Unit",
     "Variable",
     "VariesInSpace",
+    "as_tuple",
     "checked_stiffness",
     "derivatives_of",
     "factors_of_compliance",
@@ -97,11 +117,17 @@ __all__ = [
     "isotropic_factors",
     "isotropic_stiffness",
     "mandel_rotation",
+    "mandel_strain",
+    "read_arrays",
+    "read_columns",
+    "read_gridded",
     "readable",
     "real_array",
     "real_points",
     "require",
+    "rotation_matrix",
     "to_mandel",
+    "turned_derivatives",
     "unit_vector",
     "variables",
 ]

@@ -23,15 +23,14 @@ class InclusionShape(Component, ABC):
     has ``phi`` and ``psi`` (`HasPotentials`) gives the exact field of a uniform eigenstrain; ``chi``
     (`HasMirrorPotential`) and ``far_field`` (`HasFarField`) make it faster and keep its digits at a distance.
     Displacement, strain and stress, the free surface, grids and materials are the framework's business.
-
-    Attributes
-    ----------
-    method : str
-        Class attribute; how the potentials are found, in the words of `explain`.
     """
 
     kind: ClassVar[str] = "inclusion-shape"
-    method: ClassVar[str] = "closed form"
+
+    @property
+    def method(self) -> str:
+        """How the potentials are found, in the words of `explain`; a class attribute will do."""
+        return "closed form"
 
     @property
     @abstractmethod

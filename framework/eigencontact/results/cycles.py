@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -15,12 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["Cycle", "last_cycle"]
 
 #: Loads and what they work on: normal, tangential, torsional.
-_PAIRS = (
-    ("normal_load", "approach"),
-    ("tangential_load_x", "shift_x"),
-    ("tangential_load_y", "shift_y"),
-    ("torsion_moment", "twist"),
-)
+_PAIRS = tuple((mode.force, mode.displacement) for mode in (NORMAL_MODES[0], *TANGENTIAL_MODES))
 _MOTIONS = {"shift": _PAIRS[1:3], "twist": _PAIRS[3:]}
 #: Two states are one if all loads and displacements agree to this part of their ranges.
 _CLOSED = 0.01

@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eigencontact.core.names import clashes
-from eigencontact.scene.holding import TANGENTIAL_PAIRS, TRAVEL
+from eigencontact.core.rigid_modes import TANGENTIAL_MODES
+from eigencontact.scene.holding import TRAVEL
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene, StressRequest
 
 __all__ = ["check_contents"]
 
-_TANGENTIAL = frozenset(name for pair in TANGENTIAL_PAIRS for name in pair)
+_TANGENTIAL = frozenset(name for mode in TANGENTIAL_MODES for name in mode)
 
 
 def check_contents(scene: Scene) -> None:

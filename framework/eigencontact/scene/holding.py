@@ -5,18 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
+
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Step
 
-__all__ = ["NORMAL_PAIRS", "TANGENTIAL_PAIRS", "TRAVEL", "held_steps", "held_travel"]
+__all__ = ["TRAVEL", "held_steps", "held_travel"]
 
-#: (force, displacement) of the rigid modes; a step gives one of each pair or none.
-NORMAL_PAIRS = (("normal_load", "approach"), ("moment_x", "tilt_x"), ("moment_y", "tilt_y"))
-TANGENTIAL_PAIRS = (
-    ("tangential_load_x", "shift_x"),
-    ("tangential_load_y", "shift_y"),
-    ("torsion_moment", "twist"),
-)
 #: Place of the geometry along x and y.
 TRAVEL = ("travel_x", "travel_y")
 
@@ -37,8 +32,8 @@ def held_steps(steps: Sequence[Step]) -> list[Step]:
     kept: dict[str, float | None] = {}
     out = []
     for step in steps:
-        for pair in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS):
-            values = {name: getattr(step, name) for name in pair}
+        for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
+            values = {name: getattr(step, name) for name in mode}
             if any(value is not None for value in values.values()):
                 kept |= values
         out.append(step.model_copy(update=kept))

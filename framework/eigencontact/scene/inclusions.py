@@ -7,6 +7,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, field_validator, model_validator
 
+from eigencontact.core.places import place_field
+from eigencontact.errors import SceneError
 from eigencontact.scene.checks import at_least
 from eigencontact.scene.table import FiniteLength, OfKind, PositiveLength, Table
 
@@ -49,7 +51,8 @@ class Inclusion(_Component):
         Constitutive law; its ``type`` names the plugin, ``"isotropic"`` where it is left out. ``void = true`` is short
         for ``type = "void"``.
     centers : list of (x, y, z), optional
-        For many of a kind: an inclusion at each of these centres [m], in place of ``center``.
+        For many of a kind: an inclusion at each of these places [m], in place of the field of the shape that says where
+        it is (``center``, of a polyhedron ``offset``).
     name : str, optional
         For pictures and `explain`; by default the shape and its number.
     body : {1, 2}
@@ -62,12 +65,26 @@ class Inclusion(_Component):
     material: Annotated[dict[str, Any] | None, OfKind("constitutive-law")] = None
     centers: Annotated[list[tuple[FiniteLength, FiniteLength, FiniteLength]], Field(min_length=1)] | None = None
 
-    @property
-    def components(self) -> list[dict[str, Any]]:
-        """Tables of the shape plugin, one for each centre."""
+    def tables(self, shape: type, where: str) -> list[dict[str, Any]]:
+        """Tables of the shape plugin of class `shape`, one for each place.
+
+        Raises
+        ------
+        SceneError
+            Many places for a shape that does not say where it is (no field is annotated `Place`), or one beside them.
+        """
         if self.centers is None:
             return [self.component]
-        return [{**self.component, "center": center} for center in self.centers]
+        name = place_field(shape)
+        if name is None:
+            raise SceneError(
+                f"{where}.centers must be left out for {self.type!r}, a shape without a field that says where it is "
+                f"(got {len(self.centers)} centers); give a table of inclusions for each"
+            )
+        given = next((key for key in self.component if key.replace("-", "_") == name), None)
+        if given is not None:
+            raise SceneError(f"{where} must be at its {given}, or at centers (got both); give one of them")
+        return [{**self.component, name: center} for center in self.centers]
 
     @field_validator("eigenstrain")
     @classmethod
@@ -91,9 +108,7 @@ class Inclusion(_Component):
         return {"type": "isotropic", **table}
 
     @model_validator(mode="after")
-    def _one_place(self) -> Inclusion:
-        if self.centers is not None and "center" in self.component:
-            raise ValueError("at a center, or at centers: give one of them")
+    def _with_a_cause(self) -> Inclusion:
         if self.eigenstrain is None and self.material is None:
             raise ValueError("given an eigenstrain, a material, or both")
         return self

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment, Stress
+from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
 from eigencontact.scene.checks import (
     at_least,
     finite,
@@ -24,7 +25,7 @@ from eigencontact.scene.checks import (
     refuse_deep,
 )
 from eigencontact.scene.contents import check_contents
-from eigencontact.scene.holding import NORMAL_PAIRS, TANGENTIAL_PAIRS, TRAVEL
+from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.table import Depth, FiniteLength, OfKind, PositiveLength, Table, Tables
 
@@ -67,7 +68,7 @@ class Body(Table):
 class GridSpec(Table):
     """Cells of the window: given by two of cells, size, spacing; or chosen from the size of the contact.
 
-    Without a contact an automatic grid follows the inclusions: see `eigencontact.planning.sources`.
+    Without a contact an automatic grid follows the inclusions: see `eigencontact.model.regions`.
     """
 
     cells: Annotated[tuple[int, int], BeforeValidator(one_or_many)] | None = None
@@ -129,15 +130,16 @@ class Step(Table):
 
     @model_validator(mode="after")
     def _controlled(self) -> Step:
-        for one, other in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS):
-            if getattr(self, one) is not None and getattr(self, other) is not None:
-                raise ValueError(f"controlled by {one} or {other}, not both".replace("_", "-"))
+        for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
+            if getattr(self, mode.force) is not None and getattr(self, mode.displacement) is not None:
+                raise ValueError(f"controlled by {mode.force} or {mode.displacement}, not both".replace("_", "-"))
         return self
 
     @property
     def prescribed(self) -> list[str]:
         """Names of the loads and motions given, as written in a scene."""
-        names = [*(name for pair in (*NORMAL_PAIRS, *TANGENTIAL_PAIRS) for name in pair), *TRAVEL]
+        modes = (*NORMAL_MODES, *TANGENTIAL_MODES)
+        names = [*(name for mode in modes for name in (mode.force, mode.displacement)), *TRAVEL]
         return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
 
 

@@ -88,7 +88,7 @@ def solve_box(
     Returns
     -------
     BoxState
-        ``residual`` tells whether it got there.
+        ``residual`` tells whether it got there; of moments that no pressure on the box carries it is the part missed.
     """
     modes, dtype = problem.modes, pressure.dtype
     p = modes.carry(pressure, problem.forces) if len(modes) else pressure.copy()
@@ -114,6 +114,9 @@ def solve_box(
         state.residual = _relative(max(inside, overlap), max(deflection, problem.least_deflection))
         on_iteration(state.residual)
         if state.residual <= tolerance:
+            short = modes.shortage(p, problem.forces)
+            if short > tolerance:  # no pressure on this box carries the moments: its gaps are closed for other forces
+                state.residual = short
             break
         if overlap > (10 * inside if careful else 0):  # take in the cells that overlap
             taken = outside >= overlap if careful else outside > 0

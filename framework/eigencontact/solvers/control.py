@@ -6,24 +6,51 @@ Modes and signs are those of the gap ``g = h + u - δ - φx y + φy x``: the app
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.rigid_modes import NORMAL_MODES as MODES
+from eigencontact.core.rigid_modes import RigidMode
 from eigencontact.errors import SceneError, require
 
-__all__ = ["MODES", "Control", "mode_field"]
+__all__ = ["MODES", "Control", "PrescribedModes", "mode_field"]
 
 FloatArray = NDArray[np.float64]
 
-#: (displacement, force) of each rigid mode.
-MODES = (("approach", "normal_load"), ("tilt_x", "moment_x"), ("tilt_y", "moment_y"))
+
+class PrescribedModes:
+    """Of each rigid mode the force, the displacement, or nothing, which holds it at a displacement of 0."""
+
+    __slots__ = ()
+    modes: ClassVar[Sequence[RigidMode]]
+
+    def check_pairs(self) -> None:
+        """Refuse both of a pair, and numbers that are not finite."""
+        for displacement, force in self.modes:
+            given = [name for name in (displacement, force) if getattr(self, name) is not None]
+            if len(given) == 2:
+                raise SceneError(f"step must give {displacement} or {force} (got both); leave one out")
+            for name in given:
+                require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
+
+    def forces(self) -> dict[int, float]:
+        """Prescribed forces by number of mode."""
+        values = {i: getattr(self, mode.force) for i, mode in enumerate(self.modes)}
+        return {i: float(value) for i, value in values.items() if value is not None}
+
+    def displacements(self) -> dict[int, float]:
+        """Prescribed rigid displacements by number of mode, 0 where nothing is said."""
+        free = self.forces()
+        return {i: float(getattr(self, mode.displacement) or 0.0) for i, mode in enumerate(self.modes) if i not in free}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Control:
+class Control(PrescribedModes):
     """One value of each pair is given; a tilt is 0 where neither it nor its moment is.
 
     Parameters
@@ -39,6 +66,8 @@ class Control:
         Both or neither of a pair, a negative load, a number that is not finite.
     """
 
+    modes: ClassVar[Sequence[RigidMode]] = MODES
+
     normal_load: float | None = None
     approach: float | None = None
     moment_x: float | None = None
@@ -47,26 +76,11 @@ class Control:
     tilt_y: float | None = None
 
     def __post_init__(self) -> None:
-        for displacement, force in MODES:
-            given = [name for name in (displacement, force) if getattr(self, name) is not None]
-            if len(given) == 2:
-                raise SceneError(f"step must give {displacement} or {force} (got both); leave one out")
-            for name in given:
-                require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
+        self.check_pairs()
         if self.normal_load is None and self.approach is None:
             raise SceneError("step must give normal_load [N] or approach [m] (got neither)")
         if self.normal_load is not None:
             require(self.normal_load >= 0, "step", "normal_load", self.normal_load, "zero or positive [N]")
-
-    def forces(self) -> dict[int, float]:
-        """Prescribed forces by number of mode."""
-        values = {i: getattr(self, force) for i, (_, force) in enumerate(MODES)}
-        return {i: float(value) for i, value in values.items() if value is not None}
-
-    def displacements(self) -> dict[int, float]:
-        """Prescribed rigid displacements by number of mode; tilts default to 0."""
-        free = self.forces()
-        return {i: float(getattr(self, name) or 0.0) for i, (name, _) in enumerate(MODES) if i not in free}
 
 
 def mode_field(mode: int, grid: Grid) -> FloatArray:

@@ -19,6 +19,10 @@ __all__ = ["gmres"]
 
 FloatArray = NDArray[np.float64]
 
+# Part of the largest pivot, below which a pivot is rounding that a singular operator leaves: 3e-16 to 3e-13 were met
+# with random singular matrices of 20 to 200 rows.
+_SINGULAR = 1e-12
+
 
 def gmres(
     operator: Callable[[FloatArray], FloatArray],
@@ -56,12 +60,15 @@ def gmres(
     while left > 0 and float(np.linalg.norm(rest)) > bound:
         size = min(restart, left)
         step, used = _cycle(operator, rest, bound, size, watch)
-        total += step
         left -= used
-        if left > 0:
-            before, rest = rest, residual - operator(total)
-            if not np.linalg.norm(rest) < 0.999 * np.linalg.norm(before):
-                break  # stagnant: at the limit of rounding, or a load that no eigenstrain answers
+        if left <= 0:
+            return total + step
+        before, rest = float(np.linalg.norm(rest)), residual - operator(total + step)
+        after = float(np.linalg.norm(rest))
+        if after < before:
+            total += step
+        if not after < 0.999 * before:
+            break  # stagnant: at the limit of rounding, or a load that no eigenstrain answers
     return total
 
 
@@ -111,5 +118,11 @@ def _cycle(
         if abs(right[count]) <= bound or height <= 1e-14 * first or count == size:
             break
         np.divide(vector, height, out=block[count])
-    weights = np.zeros(0) if count == 0 else np.linalg.solve(upper[:count, :count], right[:count])
-    return weights @ block[:count] if count else np.zeros_like(residual), max(count, 1)
+    if count == 0:
+        return np.zeros_like(residual), 1
+    pivots = np.abs(np.diag(upper)[:count])
+    if pivots.min() > _SINGULAR * pivots.max():
+        weights = np.linalg.solve(upper[:count, :count], right[:count])
+    else:  # the shortest of the answers that differ by rounding only
+        weights = np.linalg.lstsq(upper[:count, :count], right[:count], rcond=_SINGULAR)[0]
+    return weights @ block[:count], count

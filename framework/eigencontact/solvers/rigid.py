@@ -94,13 +94,20 @@ class RigidModes:
             pressure = pressure * np.maximum(1.0 + self.combine(change, float), 0.1).astype(pressure.dtype)
         return pressure
 
-    def carries(self, pressure: Array, forces: Array) -> bool:
-        """Whether a pressure carries the forces to round-off of its precision; a load alone always can be."""
+    def shortage(self, pressure: Array, forces: Array) -> float:
+        """Largest part of the forces that a pressure does not carry; 0 for a load alone, which always can be carried.
+
+        Relative to a force, or to what the pressure would exert if all of it pushed one way.
+        """
         if self._only_uniform or not self.fields:
-            return True
+            return 0.0
         error = np.abs(self.project(pressure) - forces)
         size = np.array([float(np.sum(np.abs(mode) * pressure)) for mode in self.fields])
-        return bool(np.all(error <= 100.0 * np.finfo(pressure.dtype).eps * np.maximum(size, np.abs(forces))))
+        return float(np.max(error / np.maximum(np.maximum(size, np.abs(forces)), np.finfo(float).tiny)))
+
+    def carries(self, pressure: Array, forces: Array) -> bool:
+        """Whether a pressure carries the forces to round-off of its precision."""
+        return self.shortage(pressure, forces) <= 100.0 * float(np.finfo(pressure.dtype).eps)
 
 
 def _margins(field: Array) -> tuple[Array, Array]:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, hookimpl, require
-from eigencontact_plugins.eigenstrain_fields.values import Direction, TimedField, directed
+from eigencontact.plugin import EigenstrainField, Length, TimedField, hookimpl, require
+from eigencontact_plugins.eigenstrain_fields.values import Direction, directed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, hookimpl, require
-from eigencontact_plugins.eigenstrain_fields.values import TimedField
+from eigencontact.plugin import EigenstrainField, Length, TimedField, hookimpl, require
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, hookimpl
-from eigencontact_plugins.eigenstrain_fields.values import Strain, TimedField, mandel_strain
+from eigencontact.plugin import EigenstrainField, Strain, TimedField, hookimpl, mandel_strain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,23 +6,19 @@ distances between points if the file knows them. A refusal is one line: ``topogr
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import SceneError
+from eigencontact.plugin import TEXT_FILES, SceneError, read_arrays, read_columns
 
 __all__ = ["Measurement", "read_measurement"]
 
 FloatArray = NDArray[np.float64]
-GALLERY = "gallery:"
-TEXT = (".xyz", ".txt", ".csv", ".dat", ".asc")
+GALLERY, FIELD = "gallery:", "topography.file"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,15 +44,12 @@ def read_measurement(file: str) -> Measurement:
     """Read `file`: a path, or ``gallery:NAME`` for a file of the bundled gallery."""
     path = _locate(file)
     suffix = path.suffix.lower()
-    try:
-        if suffix in (".npy", ".npz"):
-            measurement = _read_numpy(path, file)
-        elif suffix in TEXT and _columns(path, file) == 3:
-            measurement = _read_xyz(path, file)
-        else:
-            measurement = _read_instrument(path, file)
-    except (OSError, EOFError, zipfile.BadZipFile, zlib.error, ValueError) as problem:
-        raise _refusal("a readable measurement", file, _first_line(problem)) from problem
+    if suffix in (".npy", ".npz"):
+        measurement = _read_numpy(path, file)
+    elif suffix in TEXT_FILES and _columns(path, file) == 3:
+        measurement = _read_xyz(path, file)
+    else:
+        measurement = _read_instrument(path, file)
     heights = measurement.heights
     if heights.ndim != 2 or min(heights.shape) < 2:
         raise _refusal("heights on a raster of at least 2 x 2 points", file, f"its shape is {heights.shape}")
@@ -68,7 +61,7 @@ def read_measurement(file: str) -> Measurement:
 
 
 def _refusal(rule: str, file: str, reason: str) -> SceneError:
-    return SceneError(f"topography.file must be {rule} (got {file!r}); {reason}")
+    return SceneError(f"{FIELD} must be {rule} (got {file!r}); {reason}")
 
 
 def _first_line(problem: BaseException) -> str:
@@ -78,7 +71,7 @@ def _first_line(problem: BaseException) -> str:
 def _locate(file: str) -> Path:
     if file.startswith(GALLERY):
         folder, name = Path(str(files("eigencontact"))) / "gallery", file.removeprefix(GALLERY)
-        known = sorted(p.name for p in folder.glob("*") if p.suffix in (".npy", ".npz", *TEXT))
+        known = sorted(p.name for p in folder.glob("*") if p.suffix in (".npy", ".npz", *TEXT_FILES))
         if name not in known:
             raise _refusal("a file of the gallery", file, f"the gallery holds {', '.join(known) or 'none'}")
         return folder / name
@@ -89,27 +82,18 @@ def _locate(file: str) -> Path:
 
 
 def _read_numpy(path: Path, file: str) -> Measurement:
-    with path.open("rb") as stream:
-        content: Any = np.load(stream, allow_pickle=False)
-        if isinstance(content, np.ndarray):
-            return Measurement(heights=_real(content, file))
-        arrays = {name: content[name] for name in content}
+    arrays = read_arrays(FIELD, str(path))
     if "heights" not in arrays and len(arrays) != 1:
         raise _refusal("an archive with the array 'heights'", file, f"it holds {', '.join(arrays) or 'nothing'}")
-    heights = _real(arrays.get("heights", next(iter(arrays.values()))), file)
-    dx, dy = arrays.get("dx", arrays.get("dy")), arrays.get("dy", arrays.get("dx"))
-    if dx is None or dy is None:
+    heights = arrays["heights" if "heights" in arrays else next(iter(arrays))]
+    steps = [arrays[name] for name in ("dx", "dy") if name in arrays]
+    if not steps:
         return Measurement(heights=heights)
+    dx, dy = steps[0], steps[-1]
     if dx.size != 1 or dy.size != 1:
         reason = f"their shapes are {dx.shape} and {dy.shape}"
         raise _refusal("an archive with one number each for dx and dy", file, reason)
     return Measurement(heights=heights, spacing=(float(dx.item()), float(dy.item())))
-
-
-def _real(values: NDArray[np.float64], file: str) -> FloatArray:
-    if values.dtype.kind not in "fiu":
-        raise _refusal("an array of real numbers", file, f"its type is {values.dtype}")
-    return np.array(values, dtype=float)
 
 
 def _first_row(path: Path) -> str:
@@ -126,9 +110,7 @@ def _columns(path: Path, file: str) -> int:
 
 def _read_xyz(path: Path, file: str) -> Measurement:
     """Three columns x, y, z in any order of rows; points of the raster that have no row are missing."""
-    row = _first_row(path)
-    delimiter = next((mark for mark in ",;" if mark in row), None)
-    x, y, z = np.loadtxt(path, delimiter=delimiter, comments="#", ndmin=2, unpack=True, usecols=(0, 1, 2))
+    x, y, z = read_columns(FIELD, str(path), ("x", "y", "z"))
     (ix, nx, dx), (iy, ny, dy) = _raster(x, "x", file), _raster(y, "y", file)
     if 10 * x.size < nx * ny:
         raise _refusal("a regular raster", file, f"{x.size} points lie scattered over {nx} x {ny} places")

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, Geometry, Length, hookimpl, require
-from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
-from eigencontact_plugins.geometries.revolution import contact_radius, revolution_pressure
+from eigencontact.plugin import Angle, Geometry, Length, Revolution, hookimpl, require
+from eigencontact_plugins.geometries.frame import check_center, check_length
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class RoundedCone(Geometry):
+class RoundedCone(Revolution):
     """Parabolic tip h = r²/(2R) up to r = b = R cot α, then the tangent cone of slope cot α.
 
     Parameters
@@ -66,27 +65,16 @@ class RoundedCone(Geometry):
         """Radius b [m] at which the tip goes over into the cone."""
         return float(self.tip_radius / np.tan(self.half_angle))
 
-    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Separation h(x, y) [m]; 0 at the tip."""
-        r = np.hypot(*body_axes(x, y, self.center))
+    def height(self, r: FloatArray) -> FloatArray:
+        """Separation h(r) [m]; 0 at the tip."""
         tip = np.minimum(r, self.junction)
         return np.asarray((tip * (0.5 * tip) + (r - tip) * self.junction) / self.tip_radius)
 
-    def reference_pressure(
-        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
-    ) -> FloatArray:
-        """Closed-form pressure [Pa] under `normal_load` [N]; see the notes of the class."""
-        r = np.hypot(*body_axes(x, y, self.center))
-        if normal_load <= 0:
-            return np.zeros(r.shape)
-        b, R = self.junction, self.tip_radius
-
-        def rate(t: FloatArray) -> FloatArray:
-            beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
-            return np.asarray((2.0 * (t - beyond) + b * np.arctan2(beyond, b)) / R)
-
-        a = contact_radius(rate, normal_load, contact_modulus, junction=b)
-        return revolution_pressure(r, rate, a, contact_modulus, junction=b)
+    def rate(self, t: FloatArray) -> FloatArray:
+        """Growth of the approach; see `Revolution`."""
+        b = self.junction
+        beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
+        return np.asarray((2.0 * (t - beyond) + b * np.arctan2(beyond, b)) / self.tip_radius)
 
 
 @hookimpl

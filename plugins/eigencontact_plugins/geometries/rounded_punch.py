@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Length, hookimpl
-from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
-from eigencontact_plugins.geometries.revolution import contact_radius, revolution_pressure
+from eigencontact.plugin import Geometry, Length, Revolution, hookimpl
+from eigencontact_plugins.geometries.frame import check_center, check_length
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class RoundedPunch(Geometry):
+class RoundedPunch(Revolution):
     """Flat of radius b, then h = (r - b)² / (2 R) with continuous slope.
 
     Parameters
@@ -54,26 +53,20 @@ class RoundedPunch(Geometry):
         check_length(self.key, "edge_radius", self.edge_radius)
         check_center(self.key, self.center)
 
-    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Separation h(x, y) [m]; 0 on the flat."""
-        r = np.hypot(*body_axes(x, y, self.center))
+    @property
+    def junction(self) -> float:
+        """Radius b [m] at which the rounding begins."""
+        return self.flat_radius
+
+    def height(self, r: FloatArray) -> FloatArray:
+        """Separation h(r) [m]; 0 on the flat."""
         return np.asarray(np.maximum(0.0, r - self.flat_radius) ** 2 / (2.0 * self.edge_radius))
 
-    def reference_pressure(
-        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
-    ) -> FloatArray:
-        """Closed-form pressure [Pa] under `normal_load` [N]; see the notes of the class."""
-        r = np.hypot(*body_axes(x, y, self.center))
-        if normal_load <= 0:
-            return np.zeros(r.shape)
-        b, R = self.flat_radius, self.edge_radius
-
-        def rate(t: FloatArray) -> FloatArray:
-            beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
-            return np.asarray((2.0 * beyond - b * np.arctan2(beyond, b)) / R)
-
-        a = contact_radius(rate, normal_load, contact_modulus, junction=b)
-        return revolution_pressure(r, rate, a, contact_modulus, junction=b)
+    def rate(self, t: FloatArray) -> FloatArray:
+        """Growth of the approach; see `Revolution`."""
+        b = self.flat_radius
+        beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
+        return np.asarray((2.0 * beyond - b * np.arctan2(beyond, b)) / self.edge_radius)
 
 
 @hookimpl

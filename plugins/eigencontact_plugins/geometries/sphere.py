@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Length, hookimpl, require
+from eigencontact.plugin import Geometry, Length, Revolution, hookimpl, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
-from eigencontact_plugins.geometries.revolution import contact_radius, revolution_pressure
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sphere(Geometry):
+class Sphere(Revolution):
     """Sphere, or two spheres by their relative radius 1/R = 1/R1 + 1/R2.
 
     Parameters
@@ -63,31 +62,36 @@ class Sphere(Geometry):
         require(self.profile in ("parabola", "circle"), self.key, "profile", self.profile, "'parabola' or 'circle'")
         check_center(self.key, self.center)
 
-    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Separation h(x, y) [m]; 0 at the centre."""
-        R, r = self.radius, np.hypot(*body_axes(x, y, self.center))
+    def height(self, r: FloatArray) -> FloatArray:
+        """Separation h(r) [m]; 0 at the centre."""
+        R = self.radius
         if self.profile == "parabola":
             return np.asarray(r * (r / (2.0 * R)))
         inside = np.minimum(r, R)  # the next line is R - √(R² - r²) without its cancellation
         return np.asarray(np.where(r < R, inside**2 / (R + np.sqrt((R - inside) * (R + inside))), r))
 
+    def rate(self, t: FloatArray) -> FloatArray:
+        """Growth of the approach; see `Revolution`."""
+        R = self.radius
+        if self.profile == "parabola":
+            return np.asarray(2.0 * t / R)
+        return np.asarray(np.arctanh(t / R) + t * R / ((R - t) * (R + t)))
+
+    @property
+    def limit(self) -> float:
+        """Radius [m] at which a circle is upright."""
+        return np.inf if self.profile == "parabola" else self.radius
+
     def reference_pressure(
         self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
     ) -> FloatArray:
         """Closed-form pressure [Pa] under `normal_load` [N]; see the notes of the class."""
-        R, r = self.radius, np.hypot(*body_axes(x, y, self.center))
-        if normal_load <= 0:
-            return np.zeros(r.shape)
-        if self.profile == "parabola":
-            a = (0.75 * normal_load * R / contact_modulus) ** (1.0 / 3.0)
-            peak = 2.0 * contact_modulus * a / (np.pi * R)
-            return np.asarray(peak * np.sqrt(np.maximum(0.0, 1.0 - (r / a) ** 2)))
-
-        def rate(t: FloatArray) -> FloatArray:
-            return np.asarray(np.arctanh(t / R) + t * R / ((R - t) * (R + t)))
-
-        a = contact_radius(rate, normal_load, contact_modulus, limit=R)
-        return revolution_pressure(r, rate, a, contact_modulus)
+        if self.profile == "circle" or normal_load <= 0:
+            return super().reference_pressure(x, y, normal_load, contact_modulus)
+        r, R = np.hypot(*body_axes(x, y, self.center)), self.radius
+        a = (0.75 * normal_load * R / contact_modulus) ** (1.0 / 3.0)
+        peak = 2.0 * contact_modulus * a / (np.pi * R)
+        return np.asarray(peak * np.sqrt(np.maximum(0.0, 1.0 - (r / a) ** 2)))
 
 
 @hookimpl

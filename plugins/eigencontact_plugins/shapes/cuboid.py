@@ -1,15 +1,31 @@
-"""Cuboid with edges along the axes: potentials in closed form, in full space and of its mirror image."""
+"""Cuboid in any direction: potentials in closed form, in full space and, with a vertical edge, of its mirror image."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import permutations
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, real_points, require
+from eigencontact.plugin import (
+    InclusionShape,
+    Length,
+    Order,
+    Place,
+    PointSources,
+    Rotation,
+    as_tuple,
+    hookimpl,
+    integrated_chi,
+    real_points,
+    require,
+    rotation_matrix,
+    turned_derivatives,
+)
 from eigencontact_plugins.shapes.cuboid_corner import Corner, corner_derivative
 from eigencontact_plugins.shapes.cuboid_distant import distant_derivatives, distant_from, gauss_rule
 
@@ -22,25 +38,35 @@ Point = tuple[float, float, float]
 SNAP = 1e-13
 #: Depth of the upper face, in half edges, below which it lies in the surface.
 FLUSH = 1e-12
+#: Sine of an angle that is round-off of none.
+STRAIGHT = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cuboid(InclusionShape):
-    """Cuboid with edges along x, y and z.
+    """Cuboid.
 
     Parameters
     ----------
     center : (float, float, float)
         Middle (x, y, z) [m].
     edges : (float, float, float)
-        Full lengths of the edges along x, y and z [m].
+        Full lengths of the edges [m]: along x, y and z, or along the turned axes.
+    rotation : (3, 3) or (3,), optional
+        Directions of the edges: a rotation matrix whose *columns* are their unit vectors in scene axes; or three
+        angles [rad] yaw, pitch, roll that turn the axes from x, y, z by ``Rz(yaw) Ry(pitch) Rx(roll)`` (about z, then
+        the turned y, then the twice turned x; positive from x to y, z to x, y to z). Along x, y, z if left out.
 
     Notes
     -----
     A derivative of order n is finite and exact to round-off inside, outside, on faces and in line with faces and
-    edges. On a face it is the mean of both sides, on a face in z = 0 the limit from the side of z's sign. On edges and
-    corners second derivatives of Phi and fourth derivatives of Psi have logarithms, higher ones poles: there they are
-    large and finite.
+    edges. On a face it is the mean of both sides, on a face in z = 0 the limit from the side that is asked for. On
+    edges and corners second derivatives of Phi and fourth derivatives of Psi have logarithms, higher ones poles: there
+    they are large and finite.
+
+    The mirror image of a turned cuboid is a turned cuboid: its Psi and Phi are those of the region at mirrored points.
+    Chi has a closed form where two faces are parallel to the surface (a yaw alone), else it is the framework's integral
+    of Phi of the image.
 
     The sum over the corners cancels at a distance, the sooner the more elongated the cuboid is; from where it would
     lose 1e-11, the potentials are integrated in closed form along the longest edge and by Gauss sums across it (see
@@ -57,15 +83,19 @@ class Cuboid(InclusionShape):
     """
 
     key: ClassVar[str] = "cuboid"
+    takes_side: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = (
         "Y. P. Chiu 1978, J. Appl. Mech. 45, 302-306",
         "S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871-878",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     edges: tuple[Length, Length, Length]
+    rotation: Rotation | None = None
 
     def __post_init__(self) -> None:
+        if self.rotation is not None:
+            object.__setattr__(self, "rotation", as_tuple(self.rotation))
         require(
             len(self.center) == 3 and bool(np.isfinite(self.center).all()),
             self.key, "center", self.center, "three finite lengths (x, y, z) [m]",
@@ -74,33 +104,71 @@ class Cuboid(InclusionShape):
             len(self.edges) == 3 and all(0 < edge < np.inf for edge in self.edges),
             self.key, "edges", self.edges, "three positive, finite lengths (full edges along x, y, z) [m]",
         )  # fmt: skip
+        _ = self._frame
+
+    @cached_property
+    def _frame(self) -> tuple[FloatArray | None, tuple[float, float, float]]:
+        """Directions of the edges as columns, None along the axes of the scene, and their lengths in that order.
+
+        A cuboid turned by quarter turns is another cuboid, so that the columns can be taken in the order and with the
+        signs that bring them closest to x, y and z: a face in the surface is then one across the third.
+        """
+        if self.rotation is None:
+            return None, self.edges
+        given = rotation_matrix(self.key, self.rotation)
+        order = max(permutations(range(3)), key=lambda p: sum(abs(float(given[i, j])) for i, j in enumerate(p)))
+        turn = given[:, order] * np.where(given[range(3), order] < 0, -1.0, 1.0)
+        turn[np.abs(turn) < STRAIGHT] = 0.0
+        turn[np.abs(turn - 1.0) < STRAIGHT] = 1.0
+        a, b, c = (float(self.edges[i]) for i in order)
+        return None if np.array_equal(turn, np.eye(3)) else turn, (a, b, c)
+
+    @property
+    def _has_closed_chi(self) -> bool:
+        """Whether two faces are parallel to the surface."""
+        turn, _ = self._frame
+        return turn is None or bool(turn[2, 2] == 1.0)
+
+    @property
+    def method(self) -> str:
+        """How the potentials are found."""
+        return "closed form" if self._has_closed_chi else "closed form, and quadrature of the mirror image"
 
     @property
     def bounds(self) -> tuple[Point, Point]:
         """Corners of lowest and of highest coordinates [m]."""
-        (x, y, z), (a, b, c) = self.center, self.edges
+        (x, y, z), (turn, (a, b, c)) = self.center, self._frame
+        if turn is not None:
+            a, b, c = (float(reach) for reach in np.abs(turn) @ (a, b, c))
         return (x - a / 2, y - b / 2, z - c / 2), (x + a / 2, y + b / 2, z + c / 2)
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the cuboid or on its boundary."""
         x, y, z = real_points(self.key, x, y, z)
-        inside = (
-            np.abs(t - center) <= 0.5 * edge * (1 + SNAP)
-            for t, center, edge in zip((x, y, z), self.center, self.edges, strict=True)
+        turn, edges = self._frame
+        offsets = _along(turn, [t - center for t, center in zip((x, y, z), self.center, strict=True)])
+        in_x, in_y, in_z = (
+            np.abs(offset) <= 0.5 * edge * (1 + SNAP) for offset, edge in zip(offsets, edges, strict=True)
         )
-        in_x, in_y, in_z = inside
         return np.asarray(in_x & in_y & in_z)
 
-    def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]."""
-        return self._differentiate("phi", orders, (x, y, z))
+    def phi(
+        self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Derivatives of Phi of order 1 to 4, ``(len(orders), ...)`` [m^(2 - order)]; `side` as the framework says."""
+        return self._differentiate("phi", orders, (x, y, z), side)
 
-    def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]."""
-        return self._differentiate("psi", orders, (x, y, z))
+    def psi(
+        self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Derivatives of Psi of order 3 to 5, ``(len(orders), ...)`` [m^(4 - order)]; `side` as the framework says."""
+        return self._differentiate("psi", orders, (x, y, z), side)
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi of order 3 and 4 at z >= 0, ``(len(orders), ...)`` [m^(4 - order)]."""
+        if not self._has_closed_chi:
+            at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
+            return integrated_chi(self, orders, *at).reshape(len(orders), *np.shape(x))
         return self._differentiate("chi", orders, (x, y, z))
 
     def corner(self, potential: str, orders: Sequence[Order], x: Any, y: Any, z: Any) -> FloatArray:
@@ -118,7 +186,8 @@ class Cuboid(InclusionShape):
 
     def far_field(self) -> PointSources:
         """Gauss-Legendre points, exact to 5e-14 of the largest derivative of an order from their distance on."""
-        half = 0.5 * np.array(self.edges)
+        turn, edges = self._frame
+        half = 0.5 * np.array(edges)
         longest = 2 * float(half.max())
         # Where the corners have lost three digits, but with no more than some 10 points along the longest edge.
         distance = float(np.clip(7.0 * np.cbrt(np.prod(2 * half / longest)), 2.0, 7.0)) * longest
@@ -127,6 +196,8 @@ class Cuboid(InclusionShape):
         offsets = np.stack(np.meshgrid(*(nodes for nodes, _ in rules), indexing="ij"), axis=-1).reshape(-1, 3)
         volumes = np.multiply.outer(np.multiply.outer(rules[0][1], rules[1][1]), rules[2][1]).ravel()
         center = np.array(self.center, dtype=float)
+        if turn is not None:
+            offsets = offsets @ turn.T
         return PointSources(
             center=center,
             distance=distance,
@@ -136,35 +207,54 @@ class Cuboid(InclusionShape):
         )
 
     def _differentiate(
-        self, potential: str, orders: Sequence[Order], points: tuple[FloatArray, FloatArray, FloatArray]
+        self,
+        potential: str,
+        orders: Sequence[Order],
+        points: tuple[FloatArray, FloatArray, FloatArray],
+        seen_from: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Derivatives at points reflected to the octant of positive offsets, in a unit near the longest edge.
 
         Chi has no parity along z; all its offsets z + z' are positive anyway.
         """
-        unit = 2.0 ** round(np.log2(max(self.edges)))
-        half = [0.5 * edge / unit for edge in self.edges]
+        turn, edges = self._frame
+        own, back = orders, None
+        if turn is not None:
+            every, matrix = turned_derivatives(turn, tuple(orders))
+            needed = np.flatnonzero(matrix.any(axis=0))
+            own, back = [every[column] for column in needed], matrix[:, needed]
+        unit = 2.0 ** round(np.log2(max(edges)))
+        half = [0.5 * edge / unit for edge in edges]
         center = [c / unit for c in self.center]
-        flush = abs(center[2] - half[2]) <= FLUSH * half[2]
+        flush = abs(center[2] - half[2]) <= FLUSH * half[2] and self._has_closed_chi
         if flush:
             center[2] = half[2]
         if potential == "chi":
             center[2] = -center[2]
-        offsets = [np.ravel(t) / unit - c for t, c in zip(points, center, strict=True)]
+        offsets = _along(turn, [np.ravel(t) / unit - c for t, c in zip(points, center, strict=True)])
         reflected = [np.abs(t) for t in offsets]
         side: FloatArray | None = None
         if potential == "chi":
             reflected[2] = offsets[2]
-        elif flush:  # the sign of z, -0.0 included, is the side from which a point sees the face in the surface
-            side = np.where(offsets[2] < 0, np.where(np.signbit(np.ravel(points[2])), 1.0, -1.0), 0.0)
-        values = _evaluate(potential, orders, reflected, half, side)
+        elif flush:
+            side = np.where(offsets[2] < 0, -np.ravel(seen_from), 0.0)
+        values = _evaluate(potential, own, reflected, half, side)
         power = 2 if potential == "phi" else 4
-        for row, order in enumerate(orders):
+        for row, order in enumerate(own):
             for axis in range(2 if potential == "chi" else 3):
                 if order[axis] % 2:
                     np.negative(values[row], out=values[row], where=offsets[axis] < 0)
             values[row] *= unit ** (power - sum(order))
+        if back is not None:
+            values = back @ values
         return values.reshape(len(orders), *np.shape(points[0]))
+
+
+def _along(turn: FloatArray | None, offset: list[FloatArray]) -> list[FloatArray]:
+    """Coordinates along the edges."""
+    if turn is None:
+        return offset
+    return [offset[0] * axis[0] + offset[1] * axis[1] + offset[2] * axis[2] for axis in turn.T]
 
 
 def _evaluate(

@@ -12,12 +12,12 @@ points has an error some q^(-2n), q = e + sqrt(e² + 1), e = 2d/edge, below roun
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Order
-from eigencontact_plugins.shapes.point import PointKernels
+from eigencontact.plugin import Order, PointKernels
 
 __all__ = ["distant_derivatives", "distant_from", "gauss_rule"]
 
@@ -41,8 +41,14 @@ def gauss_rule(half: float, distance: float) -> tuple[FloatArray, FloatArray]:
     """Gauss-Legendre nodes and weights on [-half, half] for fields at `distance` from it, beside it or in line."""
     e = distance / half
     n = int(np.ceil(15.0 / (2 * np.log10(e + np.sqrt(e * e + 1)))))
-    nodes, weights = np.polynomial.legendre.leggauss(n)
+    nodes, weights = _unit_rule(n)
     return half * nodes, half * weights
+
+
+@cache
+def _unit_rule(n: int) -> tuple[FloatArray, FloatArray]:
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return nodes, weights
 
 
 def distant_derivatives(

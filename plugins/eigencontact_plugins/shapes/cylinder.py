@@ -10,8 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, hookimpl, real_points, require
-from eigencontact_plugins.shapes.rotation import Row, as_tuple
+from eigencontact.plugin import InclusionShape, Length, Place, Row, as_tuple, hookimpl, real_points, require
 
 __all__ = ["Cylinder"]
 
@@ -46,7 +45,7 @@ class Cylinder(InclusionShape):
     key: ClassVar[str] = "cylinder"
     references: ClassVar[tuple[str, ...]] = ("S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",)
 
-    center: tuple[Length, Length, Length]
+    center: Place
     radius: Length
     length: Length
     axis: Literal["x", "y", "z"] | Row = "z"

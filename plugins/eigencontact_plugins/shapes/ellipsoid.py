@@ -11,19 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Angle,
     InclusionShape,
     Length,
     Order,
+    Place,
     PointSources,
+    Rotation,
+    as_tuple,
     hookimpl,
     integrated_chi,
     real_points,
     require,
+    rotation_matrix,
+    turned_derivatives,
 )
 from eigencontact_plugins.shapes.ellipsoid_mirror import chi_degrees, focal_chi, focal_sources
 from eigencontact_plugins.shapes.ellipsoid_potentials import potential_derivatives
-from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix, turned_derivatives
 
 __all__ = ["Ellipsoid"]
 
@@ -67,9 +70,9 @@ class Ellipsoid(InclusionShape):
         "T. Mura 1987, Micromechanics of Defects in Solids, section 11, doi:10.1007/978-94-009-3489-4",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     semi_axes: tuple[Length, Length, Length]
-    rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
+    rotation: Rotation | None = None
 
     def __post_init__(self) -> None:
         for name in ("center", "semi_axes", "rotation"):

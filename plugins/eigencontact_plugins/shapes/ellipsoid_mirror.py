@@ -20,9 +20,8 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Order
+from eigencontact.plugin import Order, PointKernels
 from eigencontact_plugins.shapes.ellipsoid_potentials import ellipsoidal_level
-from eigencontact_plugins.shapes.point import PointKernels
 
 __all__ = ["chi_degrees", "focal_chi", "focal_sources"]
 

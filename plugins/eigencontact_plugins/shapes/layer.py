@@ -6,18 +6,27 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, InclusionShape, Length, SceneError, hookimpl, real_points, require
+from eigencontact.plugin import (
+    TEXT_FILES,
+    DataFile,
+    InclusionShape,
+    Length,
+    SceneError,
+    hookimpl,
+    read_arrays,
+    real_points,
+    require,
+)
 
 __all__ = ["Layer"]
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
-TEXT = (".txt", ".csv", ".dat", ".asc")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,26 +122,19 @@ class Layer(InclusionShape):
 
 
 def _read(file: str) -> FloatArray:
-    path = Path(file)
-    require(path.is_file(), Layer.key, "file", file, "an existing file; a relative path counts from the scene's folder")
-    known = (".npy", ".npz", *TEXT)
-    require(path.suffix.lower() in known, Layer.key, "file", file, f"a map of one of the types {', '.join(known)}")
+    field, suffix = f"{Layer.key}.file", Path(file).suffix.lower()
+    known = (".npy", ".npz", *TEXT_FILES)
+    require(suffix in known, Layer.key, "file", file, f"a map of one of the types {', '.join(known)}")
+    if suffix not in TEXT_FILES:
+        arrays = read_arrays(field, file)
+        return arrays["thickness" if "thickness" in arrays else next(iter(arrays))]
+    require(Path(file).is_file(), Layer.key, "file", file, "an existing file")
     try:
-        content: Any
-        if path.suffix.lower() in TEXT:
-            text = path.read_text(encoding="utf-8").replace(",", " ").replace(";", " ")
-            content = np.array([row.split() for row in text.splitlines() if row.strip() and row.lstrip()[0] != "#"])
-        else:
-            with path.open("rb") as stream:
-                content = np.load(stream, allow_pickle=False)
-                if not isinstance(content, np.ndarray):
-                    content = content["thickness" if "thickness" in content else content.files[0]]
-            if content.dtype.kind not in "fiu":
-                raise ValueError(f"its type is {content.dtype}")  # noqa: TRY301
-        return np.asarray(content, dtype=float)
-    except Exception as problem:  # NumPy raises errors of many kinds for files that are none of its own
+        rows = Path(file).read_text(encoding="utf-8").replace(",", " ").replace(";", " ").splitlines()
+        return np.array([row.split() for row in rows if row.strip() and row.lstrip()[0] != "#"]).astype(float)
+    except ValueError as problem:
         reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
-        raise SceneError(f"{Layer.key}.file must be a readable map of numbers (got {file!r}); {reason}") from problem
+        raise SceneError(f"{field} must be a readable map of numbers (got {file!r}); {reason}") from problem
 
 
 @hookimpl

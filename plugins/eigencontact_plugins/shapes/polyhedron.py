@@ -10,10 +10,21 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, DataFile, InclusionShape, Length, hookimpl, real_points, require
+from eigencontact.plugin import (
+    DataFile,
+    InclusionShape,
+    Length,
+    Place,
+    Rotation,
+    as_tuple,
+    hookimpl,
+    real_points,
+    require,
+    rotation_matrix,
+)
 from eigencontact_plugins.shapes.polyhedron_mesh import Surface, read_surface
 from eigencontact_plugins.shapes.polyhedron_rays import Bins, sorted_into_bins
-from eigencontact_plugins.shapes.rotation import Matrix, as_tuple, rotation_matrix
+from eigencontact_plugins.shapes.polyhedron_volumes import volumes_in_cells
 
 __all__ = ["Polyhedron"]
 
@@ -22,17 +33,20 @@ Point = tuple[float, float, float]
 
 #: Pairs of point and triangle worked on together.
 PAIRS = 1 << 17
+#: Round-off of the volume in a cell: below, a cell is empty or full.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
 class Polyhedron(InclusionShape):
-    """Region inside a closed surface of triangles (quadrilaterals and polygons are cut into triangles).
+    """Region inside a closed surface of flat faces, of any number of corners.
 
     Parameters
     ----------
     file : str
-        Surface mesh: STL, PLY, OBJ, OFF, VTK or VTU. Every edge must belong to two faces of opposite sense; faces that
-        all look inwards are turned over. Several closed parts, and cavities, are allowed.
+        Surface mesh: STL, PLY, OBJ, OFF, VTK (unstructured grid) or VTU. Every edge must belong to two faces of
+        opposite sense; faces that all look inwards are turned over. Several closed parts, and cavities, are allowed.
+        Bent faces are cut into triangles around their middle, folded ones refused.
     scale : float
         Metres per unit of the coordinates in the file.
     rotation : (3, 3) or (3,), optional
@@ -43,7 +57,8 @@ class Polyhedron(InclusionShape):
 
     Notes
     -----
-    Offers no potentials: the framework cuts it into cuboids with volume fractions. A point is inside where the surface
+    Offers no potentials: the framework cuts it into cuboids with volume fractions, which are exact unless parts of the
+    body overlap. A point is inside where the surface
     winds around it, counted along a ray; the few points whose ray meets an edge or a corner take the solid angle of the
     whole surface instead, which needs no ray.
     """
@@ -56,8 +71,8 @@ class Polyhedron(InclusionShape):
 
     file: DataFile
     scale: Length = 1.0
-    rotation: tuple[Angle, Angle, Angle] | Matrix | None = None
-    offset: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+    rotation: Rotation | None = None
+    offset: Place = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         for name in ("rotation", "offset"):
@@ -101,6 +116,14 @@ class Polyhedron(InclusionShape):
         within[doubt] = self.surface.winding_number(*candidates[doubt].T, pairs=PAIRS) > 0.5
         inside[near] = within
         return inside
+
+    def volume_fractions(self, low: Point, edges: Point, shape: tuple[int, int, int]) -> FloatArray | None:
+        """Fraction of each cell inside, ``(nz, ny, nx)``, to round-off; None where parts of the body overlap."""
+        corners = (self.surface.vertices[self.surface.triangles] - np.array(low)) / np.array(edges)
+        volumes = volumes_in_cells(corners, shape)
+        volumes[np.abs(volumes) < ROUNDING] = 0.0
+        volumes[np.abs(volumes - 1.0) < ROUNDING] = 1.0
+        return volumes if volumes.min() >= 0 and volumes.max() <= 1 else None
 
     @cached_property
     def _bins(self) -> Bins:

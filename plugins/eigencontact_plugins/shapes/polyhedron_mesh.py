@@ -1,21 +1,23 @@
-"""Closed surfaces of triangles: reading, checking, volume and winding number."""
+"""Closed surfaces of triangles: made from faces, checked; volume and winding number."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import SceneError, require
+from eigencontact_plugins.shapes.polyhedron_files import read_faces
 
 __all__ = ["Surface", "read_surface"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
-FORMATS = {".stl": "stl", ".ply": "ply", ".obj": "obj", ".off": "off", ".vtk": "vtk", ".vtu": "vtu"}
+
+#: Distance of the corners of a face from their plane, in its extents, that five written digits of theirs explain.
+FLAT = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,37 +67,43 @@ def read_surface(where: str, file: str) -> Surface:
     Raises
     ------
     SceneError
-        For a file that cannot be read, holds no surface, or one that is open or of mixed sense.
+        For a file that cannot be read, holds no surface, one with folded faces, or one that is open or of mixed sense.
     """
-    path = Path(file)
-    suffix = path.suffix.lower()
-    require(path.is_file(), where, "file", file, "an existing file; a relative path counts from the scene's folder")
-    require(suffix in FORMATS, where, "file", file, f"a surface mesh of one of the types {', '.join(FORMATS)}")
-    import meshio  # type: ignore[import-untyped,unused-ignore]
-
-    try:
-        with np.errstate(over="ignore"):  # it takes the start of a text STL for a number of triangles first
-            mesh: Any = getattr(meshio, FORMATS[suffix]).read(str(path))
-    except (Exception, SystemExit) as problem:  # its readers raise errors of many kinds
-        reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
-        raise SceneError(f"{where}.file must be a readable mesh (got {file!r}); {reason}") from problem
-    triangles = _triangles(mesh.cells)
-    volumes = sorted({block.type for block in mesh.cells if block.dim == 3})
-    require(not volumes, where, "file", file, f"a surface mesh without {', '.join(volumes)} cells; extract its surface")
-    require(len(triangles) > 0, where, "file", file, "a mesh with triangles; it holds none")
-    surface = _merged(np.asarray(mesh.points, dtype=float), triangles)
+    surface = _merged(*_triangles(where, file, *read_faces(where, file)))
     _check_closed(where, file, surface)
     return surface if surface.volume > 0 else Surface(surface.vertices, surface.triangles[:, ::-1])
 
 
-def _triangles(blocks: Any) -> IntArray:
-    """Triangles of all faces; polygons as fans."""
-    parts = [np.empty((0, 3), dtype=np.intp)]
-    for block in blocks:
-        if block.type in ("triangle", "quad", "polygon") or block.type.startswith("polygon"):
-            faces = np.atleast_2d(np.asarray(block.data, dtype=np.intp))
-            parts += [faces[:, [0, k, k + 1]] for k in range(1, faces.shape[1] - 1)]
-    return np.concatenate(parts)
+def _triangles(where: str, file: str, points: FloatArray, faces: Sequence[IntArray]) -> tuple[FloatArray, IntArray]:
+    """Points, some added, and triangles of faces with any number of corners.
+
+    A flat face is cut from one of its corners. It need not be convex: triangles beyond it are of the other sense and
+    take away what others have too much. A bent face is cut around its middle, if all these triangles look to one side.
+    """
+    parts = []
+    for table in faces:
+        flat, bent = (table, table[:0]) if table.shape[1] == 3 else _sorted(where, file, points, table)
+        parts += [flat[:, [0, k, k + 1]] for k in range(1, table.shape[1] - 1)]
+        middle = len(points) + np.arange(len(bent))
+        parts += [np.column_stack([bent[:, k - 1], bent[:, k], middle]) for k in range(table.shape[1])]
+        points = np.concatenate([points, points[bent].mean(axis=1)])
+    return points, np.concatenate(parts)
+
+
+def _sorted(where: str, file: str, points: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Faces that are flat, and faces that are bent; those that are folded are refused."""
+    offsets = points[faces] - points[faces].mean(axis=1, keepdims=True)
+    areas = np.cross(offsets, np.roll(offsets, -1, axis=1))  # twice those of the triangles around the middle
+    normal = areas.sum(axis=1)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
+    height = np.abs(np.einsum("fci,fi->fc", offsets, normal)).max(axis=1)
+    bent = height > FLAT * np.linalg.norm(offsets, axis=2).max(axis=1)
+    folded = np.flatnonzero(bent & (np.einsum("fci,fi->fc", areas, normal).min(axis=1) <= 0))
+    if folded.size:
+        place = ", ".join(f"{value:.6g}" for value in points[faces[folded[0], 0]])
+        rule = f"a mesh of flat faces: {folded.size} are folded, one of them at ({place})"
+        raise SceneError(f"{where}.file must be {rule} (got {file!r}); cut them into triangles in a mesh program")
+    return faces[~bent], faces[bent]
 
 
 def _merged(points: FloatArray, triangles: IntArray) -> Surface:

@@ -9,8 +9,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import InclusionShape, Length, Order, PointSources, hookimpl, real_points, require
-from eigencontact_plugins.shapes.point import PointKernels
+from eigencontact.plugin import (
+    InclusionShape,
+    Length,
+    Order,
+    Place,
+    PointKernels,
+    PointSources,
+    hookimpl,
+    real_points,
+    require,
+)
 
 __all__ = ["SphericalInclusion"]
 
@@ -68,7 +77,7 @@ class SphericalInclusion(InclusionShape):
         "T. Mura 1987, Micromechanics of defects in solids, sec. 11",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     radius: Length
 
     def __post_init__(self) -> None:

@@ -56,11 +56,10 @@ def measure(code: Code, task: Task) -> Sample:
 
 def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatArray], list[FloatArray]]:
     """What makes the stress of loads, with a memory that is empty at first, and the loads; lengths in thicknesses."""
-    from eigencontact.model.bodies import influence_for
-    from eigencontact.model.kernels import StressCoefficients
-
     from eigencontact.core.grid import Box, Grid
     from eigencontact.library import installed_plugins
+    from eigencontact.model.bodies import influence_for
+    from eigencontact.model.kernels import StressCoefficients
     from eigencontact.plugin import Material
     from eigencontact.solvers.subsurface import SubsurfaceStress, stress_at_points
     from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate

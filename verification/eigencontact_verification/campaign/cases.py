@@ -44,6 +44,9 @@ def _cuboid() -> tuple[Case, ...]:
                     cases.append(inclusion_case(cube, name, nu, name=title, quick=quick, divisions=divisions))
     brick = {"key": "cuboid", "center": [0.0, 0.0, 0.6], "edges": [1.6, 1.0, 0.6]}
     cases += [inclusion_case(brick, name, 0.3, name="brick") for name in ("xx", "yy", "zz", "xy", "xz", "yz")]
+    tilted = {"key": "cuboid", "center": [0.0, 0.0, 0.9], "edges": [1.0, 0.8, 0.6], "rotation": [0.0, 0.5, 0.0]}
+    for name in ("zz", "xz"):
+        cases.append(inclusion_case(tilted, name, 0.3, name="tilted", mirrored=(False, True), outer_elements=1))
     return tuple(cases)
 
 

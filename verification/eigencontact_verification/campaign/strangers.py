@@ -2,7 +2,7 @@
 
 A plugin may say with which parameters it is to be checked: a class attribute ``example``, a mapping of its fields.
 Without it, lengths are tried: the fields that have no default get lengths from a short ladder, in every order, until
-the shape accepts them and contains something; a field ``center`` puts it below the surface, on the axis.
+the shape accepts them and contains something; a field annotated `Place` puts it below the surface, on the axis.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact import EigencontactError, make
+from eigencontact.core.places import place_field
 
 __all__ = ["example_of", "is_mirrored", "is_revolved", "point_inside"]
 
@@ -50,10 +51,11 @@ def example_of(component: type, *, clearance: float = 0.75) -> dict[str, Any]:
         if shape is None:
             continue
         low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
-        if "center" in parameters:
-            center = np.asarray(parameters["center"]) - (low + high) / 2
-            center[2] += (high[2] - low[2]) / 2 + clearance * float(np.max(high - low))
-            parameters["center"] = tuple(float(value) for value in center)
+        place = place_field(component)
+        if place is not None:
+            moved = np.asarray(parameters[place]) - (low + high) / 2
+            moved[2] += (high[2] - low[2]) / 2 + clearance * float(np.max(high - low))
+            parameters[place] = tuple(float(value) for value in moved)
             shape = _made(key, parameters)
         if shape is not None and shape.bounds[0][2] >= 0 and point_inside(shape) is not None:
             return parameters
@@ -72,15 +74,13 @@ def _made(key: str, parameters: Mapping[str, Any]) -> Any:
 
 def _guesses(component: type) -> Iterator[dict[str, Any]]:
     """Parameters to try, in a fixed order."""
-    hints = get_type_hints(component)
+    hints, place = get_type_hints(component), place_field(component)
     wanted: dict[str, int] = {}  # 0: a number, n: that many numbers
     for item in fields(component):
         hint = hints.get(item.name)
         parts = get_args(hint) if get_origin(hint) is tuple else ()
         has_default = item.default is not MISSING or item.default_factory is not MISSING
-        if item.name == "center" and len(parts) == 3:
-            continue
-        if has_default:
+        if item.name == place or has_default:
             continue
         if hint is float:
             wanted[item.name] = 0
@@ -91,15 +91,14 @@ def _guesses(component: type) -> Iterator[dict[str, Any]]:
     numbers = sum(max(1, count) for count in wanted.values())
     if numbers > len(_LENGTHS):
         return
-    center = any(item.name == "center" and len(get_args(hints[item.name])) == 3 for item in fields(component))
     for scale in _SCALES:
         for order in permutations(_LENGTHS[: max(numbers, 3)], numbers):
             values, parameters = iter(order), {}
             for name, count in wanted.items():
                 taken = tuple(scale * next(values) for _ in range(max(1, count)))
                 parameters[name] = taken if count else taken[0]
-            if center:
-                parameters["center"] = (0.0, 0.0, 10.0 * scale)
+            if place is not None:
+                parameters[place] = (0.0, 0.0, 10.0 * scale)
             yield parameters
 
 

@@ -97,7 +97,7 @@ def check_face_means(shape: Any) -> None:
 
 @check
 def check_flush_face(shape: Any) -> None:
-    """A face in the surface takes the value inside the body for z = +0.0 and the one above it for z = -0.0."""
+    """A face in the surface takes the value inside the body or the one above it, as it is told (or z = +0.0, -0.0)."""
     places, _ = _faces(shape)
     places = places[places[:, 2] == 0]
     if not len(places):
@@ -109,12 +109,12 @@ def check_flush_face(shape: Any) -> None:
             exact, beside = places.copy(), places.copy()
             exact[:, 2], beside[:, 2] = zero, side
             agree(
-                [f"{name(which, order)} at z = {zero}" for order in orders],
+                [f"{name(which, order)} at z = {zero}, seen from {words.split()[1]}" for order in orders],
                 potential(shape, which, orders, exact),
                 potential(shape, which, orders, beside),
                 scale=natural_scale(shape, which, total, beside),
                 tolerance=1e-5,
                 points=exact,
                 rule=f"its limit {words}",
-                advice="tell +0.0 from -0.0 with numpy.signbit(z) where the face lies in z = 0",
+                advice="set takes_side = True and choose by the argument side where the face lies in z = 0",
             )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.core.places import place_field
 from eigencontact_verification.conformance.report import check, ensure
 
 if TYPE_CHECKING:
@@ -24,9 +25,9 @@ def check_against_finite_elements(component: Any) -> None:
 
     The eigenstrain is an expansion, and one along z where the shape is of revolution about z: then the elements are
     axisymmetric and it takes some ten seconds, otherwise solid and one or two minutes. The shape is first put on the
-    axis, and its top a quarter of its extent below the surface, if it has a field ``center``. Nothing may disagree, and
-    at least the displacement must agree; stress on which the elements are inconclusive is no failure, and no agreement
-    either: ``eigencontact verify`` lists it.
+    axis, and its top a quarter of its extent below the surface, if it says where it is (`Place`). Nothing may disagree,
+    and at least the displacement must agree; stress on which the elements are inconclusive is no failure, and no
+    agreement either: ``eigencontact verify`` lists it.
     """
     missing = [package for module, package in _MODULES.items() if find_spec(module) is None]
     ensure(
@@ -87,10 +88,11 @@ def _rows(component: Any) -> list[Row]:
 
 
 def _placed(component: Any) -> Any:
-    """The shape with its middle on the axis z and its top off the surface, where a field `center` allows that."""
-    if not any(item.name == "center" for item in fields(component)) or len(component.center) != 3:
+    """The shape with its middle on the axis z and its top off the surface, where a field `Place` allows that."""
+    name = place_field(type(component))
+    if name is None:
         return component
     low, high = component.bounds
-    x, y, z = component.center
+    x, y, z = getattr(component, name)
     lowered = max(0.0, _CLEARANCE * max(b - a for a, b in zip(low, high, strict=True)) - low[2])
-    return replace(component, center=(x - (low[0] + high[0]) / 2, y - (low[1] + high[1]) / 2, z + lowered))
+    return replace(component, **{name: (x - (low[0] + high[0]) / 2, y - (low[1] + high[1]) / 2, z + lowered)})

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from eigencontact.errors import nearest
-from eigencontact.plugin import HasFarField, HasMirrorPotential, HasPotentials
+from eigencontact.plugin import HasFarField, HasMirrorPotential, HasPotentials, HasVolumeFractions
 from eigencontact_verification.conformance import (
     arrays,
     boundary,
@@ -38,6 +38,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
     "inclusion-shape": (
         region.check_bounds,
         region.check_in_body,
+        region.check_place,
         region.check_contains_arrays,
         region.check_contains_pure,
         surface.check_surface_traction,
@@ -89,6 +90,7 @@ _BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
     ),
     (HasMirrorPotential, (integrals.check_chi,)),
     (HasFarField, (integrals.check_far_field,)),
+    (HasVolumeFractions, (region.check_volume_fractions,)),
 )
 #: Minutes a shape; only where asked for.
 _SLOW: dict[str, tuple[Check, ...]] = {"inclusion-shape": (finite_elements.check_against_finite_elements,)}

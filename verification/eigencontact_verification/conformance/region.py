@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from eigencontact.core.places import place_field
+from eigencontact.halfspace.voxels import Voxels, volume_fractions
 from eigencontact_verification.conformance.report import check, ensure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, region, sample
 
-__all__ = ["check_bounds", "check_contains_arrays", "check_contains_pure", "check_in_body"]
+__all__ = [
+    "check_bounds",
+    "check_contains_arrays",
+    "check_contains_pure",
+    "check_in_body",
+    "check_place",
+    "check_volume_fractions",
+]
+
+#: What a thousand samples of a cell may miss of the part that a boundary cuts off it.
+_SAMPLED = 0.05
 
 
 @check
@@ -49,6 +63,34 @@ def check_in_body(shape: Any) -> None:
         "0 or more [m]",
         f"{lowest:.6g}",
         "give the component a deeper centre; a shape refuses what sticks out of the body in __post_init__",
+    )
+
+
+@check
+def check_place(shape: Any) -> None:
+    """Another value of the field annotated `Place` moves the shape by the difference, and changes nothing else."""
+    name = place_field(type(shape))
+    if name is None:
+        return
+    box = region(shape)
+    shift = 4.0 * box.size * np.array([0.3, -0.7, 1.1])
+    moved = replace(shape, **{name: tuple((np.array(getattr(shape, name), dtype=float) + shift).tolist())})
+    error = np.abs(np.array(moved.bounds) - np.array(shape.bounds) - shift).max() / box.size
+    ensure(
+        error < 1e-9,
+        f"bounds after {name} moved by {tuple(shift.tolist())}",
+        "moved by the same",
+        moved.bounds,
+        "annotate with Place the field that says where the shape is, and no other",
+    )
+    probes = box.center + 1.2 * box.half * evenly(512)
+    lost = np.flatnonzero(inside(shape, probes) != inside(moved, probes + shift))
+    ensure(
+        lost.size < 3,  # what rounding may bring to the other side of the boundary
+        "contains of the moved shape at moved points",
+        "what it was",
+        f"{lost.size} of 512 points that differ, the first at {place_of(probes[lost])}",
+        "count coordinates from the place",
     )
 
 
@@ -101,3 +143,33 @@ def check_contains_pure(shape: Any) -> None:
     second = np.asarray(shape.contains(*points))
     ensure(np.array_equal(points, kept), "the arrays given", "unchanged", "changed", "write to copies only")
     ensure(np.array_equal(first, second), "contains asked twice", "the same", "different", "keep no state")
+
+
+@check
+def check_volume_fractions(shape: Any) -> None:
+    """Fractions of the cells of a lattice are those that ``contains`` finds; of one that holds the shape and of a part.
+
+    A shape may leave any lattice to ``contains``.
+    """
+    box = region(shape)
+    edges = (box.high - box.low) / (4, 3, 2)
+    samples = SimpleNamespace(key=shape.key, bounds=shape.bounds, contains=shape.contains)
+    for low, size, cells in (
+        (box.low - 0.5 * edges, edges, (3, 4, 5)),
+        (box.low + 0.3 * (box.high - box.low), 0.4 * edges, (1, 2, 2)),
+    ):
+        (x, y, z), (dx, dy, dz) = low.tolist(), size.tolist()
+        given = shape.volume_fractions((x, y, z), (dx, dy, dz), cells)
+        if given is None:
+            continue
+        fractions = volume_fractions(shape, Voxels(low, size, cells))
+        sampled = volume_fractions(samples, Voxels(low, size, cells))
+        error = np.abs(fractions - sampled)
+        k, j, i = np.unravel_index(int(error.argmax()), cells)
+        ensure(
+            error.max() < _SAMPLED,
+            f"the fraction of cell (z, y, x) = {(int(k), int(j), int(i))} of {cells}",
+            f"{sampled[k, j, i]:.3f} within {_SAMPLED}, as contains finds it",
+            f"{fractions[k, j, i]:.3f}",
+            "count cells from the corner low, in the order (nz, ny, nx)",
+        )

@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.places import place_field
+from eigencontact.halfspace.potentials import derivatives
 from eigencontact_verification.conformance.orders import Order, of_total
 from eigencontact_verification.conformance.report import ensure
 
@@ -85,7 +87,8 @@ def region(shape: Any) -> Region:
     """Read the bounds of a shape, and its centre."""
     low, high = np.asarray(shape.bounds, dtype=float)
     center, size = (low + high) / 2, float(np.max(high - low))
-    own = np.asarray(getattr(shape, "center", ()), dtype=object)
+    place = place_field(type(shape))
+    own = np.asarray(getattr(shape, place) if place else (), dtype=object)
     if own.shape == (3,) and np.all(np.abs(own - center) < 1e-9 * size):
         center = own.astype(float)  # to the last bit, where 0/0 lurks
     return Region(low, high, center, (high - low) / 2, size)
@@ -100,7 +103,7 @@ def inside(shape: Any, places: FloatArray) -> NDArray[np.bool_]:
 def potential(shape: Any, which: str, orders: Sequence[Order], places: FloatArray) -> FloatArray:
     """Derivatives of ``"phi"``, ``"psi"`` or ``"chi"`` at points ``(..., 3)``."""
     x, y, z = (np.array(part) for part in np.moveaxis(np.asarray(places), -1, 0))
-    return np.asarray(getattr(shape, which)(orders, x, y, z))
+    return np.asarray(shape.chi(orders, x, y, z) if which == "chi" else derivatives(shape, which, orders, x, y, z))
 
 
 def row_scales(size: float, orders: Sequence[Order], values: FloatArray) -> FloatArray:

@@ -131,5 +131,3 @@ class Responding(Interior):
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`."""
         return {"inclusion_iterations": self._spent, "inclusion_residual": self._residual}
-
-

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.errors import SceneError, require
+from eigencontact.core.rigid_modes import TANGENTIAL_MODES as MODES
+from eigencontact.core.rigid_modes import RigidMode
+from eigencontact.solvers.control import PrescribedModes
 
 __all__ = ["MODES", "TangentialControl", "mode_fields"]
 
 FloatArray = NDArray[np.float64]
 
-#: (displacement, force) of each rigid mode of the surface plane.
-MODES = (("shift_x", "tangential_load_x"), ("shift_y", "tangential_load_y"), ("twist", "torsion_moment"))
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TangentialControl:
+class TangentialControl(PrescribedModes):
     """At most one value of each pair is given; a displacement is 0 where neither it nor its force is.
 
     All are those of body 2 against body 1: a positive shift drags body 1 along +x, so that the shear traction on it is
@@ -38,6 +39,8 @@ class TangentialControl:
         Both of a pair, or a number that is not finite.
     """
 
+    modes: ClassVar[Sequence[RigidMode]] = MODES
+
     tangential_load_x: float | None = None
     shift_x: float | None = None
     tangential_load_y: float | None = None
@@ -46,22 +49,7 @@ class TangentialControl:
     twist: float | None = None
 
     def __post_init__(self) -> None:
-        for pair in MODES:
-            given = [name for name in pair if getattr(self, name) is not None]
-            if len(given) == 2:
-                raise SceneError(f"step must give {pair[0]} or {pair[1]} (got both); leave one out")
-            for name in given:
-                require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
-
-    def forces(self) -> dict[int, float]:
-        """Prescribed forces by number of mode."""
-        values = {i: getattr(self, force) for i, (_, force) in enumerate(MODES)}
-        return {i: float(value) for i, value in values.items() if value is not None}
-
-    def displacements(self) -> dict[int, float]:
-        """Prescribed rigid displacements by number of mode, 0 where nothing is said."""
-        free = self.forces()
-        return {i: float(getattr(self, name) or 0.0) for i, (name, _) in enumerate(MODES) if i not in free}
+        self.check_pairs()
 
 
 def mode_fields(grid: Grid, components: str) -> FloatArray:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.special import binom
 
-from eigencontact.plugin import InclusionShape, Jet, Length, derivatives_of, hookimpl, require
+from eigencontact.plugin import InclusionShape, Jet, Length, Place, derivatives_of, hookimpl, require
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class Spheroid(InclusionShape):
         "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173",
     )
 
-    center: tuple[Length, Length, Length]
+    center: Place
     equatorial_radius: Length
     polar_radius: Length
 

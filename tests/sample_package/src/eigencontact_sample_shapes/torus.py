@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import InclusionShape, Length, hookimpl, require
+from eigencontact.plugin import InclusionShape, Length, Place, hookimpl, require
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,7 @@ class Torus(InclusionShape):
     key: ClassVar[str] = "torus"
     references: ClassVar[tuple[str, ...]] = ("elementary: (rho - R)^2 + z^2 <= r^2",)
 
-    center: tuple[Length, Length, Length]
+    center: Place
     ring_radius: Length
     tube_radius: Length
 

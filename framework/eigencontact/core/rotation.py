@@ -10,16 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Order, require
+from eigencontact.core.quantities import Angle
+from eigencontact.errors import require
 
-__all__ = ["Matrix", "Row", "as_tuple", "rotation_matrix", "turned_derivatives"]
+__all__ = ["Rotation", "Row", "as_tuple", "rotation_matrix", "turned_derivatives"]
 
 FloatArray = NDArray[np.float64]
 Row = tuple[float, float, float]
-Matrix = tuple[Row, Row, Row]
+_Order = tuple[int, int, int]
 
-RULE = (
-    "a rotation matrix (3 x 3, columns = directions of the semi-axes, orthogonal to 1e-9, determinant +1) or three"
+#: Annotation of a field that turns a thing: three angles yaw, pitch, roll [rad], or a rotation matrix whose columns are
+#: the directions of the thing's own axes in the scene.
+Rotation = tuple[Angle, Angle, Angle] | tuple[Row, Row, Row]
+
+_RULE = (
+    "a rotation matrix (3 x 3, columns = directions of the own axes, orthogonal to 1e-9, determinant +1) or three"
     " finite angles yaw, pitch, roll [rad]"
 )
 
@@ -34,6 +39,14 @@ def as_tuple(value: Any) -> Any:
 def rotation_matrix(where: str, rotation: Any) -> FloatArray:
     """Matrix whose columns are the turned axes, from a matrix, three angles or None.
 
+    Angles yaw, pitch, roll [rad] turn by ``Rz(yaw) Ry(pitch) Rx(roll)``: about z, then the turned y, then the twice
+    turned x; positive from x to y, z to x, y to z.
+
+    Raises
+    ------
+    SceneError
+        Something else; `where` is the key of the component in the message.
+
     Examples
     --------
     A quarter turn about z brings the first axis to y:
@@ -47,7 +60,7 @@ def rotation_matrix(where: str, rotation: Any) -> FloatArray:
         given = np.array(rotation, dtype=float)
     except (TypeError, ValueError):
         given = np.full(1, np.nan)
-    require(given.shape in ((3,), (3, 3)) and bool(np.isfinite(given).all()), where, "rotation", rotation, RULE)
+    require(given.shape in ((3,), (3, 3)) and bool(np.isfinite(given).all()), where, "rotation", rotation, _RULE)
     if given.shape == (3,):
         (cz, cy, cx), (sz, sy, sx) = np.cos(given), np.sin(given)
         about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
@@ -55,12 +68,12 @@ def rotation_matrix(where: str, rotation: Any) -> FloatArray:
         about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
         return np.asarray(about_z @ about_y @ about_x)
     error = float(np.abs(given.T @ given - np.eye(3)).max())
-    require(error <= 1e-9 and np.linalg.det(given) > 0, where, "rotation", rotation, RULE)
+    require(error <= 1e-9 and np.linalg.det(given) > 0, where, "rotation", rotation, _RULE)
     return np.asarray(given @ (1.5 * np.eye(3) - 0.5 * given.T @ given))  # the nearest rotation, to round-off
 
 
 @lru_cache(maxsize=64)
-def _turn(rotation: tuple[float, ...], orders: tuple[Order, ...]) -> tuple[tuple[Order, ...], FloatArray]:
+def _turn(rotation: tuple[float, ...], orders: tuple[_Order, ...]) -> tuple[tuple[_Order, ...], FloatArray]:
     R = np.array(rotation).reshape(3, 3)
     degrees = sorted({sum(order) for order in orders})
     own = tuple(
@@ -70,10 +83,10 @@ def _turn(rotation: tuple[float, ...], orders: tuple[Order, ...]) -> tuple[tuple
     matrix = np.zeros((len(orders), len(own)))
     for row, order in enumerate(orders):
         # the product of (R_i1 d_1 + R_i2 d_2 + R_i3 d_3)^order_i, multiplied out
-        terms: dict[Order, float] = {(0, 0, 0): 1.0}
+        terms: dict[_Order, float] = {(0, 0, 0): 1.0}
         for axis, count in enumerate(order):
             for _ in range(count):
-                raised: dict[Order, float] = {}
+                raised: dict[_Order, float] = {}
                 for (i, j, k), along in product(terms, range(3)):
                     key = (i + (along == 0), j + (along == 1), k + (along == 2))
                     raised[key] = raised.get(key, 0.0) + terms[i, j, k] * float(R[axis, along])
@@ -83,6 +96,21 @@ def _turn(rotation: tuple[float, ...], orders: tuple[Order, ...]) -> tuple[tuple
     return own, matrix
 
 
-def turned_derivatives(rotation: FloatArray, orders: Sequence[Order]) -> tuple[tuple[Order, ...], FloatArray]:
-    """Derivatives along the shape's own axes that are needed, and the matrix that makes those wanted of them."""
+def turned_derivatives(rotation: FloatArray, orders: Sequence[_Order]) -> tuple[tuple[_Order, ...], FloatArray]:
+    """Derivatives of a scalar along turned axes, for those along the axes of the scene.
+
+    Parameters
+    ----------
+    rotation : (3, 3)
+        Columns are the turned axes.
+    orders : sequence of (int, int, int)
+        How often along x, y and z, as the framework asks for the potentials of a shape.
+
+    Returns
+    -------
+    own : tuple of (int, int, int)
+        How often along the turned axes: all derivatives of these degrees.
+    matrix : (len(orders), len(own))
+        ``matrix @ derivatives(own)`` are those asked for.
+    """
     return _turn(tuple(rotation.ravel().tolist()), tuple(orders))

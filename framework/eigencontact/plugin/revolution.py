@@ -1,4 +1,4 @@
-"""Frictionless contact of a convex body of revolution with a half-space, from one function of its profile.
+"""Base of geometries of revolution: separation from the profile, and the contact in closed form from its integral.
 
 A profile h(r) enters through g(t) = t ∫_0^t h'(r) / √(t² - r²) dr, the approach at which the contact radius is t.
 With its derivative g'(t), the *rate* below,
@@ -16,18 +16,81 @@ I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4; K. L. Johnson 1985, Contac
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["contact_radius", "revolution_pressure"]
+from eigencontact.core.arrays import real_points
+from eigencontact.plugin.geometry import Geometry
+
+__all__ = ["Revolution", "contact_radius", "revolution_pressure"]
 
 FloatArray = NDArray[np.float64]
 Rate = Callable[[FloatArray], FloatArray]
 
 _X, _W = np.polynomial.legendre.leggauss(64)
 NODES, WEIGHTS = 0.5 * (_X + 1.0), 0.5 * _W
+
+
+class Revolution(Geometry):
+    """Convex body of revolution about a vertical axis: write its profile, and how its approach grows.
+
+    Separation, and the pressure in closed form that pictures and `tradeoff` compare with (`HasReferencePressure`),
+    follow from these two.
+
+    Attributes
+    ----------
+    center : (float, float)
+        The axis (x, y) [m]; a field of the class that derives.
+    junction : float
+        Radius [m] at which the profile changes its form; 0 if it never does.
+    limit : float
+        Radius [m] at which the profile ends in a vertical flank.
+    """
+
+    center: tuple[float, float]
+
+    @abstractmethod
+    def height(self, r: FloatArray) -> FloatArray:
+        """Profile: separation h(r) [m] at the distance r [m] from the axis; 0 on the axis."""
+
+    @abstractmethod
+    def rate(self, t: FloatArray) -> FloatArray:
+        """Growth g'(t) [-] of the approach with the contact radius t [m].
+
+        The approach is g(t) = t ∫_0^t h'(r) / √(t² - r²) dr of the profile h: of a parabola r²/(2R) it is t²/R, and
+        its growth 2t/R. Positive beyond the junction.
+        """
+
+    @property
+    def junction(self) -> float:
+        """See the attributes."""
+        return 0.0
+
+    @property
+    def limit(self) -> float:
+        """See the attributes."""
+        return float(np.inf)
+
+    def _radius(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        x, y = real_points("separation", x, y)
+        return np.asarray(np.hypot(x - self.center[0], y - self.center[1]))
+
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Separation h(x, y) [m]; 0 on the axis."""
+        return self.height(self._radius(x, y))
+
+    def reference_pressure(
+        self, x: FloatArray, y: FloatArray, normal_load: float, contact_modulus: float
+    ) -> FloatArray:
+        """Closed-form pressure [Pa] under `normal_load` [N]; NaN if the profile ends before it carries the load."""
+        r = self._radius(x, y)
+        if normal_load <= 0:
+            return np.zeros(r.shape)
+        a = contact_radius(self.rate, normal_load, contact_modulus, junction=self.junction, limit=self.limit)
+        return revolution_pressure(r, self.rate, a, contact_modulus, junction=self.junction)
 
 
 def contact_radius(

@@ -1,0 +1,281 @@
+"""Files of numbers on a lattice: NumPy archives, NetCDF, columns of text; read once, with one line for what is wrong.
+
+Components read them when they are made. `read_gridded` gives values at the points of ascending axes; `read_arrays` and
+`read_columns` give what a file holds to those who look at it in another way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.units import parse_quantity
+from eigencontact.errors import SceneError
+
+__all__ = ["TEXT_FILES", "FileArrays", "GriddedData", "read_arrays", "read_columns", "read_gridded"]
+
+FloatArray = NDArray[np.float64]
+
+#: Endings of files of text.
+TEXT_FILES = (".txt", ".csv", ".dat", ".xyz", ".asc")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Stored:
+    """Array of a file, with what the file says of it: the names of its axes, its unit."""
+
+    values: NDArray[Any]
+    axes: tuple[str, ...] = ()
+    unit: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GriddedData:
+    """Values at the points of a lattice.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Axes in the order of the arrays: ``("z", "y", "x")``.
+    axes : tuple of (n,) float64
+        Ascending coordinates along each [m].
+    values : mapping of str to (..., nz, ny, nx) float64
+        Finite, in SI units; components first.
+    """
+
+    names: tuple[str, ...]
+    axes: tuple[FloatArray, ...]
+    values: Mapping[str, FloatArray]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each axis."""
+        return tuple(axis.size for axis in self.axes)
+
+    def at(
+        self,
+        name: str,
+        *points: ArrayLike,
+        method: Literal["linear", "nearest"] = "linear",
+        outside: Literal["border", "zero"] = "border",
+    ) -> FloatArray:
+        """Values ``(..., points)`` between the points of the lattice.
+
+        Parameters
+        ----------
+        name : str
+            Which values.
+        *points : arrays
+            Coordinates along each axis, in the order of `names` [m]; they broadcast against each other.
+        method : {"linear", "nearest"}
+            Linear between neighbours along each axis, or the nearest point's.
+        outside : {"border", "zero"}
+            Beyond the lattice: the value at its border, or 0.
+        """
+        from scipy.interpolate import RegularGridInterpolator
+
+        places = [np.asarray(point, dtype=float) for point in points]
+        if outside == "border":
+            places = [np.clip(place, axis[0], axis[-1]) for place, axis in zip(places, self.axes, strict=True)]
+        values = self.values[name]
+        leading = values.ndim - len(self.axes)
+        known = np.moveaxis(values, range(leading), range(-leading, 0))
+        found = RegularGridInterpolator(self.axes, known, method=method, bounds_error=False, fill_value=0.0)(
+            np.stack(np.broadcast_arrays(*places), axis=-1)
+        )
+        return np.moveaxis(np.asarray(found, dtype=float), range(-leading, 0), range(leading))
+
+
+def read_gridded(
+    where: str,
+    file: str,
+    values: Mapping[str, str],
+    *,
+    axes: Sequence[str] = ("z", "y", "x"),
+    components: Mapping[str, int] | None = None,
+    unit: float = 1.0,
+) -> GriddedData:
+    """Values at the points of a lattice, from a file.
+
+    Parameters
+    ----------
+    where : str
+        The field that names the file, for messages: ``"coulomb-map.file"``.
+    file : str
+        ``.npz`` or NetCDF with arrays of these names; or text with columns: one for each axis, in the order x, y, z,
+        and one for each of the values; rows in any order, one for each point of the lattice.
+    values : mapping of str to str
+        Names of the values, and their SI units: ``{"young_modulus": "Pa", "poisson_ratio": "1"}``. Each is of the shape
+        of the lattice, or one number that holds everywhere.
+    axes : sequence of str
+        Names of the axes, in the order of the arrays; NetCDF, which names them, may have another order.
+    components : mapping of str to int, optional
+        Values that may have so many components in front.
+    unit : float
+        Metres per unit of the axes. What NetCDF says of the unit of a variable, of values too, counts instead.
+
+    Raises
+    ------
+    SceneError
+        ``<where> must be <rule> (got <file>); <reason>``: no such file, one that cannot be read, names that it lacks,
+        axes that are not ascending, values of another shape; numbers that are complex, text, NaN or infinite.
+    """
+    names = tuple(axes)
+    if Path(file).suffix.lower() in TEXT_FILES:
+        held = _lattice_of_columns(where, file, names, tuple(values))
+    else:
+        held = _stored(where, file)
+    missing = [name for name in (*names, *values) if name not in held]
+    if missing:
+        raise _refusal(where, f"a file with {' and '.join(missing)}", file, f"it holds {', '.join(held) or 'nothing'}")
+    coordinates = []
+    for name in names:
+        axis = _in_si(where, file, name, held[name], "m", unit)
+        if not (axis.ndim == 1 and axis.size > 1 and bool(np.all(np.diff(axis) > 0)) and np.isfinite(axis).all()):
+            rule = f"a file with {', '.join(names)} of two numbers or more each, finite and ascending [m]"
+            raise _refusal(where, rule, file, f"{name} is not")
+        coordinates.append(axis)
+    shape = tuple(axis.size for axis in coordinates)
+    arrays = {}
+    for name, symbol in values.items():
+        array = _in_si(where, file, name, _in_order(held[name], names), symbol, 1.0)
+        allowed = [shape, *([(components[name], *shape)] if components and name in components else [])]
+        if array.shape not in (*allowed, ()):
+            rule = f"a file with {name} of shape ({', '.join(names)}) = {' or '.join(map(str, allowed))}, or one number"
+            raise _refusal(where, rule, file, f"{name} has the shape {array.shape}")
+        wrong = ~np.isfinite(array)
+        if wrong.any():
+            reason = f"{int(wrong.sum())} of {array.size} are not, the first is {float(array[wrong][0])!r}"
+            raise _refusal(where, f"a file with finite {name} [{symbol}]", file, reason)
+        arrays[name] = np.broadcast_to(array, shape) if array.shape == () else array
+    return GriddedData(names=names, axes=tuple(coordinates), values=arrays)
+
+
+class FileArrays(Mapping[str, FloatArray]):
+    """Arrays of a file by name; one that is asked for must hold real numbers, else `SceneError` says what it holds."""
+
+    def __init__(self, where: str, file: str) -> None:
+        self._where, self._file, self._held = where, file, _stored(where, file)
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return _real(self._where, self._file, name, self._held[name].values)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._held)
+
+    def __len__(self) -> int:
+        return len(self._held)
+
+
+def read_arrays(where: str, file: str) -> FileArrays:
+    """Arrays of a ``.npz`` or NetCDF file, by name; that of a ``.npy`` file has the name ``""``.
+
+    Raises
+    ------
+    SceneError
+        No such file, or one that cannot be read.
+    """
+    return FileArrays(where, file)
+
+
+def read_columns(where: str, file: str, names: Sequence[str]) -> list[FloatArray]:
+    """Columns of a text file, one for each name; ``#`` begins a remark, blanks, commas or semicolons part numbers.
+
+    Raises
+    ------
+    SceneError
+        No such file, no row, or rows that are not so many numbers.
+    """
+    rule = f"a text file with rows {' '.join(names)}"
+    try:
+        with _existing(where, file).open(encoding="utf-8") as lines:
+            row = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
+        if not row:
+            raise _refusal(where, rule, file, "it holds no row")
+        delimiter = next((mark for mark in ",;" if mark in row), None)
+        table = np.loadtxt(file, delimiter=delimiter, comments="#", ndmin=2, usecols=range(len(names)))
+    except (OSError, ValueError) as problem:
+        raise _refusal(where, f"{rule} that can be read", file, _first_line(problem)) from problem
+    return list(table.T)
+
+
+def _stored(where: str, file: str) -> dict[str, _Stored]:
+    path = _existing(where, file)
+    try:
+        if path.suffix.lower() in (".npy", ".npz"):
+            with path.open("rb") as stream:
+                content = np.load(stream, allow_pickle=False)
+                if isinstance(content, np.ndarray):
+                    return {"": _Stored(content)}
+                return {name: _Stored(content[name]) for name in content}
+        import xarray
+
+        with xarray.open_dataset(path, decode_times=False) as data:
+            return {
+                str(name): _Stored(item.values, tuple(map(str, item.dims)), str(item.attrs.get("units", "")))
+                for name, item in data.variables.items()
+            }
+    except Exception as problem:  # readers raise errors of many kinds for files that are none of their own
+        rule = f"a readable .npy, .npz, NetCDF or text ({', '.join(TEXT_FILES)}) file"
+        raise _refusal(where, rule, file, _first_line(problem)) from problem
+
+
+def _lattice_of_columns(where: str, file: str, names: tuple[str, ...], values: tuple[str, ...]) -> dict[str, _Stored]:
+    columns = dict(zip((*sorted(names), *values), read_columns(where, file, (*sorted(names), *values)), strict=True))
+    levels = {name: np.unique(columns[name], return_inverse=True) for name in names}
+    shape = tuple(levels[name][0].size for name in names)
+    place = np.ravel_multi_index([levels[name][1] for name in names], shape)
+    rows = columns[names[0]].size
+    if rows != np.prod(shape) or np.unique(place).size != rows:
+        found = " and ".join(f"{size} different {name}" for name, size in sorted(zip(names, shape, strict=True)))
+        rule = f"a lattice with one row for every combination of its {', '.join(sorted(names))}"
+        raise _refusal(where, rule, file, f"{rows} rows name {found}")
+    order = np.argsort(place)
+    arrays = {name: _Stored(columns[name][order].reshape(shape)) for name in values}
+    return {name: _Stored(levels[name][0]) for name in names} | arrays
+
+
+def _in_order(stored: _Stored, names: tuple[str, ...]) -> _Stored:
+    """The same with its axes in the order asked for, if the file names them; components in front."""
+    if not set(names) <= set(stored.axes):
+        return stored
+    leading = [axis for axis in stored.axes if axis not in names]
+    order = (*leading, *names)
+    return _Stored(stored.values.transpose([stored.axes.index(axis) for axis in order]), order, stored.unit)
+
+
+def _in_si(where: str, file: str, name: str, stored: _Stored, symbol: str, factor: float) -> FloatArray:
+    """Real numbers in SI units: by the unit that the file tells, else times `factor`."""
+    if stored.unit and not (symbol == "1" and stored.unit in ("1", "-", "dimensionless")):
+        try:
+            factor = float(parse_quantity(f"1 {stored.unit}", symbol, f"{name} in units"))
+        except ValueError as problem:
+            raise _refusal(where, f"a file with {name} in units of {symbol}", file, f"it says {problem}") from problem
+    return _real(where, file, name, stored.values) * factor
+
+
+def _real(where: str, file: str, name: str, values: NDArray[Any]) -> FloatArray:
+    if values.dtype.kind not in "fiu":
+        raise _refusal(where, "an array of real numbers", file, f"{name or 'its type'} is {values.dtype}")
+    return np.array(values, dtype=float)
+
+
+def _existing(where: str, file: str) -> Path:
+    path = Path(file)
+    if not path.is_file():
+        raise _refusal(where, "an existing file", file, "a relative path counts from the folder of the scene")
+    return path
+
+
+def _refusal(where: str, rule: str, file: str, reason: str) -> SceneError:
+    return SceneError(f"{where} must be {rule} (got {file!r}); {reason}")
+
+
+def _first_line(problem: BaseException) -> str:
+    line = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+    return "it holds no numbers of NumPy" if "allow_pickle" in line else line  # advice to load it anyhow is no help

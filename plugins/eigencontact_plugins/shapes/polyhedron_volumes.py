@@ -1,0 +1,104 @@
+"""Volume that a closed surface encloses in each cell of a lattice, by the divergence theorem: exact to round-off.
+
+The triangles are cut along the planes of the lattice. With A the area of a piece projected along z, positive where its
+outside looks along +z, the volume in a cell that begins at z_k is the sum of A (z - z_k) over the pieces in that cell
+and of A times the height of a cell over all pieces beyond it in its column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["volumes_in_cells"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+#: Polygons worked on together.
+PIECES = 1 << 15
+
+
+def volumes_in_cells(corners: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
+    """Volume in each cell, ``(nz, ny, nx)``, in cells.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3)
+        Corners (x, y, z) of the triangles, counter-clockwise as seen from outside, counted in cells from the lowest
+        corner of the lattice. The body may reach beyond the lattice.
+    shape : (nz, ny, nx)
+        Numbers of cells.
+
+    Notes
+    -----
+    What the surface winds around twice counts twice, what it winds around in the other sense counts negative.
+    """
+    nz, ny, nx = shape
+    layers = (nz + 2, ny, nx)  # one above the lattice, which counts for no cell, and one below it, which counts for all
+    area, moment = np.zeros(layers), np.zeros(layers)
+    for strips, _, i in _cut(corners, 0, (0, nx - 1)):
+        for columns, row, j in _cut(strips, 1, (0, ny - 1)):
+            for pieces, column, k in _cut(columns, 2, (-1, nz)):
+                place = np.ravel_multi_index((k + 1, j[column], i[row[column]]), layers)
+                x, y, z = np.moveaxis(pieces, 2, 0)
+                u, v = x - x[:, :1], y - y[:, :1]
+                fan = 0.5 * (u[:, 1:-1] * v[:, 2:] - u[:, 2:] * v[:, 1:-1])
+                height = (z[:, :1] + z[:, 1:-1] + z[:, 2:]) / 3.0 - k[:, None]
+                area += np.bincount(place, fan.sum(axis=1), minlength=area.size).reshape(layers)
+                moment += np.bincount(place, (fan * height).sum(axis=1), minlength=area.size).reshape(layers)
+    beyond = np.cumsum(area[::-1], axis=0)[::-1]
+    return np.asarray(moment[1:-1] + beyond[2:])
+
+
+def _cut(polygons: FloatArray, axis: int, cells: tuple[int, int]) -> Iterator[tuple[FloatArray, IntArray, IntArray]]:
+    """Pieces of convex polygons ``(n, vertices, 3)`` in unit cells along an axis, whose polygon each is, and its cell.
+
+    The outermost cells of the axis z, which has some beyond the lattice, are endless.
+    """
+    along, (lowest, highest) = polygons[:, :, axis], cells
+    endless = (-np.inf, np.inf) if axis == 2 else (lowest, highest + 1)
+    first = np.floor(np.clip(along.min(axis=1), lowest - 1, highest + 1)).astype(np.intp)
+    last = np.ceil(np.clip(along.max(axis=1), lowest - 1, highest + 2)).astype(np.intp) - 1
+    last = np.maximum(first, last)
+    if axis == 2:
+        first, last = np.clip(first, lowest, highest), np.clip(last, lowest, highest)
+    else:
+        first, last = np.maximum(first, lowest), np.minimum(last, highest)
+    number = np.maximum(last - first + 1, 0)
+    which = np.repeat(np.arange(len(polygons)), number)
+    cell = first[which] + np.arange(which.size) - np.repeat(np.cumsum(number) - number, number)
+    for start in range(0, which.size, PIECES):
+        part = slice(start, start + PIECES)
+        low, high = cell[part].astype(float), cell[part] + 1.0
+        low[cell[part] == lowest] = endless[0]
+        high[cell[part] == highest] = endless[1]
+        pieces, kept = _kept(polygons[which[part]], axis, low, 1.0)
+        pieces, among = _kept(pieces, axis, high[kept], -1.0)
+        kept = kept[among]
+        yield pieces, which[part][kept], cell[part][kept]
+
+
+def _kept(polygons: FloatArray, axis: int, plane: FloatArray, side: float) -> tuple[FloatArray, IntArray]:
+    """What is left of convex polygons on one side of a plane across an axis, and the numbers of those left.
+
+    All are given as many vertices as the one that has most; the last one is repeated.
+    """
+    above = np.where(np.isinf(plane)[:, None], 0.0, side * (polygons[:, :, axis] - plane[:, None]))
+    following, above_next = np.roll(polygons, -1, axis=1), np.roll(above, -1, axis=1)
+    crossing = above * above_next < 0
+    share = np.where(crossing, above, 0.0) / np.where(crossing, above - above_next, 1.0)
+    met = polygons + share[:, :, None] * (following - polygons)
+    count, size, _ = polygons.shape
+    vertices = np.stack([polygons, met], axis=2).reshape(count, 2 * size, 3)
+    valid = np.stack([above >= 0, crossing], axis=2).reshape(count, 2 * size)
+    number = valid.sum(axis=1)
+    left = np.flatnonzero(number >= 3)
+    if not left.size:
+        return np.empty((0, 3, 3)), left
+    order = np.argsort(~valid[left], axis=1, kind="stable")
+    chosen = np.minimum(np.arange(number[left].max()), number[left, None] - 1)
+    order = np.take_along_axis(order, chosen, axis=1)
+    return np.take_along_axis(vertices[left], order[:, :, None], axis=1), left
