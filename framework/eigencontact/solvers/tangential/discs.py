@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError
 
-__all__ = ["Infeasible", "RigidPlane", "inner", "length_of", "to_discs"]
+__all__ = ["FittedModes", "Infeasible", "RigidPlane", "inner", "length_of", "to_discs"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -17,6 +17,8 @@ _TINY = np.finfo(float).tiny
 _EXACT, _ENOUGH = 1e-14, 1e-9
 #: Multipliers of forces, in units of the tractions, that only grow this large where the forces cannot be carried.
 _FAR = 1e12
+#: Ratio of the eigenvalues of normal equations below which they are not used, and of singular values that are nothing.
+_FLAT, _NOTHING = 1e-6, 1e-10
 
 
 class Infeasible(EigencontactError):
@@ -133,10 +135,35 @@ class RigidPlane:
         inside = 0.5 * size**2
         return float(np.sum(np.where(outside, bound * size - 0.5 * bound**2, inside))) - float(self.forces @ amounts)
 
-    def gram(self, slipping: FloatArray, loaded: NDArray[np.bool_]) -> FloatArray:
-        """Matrix of products of the modes over the directions in which tractions may still change, ``(m, m)``."""
-        fields = self.fields * loaded
-        along = np.einsum("mkij,kij->mij", fields, slipping)
-        return np.asarray(
-            np.einsum("mkij,lkij->ml", fields, fields) - np.einsum("mij,lij->ml", along, along), dtype=float
-        )
+    def fitted(self, unit: FloatArray, loaded: BoolArray) -> FittedModes:
+        """The modes over the directions in which tractions may still change: where loaded, across the unit vectors."""
+        return FittedModes(self, unit, loaded)
+
+
+class FittedModes:
+    """Least squares of a field by rigid modes, in the directions across the unit vectors of cells that slip.
+
+    By the normal equations where they are well conditioned. Where nearly all cells slip the way of one rigid motion,
+    hardly any of that motion lies across; then by an orthogonal basis of the modes, which costs more and loses half as
+    many digits.
+    """
+
+    def __init__(self, modes: RigidPlane, unit: FloatArray, loaded: BoolArray) -> None:
+        self._modes = modes
+        fields = modes.fields * loaded
+        along = np.einsum("mkij,kij->mij", fields, unit)
+        gram = np.einsum("mkij,lkij->ml", fields, fields) - np.einsum("mij,lij->ml", along, along)
+        size = np.linalg.eigvalsh(gram)
+        self._gram: FloatArray | None = gram
+        if size[0] <= _FLAT * size[-1]:
+            self._gram = None
+            across = fields - along[:, None] * unit
+            self._basis = np.linalg.svd(across.reshape(len(modes), -1).T, full_matrices=False)
+
+    def amounts(self, field: FloatArray) -> FloatArray:
+        """Amounts ``(m,)`` of the modes that leave least of a field, which has no part along the unit vectors."""
+        if self._gram is not None:
+            return np.asarray(np.linalg.solve(self._gram, self._modes.work(field)))
+        left, size, right = self._basis
+        kept = size > _NOTHING * size[0]
+        return np.asarray(right[kept].T @ ((left.T @ field.ravel())[kept] / size[kept]))

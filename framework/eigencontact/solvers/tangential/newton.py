@@ -170,20 +170,18 @@ class _Iteration:
         modes = self.problem.modes
         if not len(modes):
             return np.zeros(0)
-        gram = modes.gram(unit, self.loaded)
-        return np.asarray(np.linalg.lstsq(gram, modes.work(_across(slip, unit)), rcond=1e-12)[0])
+        return modes.fitted(unit, self.loaded).amounts(_across(slip, unit))
 
     def _newton(self, wrong: FloatArray, discs: tuple[FloatArray, FloatArray], looseness: float) -> FloatArray:
         """Conjugate gradients on the directions left free, without a change of the prescribed forces."""
         problem, modes = self.problem, self.problem.modes
         unit, curvature = discs
-        gram = modes.gram(unit, self.loaded) if len(modes) else None
+        fitted = modes.fitted(unit, self.loaded) if len(modes) else None
 
         def allowed(field: FloatArray) -> FloatArray:
             field = _across(field * self.loaded, unit)
-            if gram is not None:
-                amounts = np.asarray(np.linalg.lstsq(gram, modes.work(field), rcond=1e-12)[0], dtype=float)
-                field -= _across(modes.combine(amounts) * self.loaded, unit)
+            if fitted is not None:
+                field -= _across(modes.combine(fitted.amounts(field)) * self.loaded, unit)
             return field
 
         # Strongly curved cells hardly turn: the preconditioner, which knows nothing of them, must not turn them either.
