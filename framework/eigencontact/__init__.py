@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from eigencontact.app import explain, load_scene, make, open_results, plan, rectangle_field, run
+    from eigencontact.app import explain, load_scene, make, open_results, plan, rectangle_field, region, run
     from eigencontact.errors import EigencontactError, NotConverged
     from eigencontact.inclusions import inclusion_field
     from eigencontact.scene.schema import Scene
@@ -22,12 +22,15 @@ __all__ = [
     "open_results",
     "plan",
     "rectangle_field",
+    "region",
     "run",
 ]
 __version__ = "0.1.0"
 
 # Public names and the module that defines each: resolved on first use, so that importing the package stays light.
-_HOMES = dict.fromkeys(("explain", "load_scene", "make", "open_results", "plan", "rectangle_field", "run"), "app")
+_HOMES = dict.fromkeys(
+    ("explain", "load_scene", "make", "open_results", "plan", "rectangle_field", "region", "run"), "app"
+)
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
 _HOMES |= {"inclusion_field": "inclusions"}
 

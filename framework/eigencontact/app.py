@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import json
-import platform
 import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -26,7 +22,7 @@ if TYPE_CHECKING:
 
     from eigencontact.execution.driver import Watcher
     from eigencontact.planning.plan import Plan
-    from eigencontact.results.records import RunInfo, StepRecord
+    from eigencontact.results.records import StepRecord
     from eigencontact.scene.schema import Scene
 
 __all__ = [
@@ -38,6 +34,7 @@ __all__ = [
     "open_results",
     "plan",
     "rectangle_field",
+    "region",
     "run",
 ]
 
@@ -195,12 +192,13 @@ def _run_in(
 ) -> RunResult:
     from eigencontact.core.memory import peak_bytes, resident_bytes
     from eigencontact.execution.driver import drive
+    from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import write_summary
 
-    info = _run_info(planned)
+    info = run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
     wanted = planned.scene.output
     regions = [request.label for request in planned.scene.stress]
@@ -274,57 +272,14 @@ def _draw(planned: Plan, results: Path, folder: Path) -> dict[str, str]:
     return files
 
 
-def _run_info(planned: Plan) -> RunInfo:
-    import scipy
-    import tomli_w
-
-    from eigencontact import __version__
-    from eigencontact.core.material import contact_modulus
-    from eigencontact.model.bodies import layered_bodies, without_layers
-    from eigencontact.planning.explain import references
-    from eigencontact.results.records import RunInfo
-
-    resolved = planned.scene.resolved()
-    digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
-    if planned.geometries:
-        digest.update(planned.separation().tobytes())  # another surface is another scene
-    for path in planned.files:  # and so is any other changed file
-        if path.is_file():
-            with path.open("rb") as file:
-                digest.update(hashlib.file_digest(file, "sha256").digest())
-    versions = {
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "eigencontact": __version__,
-    }
-    with contextlib.suppress(PackageNotFoundError):
-        versions["pyfftw"] = version("pyfftw")
-    for component in planned.components:
-        entry = planned.registry.entry_of(component)
-        versions[f"plugin {entry.kind} {planned.registry.spelling(entry)}"] = entry.origin
-        digest.update(b"" if entry.bundled else entry.full_key.encode())  # one plain key may mean another package later
-    outlines = {}
-    if planned.sources:
-        from eigencontact.model.outlines import outlines as outlines_of
-
-        outlines = outlines_of(planned)
-    homogeneous = bool(planned.geometries) and not layered_bodies(planned.bodies)
-    return RunInfo(
-        title=planned.scene.title,
-        name=planned.name,
-        grid=planned.grid,
-        scene_toml=tomli_w.dumps(resolved),
-        scene_hash=digest.hexdigest(),
-        versions=versions,
-        references=references(planned),
-        contact_modulus=contact_modulus(*without_layers(planned.bodies)) if homogeneous else None,
-        steps=planned.steps,
-        outlines=outlines,
-    )
-
-
-def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = False) -> dict[Path, str]:
+def draw(
+    results: str | Path,
+    folder: str | Path | None = None,
+    *,
+    vtk: bool = False,
+    table: Mapping[str, Any] | str | None = None,
+    step: int | None = None,
+) -> dict[Path, str]:
     """Pictures, and VTK files if wanted, of stored results; returns each file and what it shows.
 
     Parameters
@@ -334,23 +289,30 @@ def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = F
     folder : str or Path, optional
         Where the files go; by default beside the results. Files of others there are never replaced
         (`eigencontact.results.ownership`).
+    vtk : bool
+        Whether to write VTK files.
+    table : mapping or str, optional
+        Another region: its fields are found, stored and drawn, and nothing else; see `region`.
+    step : int, optional
+        Number of the load step to draw, from 1.
     """
     from eigencontact.results.atomic import DAMAGE, reason
     from eigencontact.results.ownership import refuse_foreign
+    from eigencontact.results.reader import results_file
     from eigencontact.viz.figures import draw_all
 
-    with open_results(results) as dataset:
-        source = Path(results)
-        target = Path(folder) if folder is not None else (source if source.is_dir() else source.parent)
-        refuse_foreign(target, list(json.loads(dataset.attrs["regions"])), summary=False, pictures=True, vtk=vtk)
+    source = results_file(results)
+    target = Path(folder) if folder is not None else source.parent
+    stored: dict[Path, str] = {}
+    with open_results(results) if table is None else region(results, table, step=step, folder=target) as dataset:
+        names = list(json.loads(dataset.attrs["regions"]))
+        if table is not None:
+            stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
+        refuse_foreign(target, names, summary=False, pictures=True, vtk=vtk)
+        _make_folder(target)
         try:
-            target.mkdir(parents=True, exist_ok=True)
-        except (OSError, ValueError) as problem:
-            raise ResultsError(
-                f"output folder {target} must be writable (got {problem}); choose another with -o"
-            ) from None
-        try:
-            files = {target / name: text for name, text in draw_all(dataset, target).items()}
+            shown = None if step is None or table is not None else _place_of(dataset, step)
+            files = {target / name: text for name, text in draw_all(dataset, target, shown).items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 
@@ -360,7 +322,77 @@ def draw(results: str | Path, folder: str | Path | None = None, *, vtk: bool = F
                 f"{source} must hold results as this version writes them (got {type(problem).__name__}: "
                 f"{reason(problem)}); run the scene again with --overwrite"
             ) from problem
-    return files
+    return stored | files
+
+
+def _region_file(name: str) -> str:
+    return f"region-{name}.nc"
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as problem:
+        raise ResultsError(f"output folder {folder} must be writable (got {problem}); choose another with -o") from None
+
+
+def _place_of(dataset: xarray.Dataset, step: int) -> int:
+    """Position of a stored step."""
+    steps = [int(number) for number in dataset["step"].values]
+    if step not in steps:
+        raise ResultsError(f"step must be one that is stored, {steps[0]} to {steps[-1]} (got {step})")
+    return steps.index(step)
+
+
+def region(
+    results: str | Path,
+    table: Mapping[str, Any] | str,
+    *,
+    step: int | None = None,
+    folder: str | Path | None = None,
+) -> xarray.Dataset:
+    """Stress, strain or displacement in another region of a finished run; nothing is solved again.
+
+    Parameters
+    ----------
+    results : str or Path
+        A folder of results or its ``results.nc``.
+    table : mapping or str
+        What a table ``[[stress]]`` of a scene says, or its text: ``'shape = "plane", depth-max = "2 mm"'``.
+    step : int, optional
+        Number of the load step, from 1; the last by default. Where bodies remember something, of inhomogeneities or
+        laws, an earlier one needs a run with ``output.history = "all"``.
+    folder : str or Path, optional
+        Where ``region-<name>.nc`` is stored, which opens and is drawn like results; by default nothing is stored.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of results, with this region alone.
+
+    Raises
+    ------
+    SceneError, ResultsError
+        A region that is refused; a step, or what the bodies remember after it, that is not stored.
+    """
+    from eigencontact.planning.revisit import region_table, revisit
+    from eigencontact.results.join import join_steps
+    from eigencontact.results.ownership import refuse_foreign_file
+    from eigencontact.results.reader import open_results as open_stored
+    from eigencontact.results.reader import results_file
+    from eigencontact.results.stepfile import write_step
+
+    wanted = region_table(table) if isinstance(table, str) else table
+    info, record = revisit(results_file(results), wanted, installed_plugins(), step)
+    with tempfile.TemporaryDirectory(prefix="eigencontact-") as scratch:
+        part, kept = Path(scratch) / "step.h5", Path(scratch if folder is None else folder)
+        target = kept / _region_file(next(iter(record.regions)))
+        refuse_foreign_file(target)
+        _make_folder(kept)
+        write_step(part, info, record)
+        join_steps(target, [part])
+        dataset = open_stored(target)
+        return dataset if folder is not None else dataset.load()
 
 
 def open_results(path: str | Path) -> xarray.Dataset:

@@ -242,15 +242,24 @@ def plot(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; by default beside the results."),
     ] = None,
+    region: Annotated[
+        str | None,
+        typer.Option("--region", metavar="TABLE", help="Another region, as [[stress]] describes one; see below."),
+    ] = None,
+    step: Annotated[int | None, typer.Option("--step", metavar="N", help="Load step to draw, from 1.")] = None,
     vtk: Annotated[bool, typer.Option(help="Also write VTK files for ParaView.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Draw pictures (PNG) and write VTK files from stored results."""
+    """Draw pictures (PNG) and write VTK files from stored results.
+
+    With `--region` the stress, strain or displacement in a region that the run did not have, without solving again:
+    `eigencontact plot hertz --region 'name = "below", shape = "plane", normal = "z", position = "50 um"'`
+    """
     from eigencontact import app as calls
 
     try:
-        files = calls.draw(results, output, vtk=vtk)
+        files = calls.draw(results, output, vtk=vtk, table=region, step=step)
     except EigencontactError as problem:
         _fail(problem)
     if as_json:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.errors import ResultsError
 from eigencontact.execution.block import Cost
 from eigencontact.execution.interiors.interior import eigenstrain_name
-from eigencontact.execution.interiors.responding import solved_route
+from eigencontact.execution.interiors.responding import places_solved, solved_route
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import HalfSpace, Route
 from eigencontact.execution.step import Step
@@ -34,6 +35,7 @@ class EigenstrainField:
         self.requires = frozenset({self._name} if solved else ())
         self.kernels: list[KernelUse] = []
         self.cost = Cost()
+        self._cells = places_solved(model, body) if solved else {}
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
         for quantity in request.fields:
@@ -54,6 +56,19 @@ class EigenstrainField:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
         found = {quantity: field.at(step.time) for quantity, field in self._prescribed.items()}
         for quantity, route in self._solved.items():
-            values = route.field(step.history[self._name].values)
+            values = route.field(self._remembered(step))
             found[quantity] = found[quantity] + values if quantity in found else values
         return found
+
+    def _remembered(self, step: Step) -> FloatArray:
+        """Eigenstrain of the inhomogeneities, in the cells that the scene stands for."""
+        known = step.history[self._name]
+        same = known.coords.keys() == self._cells.keys() and all(
+            np.array_equal(known.coords[axis], values) for axis, values in self._cells.items()
+        )
+        if not same:
+            raise ResultsError(
+                f"{self._name} of step {step.index} must be in the cells that the scene stands for now (got others); "
+                "run the scene again"
+            )
+        return known.values

@@ -10,6 +10,7 @@ import numpy as np
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
+from eigencontact.results.history import HISTORY_STEP
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,21 +26,22 @@ CHUNK_BYTES = 2**22
 
 @dataclass(slots=True)
 class _Column:
-    """A variable of the joined file: what it looks like in a step, and in how many steps it occurs."""
+    """A variable of the joined file: what it looks like in a step, how many steps there are, and in how many it is."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
     dtype: Any
     attrs: dict[str, Any]
+    steps: int
     count: int = 0
 
     @property
     def stepped(self) -> bool:
         """Whether the variable changes from step to step."""
-        return self.dims[:1] == ("step",)
+        return self.dims[:1] in (("step",), (HISTORY_STEP,))
 
 
-def join_steps(target: Path, steps: Sequence[Path]) -> None:
+def join_steps(target: Path, steps: Sequence[Path], histories: Sequence[Path] = ()) -> None:
     """Join stored steps into one file.
 
     A variable that occurs in some steps only (a quantity that becomes available later) is NaN in the others.
@@ -50,6 +52,8 @@ def join_steps(target: Path, steps: Sequence[Path]) -> None:
         The results file; replaced atomically.
     steps : sequence of Path
         Files of the steps, in order.
+    histories : sequence of Path
+        Files of what the bodies remember after some of them, in order.
 
     Raises
     ------
@@ -59,16 +63,18 @@ def join_steps(target: Path, steps: Sequence[Path]) -> None:
     import h5netcdf
 
     columns, attrs = _columns(steps)
+    if histories:
+        columns |= _columns(histories)[0]
     with replacing(target, "results") as sink:
         with h5netcdf.File(sink, "w") as out:
             sizes = {dim: n for c in columns.values() for dim, n in zip(c.dims, c.shape, strict=True)}
-            out.dimensions = sizes | {"step": len(steps)}
+            out.dimensions = sizes | {"step": len(steps)} | ({HISTORY_STEP: len(histories)} if histories else {})
             for name, column in columns.items():
-                _create(out, name, column, len(steps))
+                _create(out, name, column)
             out.attrs.update(attrs)
         sink.check()
         with open_hdf5(sink, "r+") as out:  # plain HDF5 fills ten times faster
-            for at, path in enumerate(steps):
+            for at, path in (*enumerate(steps), *enumerate(histories)):
                 _fill(out, at, path, columns)
 
 
@@ -103,11 +109,11 @@ def _columns(steps: Sequence[Path]) -> tuple[dict[str, _Column], dict[str, Any]]
     for path in steps:
         with _step(path) as file:
             attrs = dict(file.attrs)
-            regions.add(attrs["regions"])
+            regions.add(attrs.get("regions", ""))
             for name, v in file.items():
                 if name not in columns:
                     own = dict(v.attrs)
-                    columns[name] = _Column(tuple(str(own.pop("dims")).split()), v.shape, v.dtype, own)
+                    columns[name] = _Column(tuple(str(own.pop("dims")).split()), v.shape, v.dtype, own, len(steps))
                 if columns[name].shape != v.shape:
                     regions.add(f"{name} {v.shape}")
                 columns[name].count += 1
@@ -119,10 +125,10 @@ def _columns(steps: Sequence[Path]) -> tuple[dict[str, _Column], dict[str, Any]]
     return columns, attrs
 
 
-def _create(out: Any, name: str, column: _Column, steps: int) -> None:
-    shape = (steps, *column.shape[1:]) if column.stepped else column.shape
+def _create(out: Any, name: str, column: _Column) -> None:
+    shape = (column.steps, *column.shape[1:]) if column.stepped else column.shape
     options: dict[str, Any] = {}
-    if column.stepped and column.count < steps:
+    if column.stepped and column.count < column.steps:
         options["fillvalue"] = np.nan
     dtype = np.dtype(column.dtype)
     if int(np.prod(shape)) * dtype.itemsize > COMPRESS_ABOVE:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
-__all__ = ["FORMAT", "SCALARS", "Variable", "attributes", "variables"]
+__all__ = ["FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "create", "variables"]
 
 #: Value of the attribute ``format`` of every file of this layout.
 FORMAT = "eigencontact-results-1"
@@ -86,7 +86,7 @@ _AXES = {
 #: Dimension of a region's quantity before those of its points.
 _LEADING = {"stress": ("component",), "strain": ("component",), "displacement": ("axis",), "principal": ("principal",)}
 #: HDF5 strings of any length, as h5py.string_dtype() builds them.
-_TEXT = np.dtype("O", metadata={"vlen": str})
+TEXT = np.dtype("O", metadata={"vlen": str})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -99,13 +99,22 @@ class Variable:
     attrs: dict[str, str | int] = field(default_factory=dict)
 
 
-def attributes(info: RunInfo, regions: dict[str, RegionRecord]) -> dict[str, Any]:
+def create(file: Any, variable: Variable) -> None:
+    """Write a variable into an open HDF5 file; arrays carry a checksum so that damage is noticed when they are read."""
+    values = variable.values
+    checked = values.size > 1 and values.dtype.kind != "O"  # texts of any length take no checksum
+    options = {"chunks": values.shape, "fletcher32": True} if checked else {}
+    made = file.create_dataset(variable.name, data=values, dtype=values.dtype, track_order=False, **options)
+    made.attrs.update({**variable.attrs, "dims": " ".join(variable.dims)})
+
+
+def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
     """Attributes of the whole file: conventions, provenance, and what the variable names alone do not tell."""
     from eigencontact import __version__
 
     described = {
         name: {"shape": region.shape, "body": region.body, "dims": list(region.dims), "fields": list(region.fields)}
-        for name, region in regions.items()
+        for name, region in record.regions.items()
     }
     return {
         "Conventions": "CF-1.8",
@@ -123,6 +132,7 @@ def attributes(info: RunInfo, regions: dict[str, RegionRecord]) -> dict[str, Any
         "cell_size": np.array([info.grid.dx, info.grid.dy]),
         "load_steps": info.steps,
         "regions": json.dumps(described),
+        "history": json.dumps(sorted(record.history)),
         "comment": "SI units; z points into the body; pressure positive in compression, stress positive in tension",
     }
 
@@ -138,7 +148,7 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
     listed = [*_coordinates(info, record), *_outlines(info), *_surface(info, record), *_scalars(record)]
     for name, region in record.regions.items():
         listed.extend(_region(name, region))
-    seen: set[str] = set()
+    seen = set(record.history)
     for variable in listed:
         if variable.name in seen or "/" in variable.name or not variable.name:
             raise ResultsError(
@@ -167,10 +177,10 @@ def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     fields = {name for region in record.regions.values() for name in region.fields}
     if fields & {"stress", "strain"}:
         attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "component of stress or strain"}
-        yield Variable(name="component", dims=("component",), values=np.array(COMPONENTS, dtype=_TEXT), attrs=attrs)
+        yield Variable(name="component", dims=("component",), values=np.array(COMPONENTS, dtype=TEXT), attrs=attrs)
     if "displacement" in fields:
         attrs = {"role": "coordinate", "units": "1", "long_name": "direction"}
-        yield Variable(name="axis", dims=("axis",), values=np.array(["x", "y", "z"], dtype=_TEXT), attrs=attrs)
+        yield Variable(name="axis", dims=("axis",), values=np.array(["x", "y", "z"], dtype=TEXT), attrs=attrs)
     if "principal" in fields:
         attrs = {"role": "coordinate", "units": "1", "long_name": "principal stress, 1 is the largest"}
         yield Variable(name="principal", dims=("principal",), values=np.array([1, 2, 3]), attrs=attrs)

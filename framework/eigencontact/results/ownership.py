@@ -15,7 +15,7 @@ from pathlib import Path
 from eigencontact.core.names import PICTURES, SURFACE
 from eigencontact.errors import ResultsError
 
-__all__ = ["SUMMARY", "is_ours", "listed_files", "refuse_foreign"]
+__all__ = ["SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
 
 SUMMARY = "summary.json"
 _NAME, _HASH = b"eigencontact", b'"scene_hash"'
@@ -68,6 +68,21 @@ def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures:
                 f"{path} must be a file that eigencontact wrote, or not be there (got a file of another origin, which "
                 "would be replaced); move it away, rename the region that asks for it, or choose another folder with -o"
             )
+
+
+def refuse_foreign_file(path: Path) -> None:
+    """Refuse to replace one file that this package did not write.
+
+    Raises
+    ------
+    ResultsError
+        Names the file.
+    """
+    if path.exists() and not is_ours(path):
+        raise ResultsError(
+            f"{path} must be a file that eigencontact wrote, or not be there (got a file of another origin, which "
+            "would be replaced); move it away, or choose another folder with -o"
+        )
 
 
 def _holds(path: Path, mark: bytes) -> bool:

@@ -14,7 +14,7 @@ from eigencontact.results.store import RESULTS, STEPS
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["open_results"]
+__all__ = ["open_results", "results_file"]
 
 
 def open_results(path: str | Path) -> xr.Dataset:
@@ -38,21 +38,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    try:
-        given = Path(path)
-        file = given / RESULTS if given.is_dir() else given
-        there = file.exists()
-    except (OSError, TypeError, ValueError) as error:
-        raise ResultsError(f"results must be a file or folder (got {shown(path)}); {reason(error)}") from None
-    if not there:
-        steps = (given if given.is_dir() else given.parent) / STEPS
-        if steps.is_dir():
-            count = len(list(steps.glob("[0-9]*.h5")))
-            raise ResultsError(
-                f"{file} must be the results of a finished run (got an interrupted run with {count} stored steps); "
-                "continue it with --resume"
-            )
-        raise ResultsError(f"{file} must exist (got nothing there); give the folder of a run or its {RESULTS}")
+    file = results_file(path)
     try:
         dataset = xr.open_dataset(file, engine="h5netcdf")
     except DAMAGE as error:
@@ -71,6 +57,32 @@ def open_results(path: str | Path) -> xr.Dataset:
             "--overwrite"
         )
     return dataset
+
+
+def results_file(path: str | Path) -> Path:
+    """The results file that a path stands for: itself, or that in a folder.
+
+    Raises
+    ------
+    ResultsError
+        When there is nothing, or only the steps of an interrupted run.
+    """
+    try:
+        given = Path(path)
+        file = given / RESULTS if given.is_dir() else given
+        there = file.exists()
+    except (OSError, TypeError, ValueError) as error:
+        raise ResultsError(f"results must be a file or folder (got {shown(path)}); {reason(error)}") from None
+    if not there:
+        steps = (given if given.is_dir() else given.parent) / STEPS
+        if steps.is_dir():
+            count = len(list(steps.glob("[0-9]*.h5")))
+            raise ResultsError(
+                f"{file} must be the results of a finished run (got an interrupted run with {count} stored steps); "
+                "continue it with --resume"
+            )
+        raise ResultsError(f"{file} must exist (got nothing there); give the folder of a run or its {RESULTS}")
+    return file
 
 
 def _missing(dataset: xr.Dataset) -> str:

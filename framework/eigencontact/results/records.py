@@ -56,9 +56,10 @@ class HistoryRecord:
     body : int
         1 or 2.
     values : (components, nz, ny, nx) or (components, n)
-        In the cells of a box, or of n inclusions.
+        In the cells of a box, or of n inclusions; six components are a Mandel vector.
     coords : mapping
-        Centres x, y, z of the cells [m]; empty where the values belong to inclusions.
+        Centres of the cells [m] along ``"z"``, ``"y"``, ``"x"``, in this order, the same for all of a body; empty
+        where the values belong to inclusions.
     unit, meaning : str
         SI unit, and in words.
     """
@@ -134,6 +135,8 @@ class RunInfo:
     outlines : mapping of str to (n, 2, 2) array
         Line segments [m] around the inclusions for pictures: ``""`` as seen from above, others on the plane region of
         their name.
+    every_history : bool
+        Whether what bodies remember is kept after every step, not after the last alone.
     """
 
     title: str
@@ -146,3 +149,4 @@ class RunInfo:
     contact_modulus: float | None
     steps: int
     outlines: dict[str, FloatArray] = field(default_factory=dict)
+    every_history: bool = False

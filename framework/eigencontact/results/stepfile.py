@@ -9,17 +9,18 @@ import numpy as np
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
-from eigencontact.results.layout import FORMAT, attributes, variables
-from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
+from eigencontact.results.history import history_name, history_of, write_history
+from eigencontact.results.layout import FORMAT, attributes, create, variables
+from eigencontact.results.records import HistoryRecord, RegionRecord, RunInfo, StepRecord
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["read_attributes", "read_step", "stored_steps", "write_step"]
+__all__ = ["names_remembered", "read_attributes", "read_history", "read_step", "stored_steps", "write_step"]
 
 
 def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
-    """Store one step atomically; arrays carry a checksum so that damage is noticed when they are read.
+    """Store one step atomically, and before it, in a file beside it, what the bodies remember after it.
 
     Raises
     ------
@@ -27,13 +28,12 @@ def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
         When it cannot be stored; nothing is left behind then.
     """
     listed = variables(info, record)
+    if record.history:
+        write_history(history_name(path), info, record)
     with replacing(path, f"step {record.index}") as sink, open_hdf5(sink, "w") as file:
-        for v in listed:
-            checked = v.values.size > 1 and v.values.dtype.kind != "O"  # texts of any length take no checksum
-            options = {"chunks": v.values.shape, "fletcher32": True} if checked else {}
-            made = file.create_dataset(v.name, data=v.values, dtype=v.values.dtype, track_order=False, **options)
-            made.attrs.update({**v.attrs, "dims": " ".join(v.dims)})
-        file.attrs.update(attributes(info, record.regions))
+        for variable in listed:
+            create(file, variable)
+        file.attrs.update(attributes(info, record))
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
@@ -72,16 +72,14 @@ def stored_steps(path: Path) -> list[int]:
 
 
 def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
-    """Read one step back from its own file or from the results of a run.
+    """Read one step back from its own file or from the results of a run, without its history.
 
     Raises
     ------
     ResultsError
         When the file is damaged, not ours, of another scene, or does not hold that step.
     """
-    found = read_attributes(path)
-    if found.get("scene_hash") != scene_hash:
-        raise ResultsError(_refusal(path, "of this scene", f"scene hash {found.get('scene_hash')}"))
+    found = _attributes_of(path, scene_hash)
     try:
         with open_hdf5(path, "r") as file:
             steps = [int(step) for step in file["step"][...]]
@@ -90,6 +88,38 @@ def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
             return _record(file, index, steps.index(index), json.loads(found["regions"]))
     except DAMAGE as error:
         raise ResultsError(_refusal(path, "complete", reason(error))) from error
+
+
+def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRecord]:
+    """Read what the bodies remembered after a step, from beside the file of the step or from the results of a run.
+
+    Empty where they remember nothing, or where it was not kept.
+
+    Raises
+    ------
+    ResultsError
+        When the file is damaged, not ours or of another scene.
+    """
+    beside = history_name(path)
+    source = beside if beside.exists() else path
+    _attributes_of(source, scene_hash)
+    try:
+        with open_hdf5(source, "r") as file:
+            return history_of(file, index)
+    except DAMAGE as error:
+        raise ResultsError(_refusal(source, "complete", reason(error))) from error
+
+
+def names_remembered(path: Path) -> list[str]:
+    """Names of what bodies remember after a stored step, kept or not."""
+    return [str(name) for name in json.loads(read_attributes(path).get("history", "[]"))]
+
+
+def _attributes_of(path: Path, scene_hash: str) -> dict[str, Any]:
+    found = read_attributes(path)
+    if found["scene_hash"] != scene_hash:
+        raise ResultsError(_refusal(path, "of this scene", f"scene hash {found['scene_hash']}"))
+    return found
 
 
 def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRecord:

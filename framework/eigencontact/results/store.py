@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,14 @@ from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
 from eigencontact.results.join import join_steps
 from eigencontact.results.ownership import SUMMARY, is_ours, listed_files
-from eigencontact.results.stepfile import read_attributes, read_step, stored_steps, write_step
+from eigencontact.results.stepfile import (
+    names_remembered,
+    read_attributes,
+    read_history,
+    read_step,
+    stored_steps,
+    write_step,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,15 +32,20 @@ __all__ = ["RESULTS", "STEPS", "SUMMARY", "ResultStore"]
 RESULTS, STEPS = "results.nc", "steps"
 _MARK = "run.json"
 _STEP_FILE = re.compile(r"(\d{4,})\.h5")
-_OWN_IN_STEPS = re.compile(r"(\d{4,}\.h5|run\.json|\.(\d{4,}\.h5|run\.json)\.partial)")
+_HISTORY_FILE = re.compile(r"(\d{4,})\.history\.h5")
+_OWN_IN_STEPS = re.compile(r"(\d{4,}(\.history)?\.h5|run\.json|\.(\d{4,}(\.history)?\.h5|run\.json)\.partial)")
+#: Histories that an unfinished run keeps: should the last step be damaged, the one before can still be continued.
+_KEPT = 2
 
 
 @dataclass(slots=True)
 class ResultStore:
     """Results of one run in one folder.
 
-    While a run is under way the folder holds ``steps/0001.h5 ...``; `finish` joins them into ``results.nc``. A run
-    killed at any moment leaves complete steps only, and a store created with ``resume=True`` continues them.
+    While a run is under way the folder holds ``steps/0001.h5 ...``, and where bodies remember something
+    ``0001.history.h5 ...`` of the last two steps (of all, if the scene wants that); `finish` joins them into
+    ``results.nc``. A run killed at any moment leaves complete steps only, and a store created with ``resume=True``
+    continues them.
 
     Attributes
     ----------
@@ -132,6 +144,10 @@ class ResultStore:
             When it cannot be stored (full disk, folder gone); earlier steps stay, nothing torn is left behind.
         """
         write_step(self._path(record.index), self.info, record)
+        if not self.info.every_history:
+            for index, path in _files(self.folder / STEPS, _HISTORY_FILE).items():
+                if index <= record.index - _KEPT:
+                    path.unlink()
 
     def accepted(self) -> list[int]:
         """Indices 1, 2, ... n of the stored steps from which the run can continue.
@@ -154,7 +170,21 @@ class ResultStore:
                 self.problems.append(f"{error}; step {index} and those after it are computed again")
                 break
             usable.append(index)
+        while usable and not self._remembers(usable[-1]):
+            usable.pop()
         return usable
+
+    def _remembers(self, index: int) -> bool:
+        """Whether a step can be continued: its history can be read, if it has any."""
+        path = self._path(index)
+        try:
+            if not names_remembered(path) or read_history(path, self.info.scene_hash, index):
+                return True
+            problem = f"what the bodies remember after step {index} is missing"
+        except ResultsError as error:
+            problem = str(error)
+        self.problems.append(f"{problem}; step {index} is computed again")
+        return False
 
     def load_step(self, index: int) -> StepRecord:
         """Read a stored step back.
@@ -167,7 +197,8 @@ class ResultStore:
         path = self.folder / RESULTS if self.finished else self._path(index)
         if not path.exists():
             raise ResultsError(f"{self.folder} must hold step {index} (got steps {self.accepted()}); compute it again")
-        return read_step(path, self.info.scene_hash, index)
+        record = read_step(path, self.info.scene_hash, index)
+        return replace(record, history=read_history(path, self.info.scene_hash, index))
 
     def finish(self) -> Path:
         """Join the steps into ``results.nc``, remove the folder of steps, and return the path.
@@ -186,7 +217,9 @@ class ResultStore:
                 f"{self.folder / STEPS} must hold steps 1, 2, ... without a gap (got {sorted(found)}); "
                 "--resume computes the missing ones"
             )
-        join_steps(target, [found[index] for index in sorted(found)])
+        histories = _files(self.folder / STEPS, _HISTORY_FILE)
+        kept = sorted(histories) if self.info.every_history else [index for index in histories if index == max(found)]
+        join_steps(target, [found[index] for index in sorted(found)], [histories[index] for index in kept])
         _remove_steps(self.folder)
         return target
 
@@ -195,8 +228,13 @@ class ResultStore:
 
 
 def _step_files(steps: Path) -> dict[int, Path]:
+    return _files(steps, _STEP_FILE)
+
+
+def _files(steps: Path, pattern: re.Pattern[str]) -> dict[int, Path]:
+    """Files of a pattern by the number of their step."""
     paths = steps.iterdir() if steps.is_dir() else ()
-    return {int(match[1]): path for path in paths if (match := _STEP_FILE.fullmatch(path.name))}
+    return {int(match[1]): path for path in paths if (match := pattern.fullmatch(path.name))}
 
 
 def _kept_hash(path: Path, read: Callable[[Path], str], *, overwrite: bool) -> str | None:

@@ -245,11 +245,16 @@ class StressRequest(Table):
 
 
 class Output(Table):
-    """What is written besides results and summary."""
+    """What is written besides results and summary.
+
+    What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any of
+    them without solving again.
+    """
 
     pictures: bool = True
     vtk: bool = False
     tangential_displacement: bool = False
+    history: Literal["last", "all"] = "last"
 
 
 class Scene(Table):

@@ -77,7 +77,8 @@ def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
     regions = json.loads(results.attrs["regions"])
     times = [float(time) for time in results["time"].values]
     written: list[Path] = []
-    for name in (SURFACE, *regions):
+    surface = [SURFACE] if any(v.attrs.get("role") == "field" for v in results.variables.values()) else []
+    for name in (*surface, *regions):
         series = []
         for at, index in enumerate(int(step) for step in results["step"].values):
             mesh = _surface(results, at) if name == SURFACE else _region(results, name, regions[name], at)

@@ -21,7 +21,7 @@ from eigencontact.model.sources import Inhomogeneity
 from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.report import Progress
 
-__all__ = ["Responding", "solved_route"]
+__all__ = ["Responding", "places_solved", "solved_route"]
 
 FloatArray = NDArray[np.float64]
 
@@ -35,6 +35,14 @@ def solved_route(
     if model.numerics.inclusion_resolution == "whole":
         return ClosedForms(half_space, sources, quantity, lattice, rows)
     return cell_route(half_space, box_of_inhomogeneities(sources), quantity, lattice, rows)
+
+
+def places_solved(model: Model, body: int) -> dict[str, FloatArray]:
+    """Centres along z, y, x of the cells with an eigenstrain to be found, as stored; empty for whole inclusions."""
+    if model.numerics.inclusion_resolution == "whole":
+        return {}
+    points = box_of_inhomogeneities([s for s in model.inhomogeneities if s.body == body]).centres(model.grid)
+    return {"z": points.depths, "y": points.y, "x": points.x}
 
 
 class Responding(Interior):
@@ -56,6 +64,7 @@ class Responding(Interior):
         self._half_space = HalfSpace.of(model, body)
         self.sources: tuple[Inhomogeneity, ...] = tuple(s for s in model.inhomogeneities if s.body == body)
         self._tractions = model.tractions
+        self._coords = places_solved(model, body)
         # Along tractions the mean over each cell belongs to the mean stress by those; elsewhere the centres are taken.
         self._means = "".join(item.direction for item in self._tractions if item.direction in directions)
         self._centres = "".join(name for name in directions if name not in self._means)
@@ -126,7 +135,8 @@ class Responding(Interior):
         return {name: self._record(name, self.eigenstrain, "1", meaning)}
 
     def _record(self, name: str, values: FloatArray, unit: str, meaning: str) -> HistoryRecord:
-        return HistoryRecord(name=name, body=self.body, values=values, coords={}, unit=unit, meaning=meaning)
+        coords = self._coords
+        return HistoryRecord(name=name, body=self.body, values=values, coords=coords, unit=unit, meaning=meaning)
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`."""

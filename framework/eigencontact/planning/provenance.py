@@ -1,0 +1,81 @@
+"""What is stored of a plan beside its numbers: scene, versions, sources to cite, a hash of all that decides them."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+from eigencontact.planning.plan import Plan
+from eigencontact.results.records import RunInfo
+
+__all__ = ["run_info"]
+
+
+def run_info(plan: Plan) -> RunInfo:
+    """What holds for all steps of a run of a plan."""
+    import tomli_w
+
+    from eigencontact.core.material import contact_modulus
+    from eigencontact.model.bodies import layered_bodies, without_layers
+    from eigencontact.planning.explain import references
+
+    outlines = {}
+    if plan.sources:
+        from eigencontact.model.outlines import outlines as outlines_of
+
+        outlines = outlines_of(plan)
+    resolved = plan.scene.resolved()
+    homogeneous = bool(plan.geometries) and not layered_bodies(plan.bodies)
+    return RunInfo(
+        title=plan.scene.title,
+        name=plan.name,
+        grid=plan.grid,
+        scene_toml=tomli_w.dumps(resolved),
+        scene_hash=_digest(plan, resolved),
+        versions=_versions(plan),
+        references=references(plan),
+        contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
+        steps=plan.steps,
+        outlines=outlines,
+        every_history=plan.scene.output.history == "all",
+    )
+
+
+def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
+    """Hash of the scene, of every file that it names, and of the packages that its plugins come from."""
+    digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
+    if plan.geometries:
+        digest.update(plan.separation().tobytes())  # another surface is another scene
+    for path in plan.files:
+        if path.is_file():
+            with path.open("rb") as file:
+                digest.update(hashlib.file_digest(file, "sha256").digest())
+    for component in plan.components:
+        entry = plan.registry.entry_of(component)
+        digest.update(b"" if entry.bundled else entry.full_key.encode())  # one plain key may mean another package later
+    return digest.hexdigest()
+
+
+def _versions(plan: Plan) -> dict[str, str]:
+    import scipy
+
+    from eigencontact import __version__
+
+    versions = {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "eigencontact": __version__,
+    }
+    with contextlib.suppress(PackageNotFoundError):
+        versions["pyfftw"] = version("pyfftw")
+    for component in plan.components:
+        entry = plan.registry.entry_of(component)
+        versions[f"plugin {entry.kind} {plan.registry.spelling(entry)}"] = entry.origin
+    return versions

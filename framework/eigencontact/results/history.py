@@ -1,0 +1,102 @@
+"""What bodies remember, beside the stored steps: the next step starts from it, and so does a look at another region.
+
+The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
+``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
+coordinates, or ``(history_step[, mandel], inclusion_<body>)``; their role is ``history``. Six components are those of
+a Mandel vector: shears times √2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.results.atomic import open_hdf5, replacing
+from eigencontact.results.layout import FORMAT, TEXT, Variable, create
+from eigencontact.results.records import HistoryRecord, RunInfo, StepRecord
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["HISTORY_STEP", "history_name", "history_of", "write_history"]
+
+#: Dimension along which the steps lie whose history is kept.
+HISTORY_STEP = "history_step"
+_MANDEL = [name if name[0] == name[1] else f"sqrt2 {name}" for name in COMPONENTS]
+
+
+def history_name(step: Path) -> Path:
+    """File of the history that belongs to the file of a step."""
+    return step.with_suffix(".history.h5")
+
+
+def write_history(path: Path, info: RunInfo, record: StepRecord) -> None:
+    """Store what the bodies remember after a step, atomically.
+
+    Raises
+    ------
+    ResultsError
+        When it cannot be stored; nothing is left behind then.
+    """
+    with replacing(path, f"the history of step {record.index}") as sink, open_hdf5(sink, "w") as file:
+        for variable in _variables(record):
+            create(file, variable)
+        file.attrs.update({"format": FORMAT, "scene_hash": info.scene_hash})
+
+
+def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
+    """What bodies remembered after a step, from an open file; empty where it does not hold that."""
+    if HISTORY_STEP not in file:
+        return {}
+    steps = [int(step) for step in file[HISTORY_STEP][...]]
+    if index not in steps:
+        return {}
+    found = {}
+    for name, variable in file.items():
+        if str(variable.attrs.get("role")) == "history":
+            body = int(np.ravel(variable.attrs["body"])[0])  # an array of one in joined results
+            coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
+            values, points = variable[steps.index(index)], 3 if coords else 1
+            found[name] = HistoryRecord(
+                name=name,
+                body=body,
+                values=values.reshape(-1, *values.shape[values.ndim - points :]),
+                coords=coords,
+                unit=str(variable.attrs["units"]),
+                meaning=str(variable.attrs["long_name"]),
+            )
+    return found
+
+
+def _variables(record: StepRecord) -> Iterator[Variable]:
+    """Coordinates, and everything remembered, each once."""
+    attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "step whose history is kept"}
+    yield Variable(name=HISTORY_STEP, dims=(HISTORY_STEP,), values=np.array([record.index]), attrs=attrs)
+    if any(len(item.values) == len(_MANDEL) for item in record.history.values()):
+        attrs = {"role": "coordinate", "units": "1", "long_name": "component of a Mandel vector"}
+        yield Variable(name="mandel", dims=("mandel",), values=np.array(_MANDEL, dtype=TEXT), attrs=attrs)
+    for body, coords in {item.body: item.coords for item in record.history.values()}.items():
+        yield from _centres(body, coords)
+    for item in record.history.values():
+        yield _stored(item)
+
+
+def _centres(body: int, coords: Mapping[str, Any]) -> Iterator[Variable]:
+    for axis, values in coords.items():
+        name = f"cells_{body}_{axis}"
+        attrs: dict[str, str | int] = {"role": "coordinate", "units": "m", "long_name": f"centres of cells, {axis}"}
+        yield Variable(name=name, dims=(name,), values=np.asarray(values, dtype=float), attrs=attrs)
+
+
+def _stored(item: HistoryRecord) -> Variable:
+    points = [f"cells_{item.body}_{axis}" for axis in item.coords] or [f"inclusion_{item.body}"]
+    values = np.asarray(item.values, dtype=float)
+    components = {1: [], len(_MANDEL): ["mandel"]}.get(len(values), [f"{item.name}_component"])
+    attrs: dict[str, str | int] = {
+        "role": "history", "units": item.unit, "long_name": item.meaning, "body": item.body,
+    }  # fmt: skip
+    values = values if components else values[0]
+    return Variable(name=item.name, dims=(HISTORY_STEP, *components, *points), values=values[None], attrs=attrs)
