@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require
+from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -41,6 +41,11 @@ class Probe(Observer):
         pairs = len(self.points) > 0 and all(len(p) == 2 and np.isfinite(p).all() for p in self.points)
         require(pairs, self.key, "points", self.points, "at least one point of two finite lengths (x, y)")
         require(self.field, self.key, "field", self.field, "the name of a surface field")
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """See `Observer.units`."""
+        return {f"{self.field}_{number}": unit_of(self.field) for number in range(1, len(self.points) + 1)}
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Values at the points, ``{"pressure_1": ...}``.

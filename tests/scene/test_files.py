@@ -95,7 +95,7 @@ def test_files_are_found_by_annotation_wherever_they_stand(charted):
     assert list(planned.files) == [
         home / f"{name}.txt" for name in ("one", "two", "three", "four", "five", "sub/six", "seven")
     ]
-    (_, observer), _ = planned.observers
+    observer = planned.observers[0].observer
     assert observer.first_map == str(home / "one.txt")
     assert observer.many == (str(home / "three.txt"), str(home / "one.txt"))
     assert observer.pair == ("three.txt", str(home / "four.txt"))  # a plain text beside a file

@@ -21,6 +21,7 @@ __all__ = [
     "Quantity",
     "Stress",
     "Unit",
+    "unit_of",
 ]
 
 
@@ -115,3 +116,14 @@ QUANTITIES: dict[str, Quantity] = {
     "hydrostatic": Quantity("Pa", "mean normal stress"),
     "principal": Quantity("Pa", "principal stresses, largest first"),
 }
+
+
+def unit_of(quantity: str) -> str:
+    """SI unit of a result; ``"unknown"`` of a name that the vocabulary does not hold.
+
+    Examples
+    --------
+    >>> unit_of("pressure"), unit_of("weather")
+    ('Pa', 'unknown')
+    """
+    return QUANTITIES[quantity].unit if quantity in QUANTITIES else "unknown"

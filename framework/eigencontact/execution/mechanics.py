@@ -13,7 +13,7 @@ from eigencontact.execution.block import Block, Cost, Part
 from eigencontact.execution.contact import Contact, ContactAnswer
 from eigencontact.execution.coupled import Coupled, Solved
 from eigencontact.execution.increment import Increment
-from eigencontact.execution.interiors.interior import Interior, eigenstrain_name
+from eigencontact.execution.interiors.interior import Interior
 from eigencontact.execution.step import Step
 from eigencontact.model.model import Model
 from eigencontact.scene.schema import Numerics
@@ -57,8 +57,7 @@ class Mechanics(Block):
         lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in self._directions}
         own = frozenset() if contact is None else contact.fields
         self.wanted = {**dict.fromkeys(sorted(own), "every run"), **lifts}
-        solved = {eigenstrain_name(interior.body) for interior in interiors if interior.responds}
-        self.provides = own | frozenset(lifts) | solved
+        self.provides = own | frozenset(lifts).union(*(interior.remembers for interior in interiors))
 
     @property
     def parts(self) -> Sequence[Part]:

@@ -41,6 +41,8 @@ class Region(Block):
     model : Model
     request : StressRequest
         With the places that it stands for.
+    asker : str, optional
+        Who wants to see it in each step, if it is no result of the scene.
 
     Raises
     ------
@@ -48,11 +50,13 @@ class Region(Block):
         Nothing causes a field there.
     """
 
-    def __init__(self, model: Model, request: StressRequest) -> None:
+    def __init__(self, model: Model, request: StressRequest, asker: str = "") -> None:
         self._request, self._lattice, label = request, region_lattice(request, model.grid), request.label
         self.name = f"stress-{label}"
-        self.why = f"[[stress]] asks for {request.shape} {label!r} in body {request.body}"
-        self.provides, self.wanted = frozenset({f"stress:{label}"}), {f"stress:{label}": f"[[stress]] {label!r}"}
+        self._stored = not asker
+        self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
+        self.provides = frozenset({f"stress:{label}"})
+        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self._stored else {}
         self._causes = list(_causes(model, request, self._lattice))
         if not self._causes:
             raise SceneError(
@@ -69,7 +73,10 @@ class Region(Block):
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():
                 fields[quantity] = fields[quantity] + values if quantity in fields else values
-        store_region(step, self._request, self._lattice, fields)
+        record, stress = region_record(self._request, self._lattice, fields)
+        (step.regions if self._stored else step.looks)[record.name] = record
+        if self._stored and stress is not None:
+            note_largest(step, record, stress)
 
 
 class Cause(Protocol):
@@ -111,28 +118,30 @@ def regions_of(model: Model) -> Iterator[Region]:
     return map(partial(Region, model), model.requests)
 
 
-def store_region(step: Step, request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]) -> None:
-    """Add a region to the results of a step: the fields asked for, and with the stress the numbers read off it.
+def region_record(
+    request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]
+) -> tuple[RegionRecord, FloatArray | None]:
+    """Region as it is stored: the fields asked for, and with the stress the numbers read off it; and that stress.
 
     Parameters
     ----------
     fields : mapping of str to array
         ``stress`` and ``strain`` as Mandel vectors ``(6, ...)``, ``displacement (3, ...)``, on the points of `lattice`.
     """
+    stress: FloatArray | None = None
     stored: dict[str, FloatArray] = {}
     for name in request.fields:
         values = _cut(fields[name], request)
         stored[name] = values if name == "displacement" else from_mandel(values)
-    mises: FloatArray | None = None
     if "stress" in request.fields:
         stress = _cut(fields["stress"], request)
         stored |= {name: _SCALARS[name](stress) for name in request.quantities}
-        mises = stored.get("von_mises")
-        mises = von_mises(stress) if mises is None else mises
-    record = _record(request, lattice, stored)
-    step.regions[request.label] = record
-    if mises is None:
-        return
+    return _record(request, lattice, stored), stress
+
+
+def note_largest(step: Step, record: RegionRecord, stress: FloatArray) -> None:
+    """Note the largest von Mises stress of all regions of a step, and its depth."""
+    mises = record.fields["von_mises"] if "von_mises" in record.fields else von_mises(stress)
     where = int(np.argmax(mises))
     largest = float(mises.flat[where])
     if largest >= step.scalars.get("max_von_mises", -1.0):

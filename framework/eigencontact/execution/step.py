@@ -35,6 +35,8 @@ class Step:
         The last accepted step, as it is stored; None in the first.
     fields, scalars, regions, observed, history
         Results, by name.
+    looks
+        Regions that observers asked for; they are not stored.
     progress : callable or None
         Told the residual of each iteration.
     """
@@ -48,6 +50,7 @@ class Step:
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)
     regions: dict[str, RegionRecord] = field(default_factory=dict)
+    looks: dict[str, RegionRecord] = field(default_factory=dict)
     observed: dict[str, float] = field(default_factory=dict)
     history: dict[str, HistoryRecord] = field(default_factory=dict)
     progress: Progress | None = None

@@ -20,9 +20,10 @@ from eigencontact.model.close_up import resolved
 from eigencontact.model.coupling import Coupling, coupling_of
 from eigencontact.model.grids import given_grid, grid_around
 from eigencontact.model.kernels import Bodies
+from eigencontact.model.observing import Observing, observing
 from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Source, build_sources
-from eigencontact.plugin import Component, FrictionLaw, Geometry, Observer, SurfaceInfluence
+from eigencontact.plugin import Component, FrictionLaw, Geometry, SurfaceInfluence
 from eigencontact.scene.components import build_component
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene, StressRequest
@@ -50,8 +51,10 @@ class Model:
         Cells along (y, x) that the contact will occupy, by estimate; the window where there is none.
     bodies : two of Material, LayeredMedium or None
         Elastic constants, the same everywhere or layered; None is rigid.
-    geometries, observers : tuple
-        Components; without geometries there is no contact.
+    geometries : tuple of Geometry
+        Without them there is no contact.
+    observers : tuple of Observing
+        With the regions that they ask for.
     friction : FrictionLaw or None
         Bound of the shear; None where the contact has no friction.
     coupling : Coupling or None
@@ -72,7 +75,7 @@ class Model:
     contact_box: tuple[int, int]
     bodies: Bodies
     geometries: tuple[Geometry, ...]
-    observers: tuple[tuple[str, Observer], ...]
+    observers: tuple[Observing, ...]
     friction: FrictionLaw | None
     coupling: Coupling | None
     influences: Mapping[str, SurfaceInfluence]
@@ -111,7 +114,7 @@ class Model:
         used: list[Any] = [*self.influences.values(), *self.geometries, *dict.fromkeys(self.bodies)]
         for source in self.sources:
             used += [source.shape, source.field, getattr(source, "law", None)]
-        used += [self.friction, *(observer for _, observer in self.observers)]
+        used += [self.friction, *(one.observer for one in self.observers)]
         return [item for item in used if isinstance(item, Component)]
 
     def half_space(self, body: int) -> Material:
@@ -163,7 +166,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         contact_box=window.box if window else grid.shape,
         bodies=bodies,
         geometries=geometries,
-        observers=tuple((str(table["type"]), item) for table, item in zip(scene.observers, observed, strict=True)),
+        observers=observing(scene, observed),
         friction=friction,
         coupling=coupling,
         influences=influences,

@@ -43,6 +43,7 @@ def run_info(plan: Plan) -> RunInfo:
         contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
         steps=plan.steps,
         outlines=outlines,
+        observed_units={name: unit for one in plan.observers for name, unit in one.units.items()},
         every_history=plan.scene.output.history == "all",
     )
 

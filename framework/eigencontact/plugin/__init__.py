@@ -22,7 +22,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_arrays, read_columns, read_gridded
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, DataFile, Force, Length, Moment, Place, Stress, Unit
+from eigencontact.core.quantities import Angle, DataFile, Force, Length, Moment, Place, Stress, Unit, unit_of
 from eigencontact.core.rotation import Rotation, Row, as_tuple, rotation_matrix, turned_derivatives
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.core.units import readable
@@ -46,7 +46,7 @@ from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium
-from eigencontact.plugin.observer import Observer, StepView
+from eigencontact.plugin.observer import Observer, RegionView, RememberedView, StepView
 from eigencontact.plugin.revolution import Revolution
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
 from eigencontact.plugin.timed_field import Strain, TimedField, mandel_strain
@@ -92,6 +92,8 @@ __all__ = [
     "Place",
     "PointKernels",
     "PointSources",
+    "RegionView",
+    "RememberedView",
     "Response",
     "Revolution",
     "Rotation",
@@ -128,6 +130,7 @@ __all__ = [
     "rotation_matrix",
     "to_mandel",
     "turned_derivatives",
+    "unit_of",
     "unit_vector",
     "variables",
 ]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,48 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.plugin.component import Component
 
-__all__ = ["Observer", "StepView"]
+__all__ = ["Observer", "RegionView", "RememberedView", "StepView"]
 
 FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RegionView:
+    """Fields at the points of a region below the surface. Arrays are read-only.
+
+    Attributes
+    ----------
+    dims : tuple of str
+        Dimensions of the points: ``("point",)`` of lines and lists, ``("z", "x")`` of a plane normal to y.
+    coords : mapping of str to array or float
+        x, y, z [m] along the dimension of their name, or along ``point``; one number where all points share it.
+    fields : mapping of str to array
+        As results hold them: ``stress (6, ...)`` [Pa] and ``strain (6, ...)`` in plain components xx, yy, zz, yz, xz,
+        xy; ``displacement (3, ...)`` [m]; ``von_mises (...)`` and other numbers read off the stress [Pa].
+    """
+
+    dims: tuple[str, ...]
+    coords: Mapping[str, FloatArray | float]
+    fields: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RememberedView:
+    """Something that a body remembers. Arrays are read-only.
+
+    Attributes
+    ----------
+    values : (components, nz, ny, nx) or (components, n) array
+        In cells, or of whole inclusions; six components are a Mandel vector.
+    coords : mapping of str to array
+        Centres of the cells along z, y, x [m]; empty for whole inclusions.
+    unit : str
+        SI unit.
+    """
+
+    values: FloatArray
+    coords: Mapping[str, FloatArray]
+    unit: str
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,19 +71,44 @@ class StepView:
         ``pressure`` [Pa], ``gap`` [m], ``displacement_z`` [m] and whatever else the plan provides.
     scalars : mapping of str to float
         ``normal_load`` [N], ``approach`` [m], ``tilt_x``, ``tilt_y`` [rad], ``contact_area`` [m^2] and others.
+    regions : mapping of str to RegionView
+        Regions of the scene, and those that the observer asks for, by name.
+    history : mapping of str to RememberedView
+        What the bodies remember: ``equivalent_eigenstrain_1`` of the inhomogeneities of body 1, ``<variable>_1`` of
+        its constitutive laws.
     """
 
     index: int
     grid: Grid
     fields: Mapping[str, FloatArray]
     scalars: Mapping[str, float]
+    regions: Mapping[str, RegionView] = field(default_factory=dict)
+    history: Mapping[str, RememberedView] = field(default_factory=dict)
 
 
 class Observer(Component, ABC):
-    """Sees every accepted step and returns numbers that are stored with it."""
+    """Sees every accepted step and returns numbers that are stored with it.
+
+    Attributes
+    ----------
+    remembered : sequence of str
+        Class attribute: names of `StepView.history` without which the observer is of no use. A scene whose bodies do
+        not remember them is refused.
+    """
 
     kind: ClassVar[str] = "observer"
+    remembered: ClassVar[Sequence[str]] = ()
 
     @abstractmethod
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Return named numbers (SI units) of this step; the names must not change from step to step."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """SI unit of each number, by name; ``"1"`` of a ratio or a count. Others are stored as of unknown unit."""
+        return {}
+
+    @property
+    def regions(self) -> Mapping[str, Mapping[str, Any]]:
+        """Regions below the surface to see in each step, by name: tables as of ``[[stress]]``; they are not stored."""
+        return {}

@@ -145,7 +145,7 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
     ResultsError
         When two results would bear one name, a name holds a slash, or a field does not fit its grid.
     """
-    listed = [*_coordinates(info, record), *_outlines(info), *_surface(info, record), *_scalars(record)]
+    listed = [*_coordinates(info, record), *_outlines(info), *_surface(info, record), *_scalars(info, record)]
     for name, region in record.regions.items():
         listed.extend(_region(name, region))
     seen = set(record.history)
@@ -205,12 +205,12 @@ def _surface(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
         yield Variable(name=name, dims=("step", "y", "x"), values=np.asarray(values)[None], attrs=attrs)
 
 
-def _scalars(record: StepRecord) -> Iterator[Variable]:
+def _scalars(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     for name, value in record.scalars.items():
         attrs = {**_described("scalar", SCALARS.get(name, Quantity("unknown", name))), "coordinates": "time"}
         yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
     for name, value in record.observed.items():
-        meaning = Quantity("unknown", f"{name} as returned by its observer, SI units")
+        meaning = Quantity(info.observed_units.get(name, "unknown"), f"{name} as returned by its observer, SI units")
         attrs = {**_described("observed", meaning), "coordinates": "time"}
         yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
 

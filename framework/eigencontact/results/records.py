@@ -137,6 +137,8 @@ class RunInfo:
         their name.
     every_history : bool
         Whether what bodies remember is kept after every step, not after the last alone.
+    observed_units : mapping of str to str
+        SI units of numbers that observers return, by their names.
     """
 
     title: str
@@ -150,3 +152,4 @@ class RunInfo:
     steps: int
     outlines: dict[str, FloatArray] = field(default_factory=dict)
     every_history: bool = False
+    observed_units: dict[str, str] = field(default_factory=dict)

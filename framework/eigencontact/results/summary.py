@@ -57,6 +57,7 @@ _SUMMED = (
     "tangential_convolutions",
     "coupling_iterations",
     "inclusion_iterations",
+    "substeps",
     "solve_seconds",
 )
 
@@ -72,7 +73,8 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
         What holds for all steps.
     record : StepRecord
         The last accepted step: loads, contact and residuals at the top level are those of this step;
-        ``iterations``, ``convolutions``, ``tangential_convolutions`` and ``solve_seconds`` are sums over all steps.
+        ``iterations``, ``convolutions``, ``tangential_convolutions``, ``substeps`` and ``solve_seconds`` are sums over
+        all steps.
     extra : mapping
         More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``files`` (names relative
         to the folder; what ``--overwrite`` later may remove).
@@ -108,7 +110,9 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
         "contact_modulus": info.contact_modulus,
         "observed": dict(record.observed),
         "history": history,
-        "units": {name: SCALARS[name].unit for name in (*_LAST, *_SUMMED)} | {"peak_memory_bytes": "byte"},
+        "units": {name: SCALARS[name].unit for name in (*_LAST, *_SUMMED)}
+        | {"peak_memory_bytes": "byte"}
+        | {name: unit for name, unit in info.observed_units.items() if name in record.observed},
         "versions": dict(info.versions),
         "references": list(info.references),
         "files": [RESULTS],

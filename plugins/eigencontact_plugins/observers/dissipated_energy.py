@@ -14,6 +14,17 @@ if TYPE_CHECKING:
 
 __all__ = ["DissipatedEnergy"]
 
+_UNITS = {
+    "total": "J",
+    "patches": "1",
+    "largest_patch": "J",
+    "max_density": "J/m2",
+    "max_x": "m",
+    "max_y": "m",
+    "mean_density": "J/m2",
+    "spread": "m",
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class DissipatedEnergy(Observer):
@@ -37,6 +48,11 @@ class DissipatedEnergy(Observer):
 
     def __post_init__(self) -> None:
         require(0 <= self.threshold < 1, self.key, "threshold", self.threshold, "0 or more and below 1 [-]")
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """See `Observer.units`."""
+        return _UNITS
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the density of dissipated energy.
@@ -63,10 +79,9 @@ class DissipatedEnergy(Observer):
                 f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
                 "add a table [friction]"
             )
-        names = ("total", "patches", "largest_patch", "max_density", "max_x", "max_y", "mean_density", "spread")
         largest = float(density.max())
         if largest <= 0:
-            return dict.fromkeys(names, 0.0)
+            return dict.fromkeys(_UNITS, 0.0)
         worked = density > self.threshold * largest
         marks, patches = label(worked, structure=np.ones((3, 3)))
         energies = np.asarray(sum_by_label(density, marks, range(1, patches + 1))) * step.grid.cell_area
@@ -85,7 +100,7 @@ class DissipatedEnergy(Observer):
             np.mean(density[worked]),
             spread,
         )
-        return {name: float(value) for name, value in zip(names, values, strict=True)}
+        return {name: float(value) for name, value in zip(_UNITS, values, strict=True)}
 
 
 @hookimpl

@@ -48,6 +48,12 @@ class FrettingLoop(Observer):
         require(np.isfinite(self.angle), self.key, "angle", self.angle, "finite [rad]")
         require(self.motion == "shift" or self.angle == 0, self.key, "angle", self.angle, "0 for motion = 'twist'")
 
+    @property
+    def units(self) -> Mapping[str, str]:
+        """See `Observer.units`."""
+        own = {"moment": "N m", "twist": "rad"} if self.motion == "twist" else {"load": "N", "shift": "m"}
+        return {**own, "load_ratio": "1", "dissipated_energy": "J"}
+
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of one point of the loop.
 

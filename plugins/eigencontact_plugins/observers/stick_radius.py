@@ -16,6 +16,7 @@ __all__ = ["StickRadius"]
 
 #: Value of the field ``contact_zone`` where a cell sticks (0 open, 1 slip).
 _STICK = 2
+_UNITS = {"radius": "m", "half_width_x": "m", "half_width_y": "m", "eccentricity": "m", "ratio": "1"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +31,11 @@ class StickRadius(Observer):
     """
 
     key: ClassVar[str] = "stick-radius"
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """See `Observer.units`."""
+        return _UNITS
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the stick zone.
@@ -52,11 +58,10 @@ class StickRadius(Observer):
                 f"{self.key} must observe a contact with friction (got fields {', '.join(sorted(step.fields))}); "
                 "add a table [friction]"
             )
-        names = ("radius", "half_width_x", "half_width_y", "eccentricity", "ratio")
         stick, contact = np.rint(zone) == _STICK, zone > 0
         cells = np.count_nonzero(stick)
         if cells == 0:
-            return dict.fromkeys(names, 0.0)
+            return dict.fromkeys(_UNITS, 0.0)
         grid = step.grid
         y, x = grid.axes()
         columns, rows = np.flatnonzero(stick.any(axis=0)), np.flatnonzero(stick.any(axis=1))
@@ -71,7 +76,7 @@ class StickRadius(Observer):
             np.hypot(off_x, off_y),
             np.sqrt(cells / np.count_nonzero(contact)),
         )
-        return {name: float(value) for name, value in zip(names, values, strict=True)}
+        return {name: float(value) for name, value in zip(_UNITS, values, strict=True)}
 
 
 @hookimpl

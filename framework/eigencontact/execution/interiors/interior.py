@@ -29,10 +29,13 @@ class Interior(Part):
         1 or 2.
     responds : bool
         Whether it answers the tractions.
+    remembers : frozenset of str
+        Names of what is stored of its state: those of `remembered`.
     """
 
     body: int = 1
     responds: bool = True
+    remembers: frozenset[str] = frozenset()
 
     def start(self) -> None:
         """Build the operators."""

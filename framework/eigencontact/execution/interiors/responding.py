@@ -63,6 +63,7 @@ class Responding(Interior):
         self._directions, self._numerics = directions, model.numerics
         self._half_space = HalfSpace.of(model, body)
         self.sources: tuple[Inhomogeneity, ...] = tuple(s for s in model.inhomogeneities if s.body == body)
+        self.remembers = frozenset({eigenstrain_name(body)})
         self._tractions = model.tractions
         self._coords = places_solved(model, body)
         # Along tractions the mean over each cell belongs to the mean stress by those; elsewhere the centres are taken.

@@ -47,6 +47,7 @@ class SweptCells(Cells):
     def __init__(self, model: Model, body: int, directions: str) -> None:
         super().__init__(model, body, directions)
         self._sweeping, self._linear = True, all(is_linear(source.law) for source in self.sources)
+        self.remembers |= {f"{name}_{body}" for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
         self.why += ", swept with the contact" if self._kernels else ", swept"
 
