@@ -67,7 +67,7 @@ REFUSED = {
     ),
     "unknown observer": (
         ["observers=[{type='prob'}]"],
-        "unknown observer 'prob'; installed: 'dissipated-energy', 'fretting-loop', 'probe', 'stick-radius', 'stress-probe'; did",
+        "unknown observer 'prob'; installed: 'dissipated-energy', 'fretting-loop', 'probe', ",
     ),
     "component without type": (["geometry={radius=1.0}"], "geometry.type must name a geometry (got None); installed:"),
     "wrong dimension": (
