@@ -1,9 +1,12 @@
-"""Bundled shapes, fields, geometries, friction laws and layered media pass the kit that a stranger's must pass."""
+"""Bundled shapes, fields, geometries, laws and layered media pass the kit that a stranger's must pass."""
 
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 import eigencontact as ec
-from eigencontact_verification.conformance import parametrize_with_checks
+from eigencontact_verification.conformance import checks_for, parametrize_with_checks
 
 
 def shape(key, **parameters):
@@ -118,3 +121,52 @@ MEDIA = [
 @parametrize_with_checks(MEDIA)
 def test_layered_media_conform(component, check):
     check(component)
+
+
+def material(key, **parameters):
+    return ec.make(key, kind="constitutive-law", **parameters)
+
+
+TURNED = {"x_axis": (1.0, 2.0, 2.0), "y_axis": (2.0, 1.0, -2.0)}
+NICKEL = {"c11": "246.5 GPa", "c12": "147.3 GPa", "c44": "124.7 GPa"}
+FIBRE = {"axial_modulus": 230e9, "transverse_modulus": 15e9, "axial_shear_modulus": 24e9, "axis": (1.0, 2.0, -3.0)}
+PLY = {"moduli": (130e9, 10e9, 8e9), "poisson_ratios": (0.3, 0.25, 0.4), "shear_moduli": (5e9, 4e9, 3e9)}
+MATERIALS = [
+    material("isotropic", young_modulus="70 GPa", poisson_ratio=0.33),
+    material("isotropic", young_modulus=1e3, poisson_ratio=-0.9),
+    material("isotropic", young_modulus="1 MPa", poisson_ratio=0.5),
+    material("isotropic", young_modulus=0.0, poisson_ratio=0.5),
+    material("void"),
+    material("rigid"),
+    material("cubic", **NICKEL),
+    material("cubic", **NICKEL, **TURNED),
+    material("orthotropic", **PLY, **TURNED),
+    material("orthotropic", moduli=(1e9,) * 3, poisson_ratios=(0.5,) * 3, shear_moduli=(1e9 / 3,) * 3),
+    material("transversely-isotropic", **FIBRE, axial_poisson_ratio=0.2, transverse_poisson_ratio=0.4),
+    material("transversely-isotropic", **FIBRE, axial_poisson_ratio=0.5, transverse_poisson_ratio=1 - 7.5 / 230),
+    material("stiffness", stiffness=[[1e9 * ((i == j) + 0.1) for j in range(6)] for i in range(6)], **TURNED),
+]
+
+
+@parametrize_with_checks(MATERIALS)
+def test_constitutive_laws_conform(component, check):
+    check(component)
+
+
+@pytest.fixture(scope="module", params=[0.45, 0.5])
+def lattice(request, tmp_path_factory):
+    """File of a map: E falls with the depth and along x; incompressible at depth or nowhere."""
+    path = tmp_path_factory.mktemp("map") / "moduli.npz"
+    axis = np.geomspace(1e-7, 1e-2, 6)
+    along = np.concatenate([-axis[::-1], axis])
+    moduli = 1e9 * np.arange(6.0, 0.0, -1.0)[:, None, None] * np.arange(1.0, 13.0) * np.ones((2, 1))
+    ratios = np.full(moduli.shape, 0.3)
+    ratios[-1] = request.param
+    np.savez(path, x=along, y=[0.0, 1.0], z=axis, young_modulus=moduli, poisson_ratio=ratios)
+    return path
+
+
+def test_a_map_conforms(lattice):
+    law = material("map", file=str(lattice))
+    for check in checks_for(law):
+        check(law)

@@ -12,6 +12,8 @@ __all__ = [
     "QUANTITIES",
     "Angle",
     "DataFile",
+    "Direction",
+    "DirectionMark",
     "FileMark",
     "Force",
     "Length",
@@ -63,6 +65,15 @@ class PlaceMark:
 #: Point (x, y, z) [m]. The one field with this annotation says where a thing is: another value moves the thing, and
 #: changes nothing else about it.
 Place = Annotated[tuple[Length, Length, Length], PlaceMark()]
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionMark:
+    """Mark of an annotated field that holds a direction in scene axes."""
+
+
+#: Direction (x, y, z) in scene axes, of any length. A thing whose directions are all turned is the same thing, turned.
+Direction = Annotated[tuple[float, float, float], DirectionMark()]
 
 
 @dataclass(frozen=True, slots=True)

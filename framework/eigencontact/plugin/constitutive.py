@@ -85,10 +85,17 @@ class ConstitutiveLaw(Component, ABC):
     ----------
     variables : mapping of str to Variable
         Class attribute; what a point remembers. They are stored with every accepted step.
+    symmetric : bool
+        Class attribute; whether the tangent is.
+    isotropic : bool
+        Class attribute; whether the material has no directions of its own. One that has them gives them in fields that
+        are annotated `Direction` or `Rotation`: turned with the strain and what is remembered, they turn the stress.
     """
 
     kind: ClassVar[str] = "constitutive-law"
     variables: ClassVar[Mapping[str, Variable]] = {}
+    symmetric: ClassVar[bool] = True
+    isotropic: ClassVar[bool] = False
 
     @abstractmethod
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, LinearLaw, Stress, frame_of, hookimpl, mandel_rotation, require
+from eigencontact.plugin import Component, Direction, LinearLaw, Stress, frame_of, hookimpl, mandel_rotation, require
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -39,8 +39,8 @@ class Cubic(LinearLaw):
     c11: Stress
     c12: Stress
     c44: Stress
-    x_axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    y_axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    x_axis: Direction = (1.0, 0.0, 0.0)
+    y_axis: Direction = (0.0, 1.0, 0.0)
 
     def __post_init__(self) -> None:
         for name in ("c11", "c12", "c44"):

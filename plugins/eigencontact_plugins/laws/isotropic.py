@@ -42,6 +42,7 @@ class Isotropic(LinearLaw):
 
     key: ClassVar[str] = "isotropic"
     references: ClassVar[tuple[str, ...]] = ("R. Hooke 1678, Lectures de potentia restitutiva",)
+    isotropic: ClassVar[bool] = True
 
     young_modulus: Stress
     poisson_ratio: float

@@ -47,6 +47,7 @@ class ElasticityMap(ConstitutiveLaw):
 
     key: ClassVar[str] = "map"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
+    isotropic: ClassVar[bool] = True
 
     file: DataFile
 
@@ -83,6 +84,7 @@ class IsotropicPoints(LinearLaw):
     """Isotropic elasticity, point by point: E [Pa] and ν [-], each ``(n,)``."""
 
     key: ClassVar[str] = "map"
+    isotropic: ClassVar[bool] = True
 
     young_modulus: FloatArray
     poisson_ratio: FloatArray

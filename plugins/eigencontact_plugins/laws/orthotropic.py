@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import (
     Component,
+    Direction,
     LinearLaw,
     Stress,
     factors_of_compliance,
@@ -54,8 +55,8 @@ class Orthotropic(LinearLaw):
     moduli: tuple[Stress, Stress, Stress]
     poisson_ratios: tuple[float, float, float]
     shear_moduli: tuple[Stress, Stress, Stress]
-    x_axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    y_axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    x_axis: Direction = (1.0, 0.0, 0.0)
+    y_axis: Direction = (0.0, 1.0, 0.0)
 
     def __post_init__(self) -> None:
         for name in ("moduli", "shear_moduli"):

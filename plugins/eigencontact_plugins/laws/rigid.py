@@ -28,6 +28,7 @@ class Rigid(LinearLaw):
 
     key: ClassVar[str] = "rigid"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
+    isotropic: ClassVar[bool] = True
 
     def stiffness_matrix(self) -> FloatArray:
         """Infinite; see `LinearLaw.stiffness_matrix`."""

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, LinearLaw, Stress, checked_stiffness, hookimpl
+from eigencontact.plugin import (
+    Component,
+    Direction,
+    LinearLaw,
+    Stress,
+    checked_stiffness,
+    frame_of,
+    hookimpl,
+    mandel_rotation,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -20,28 +29,34 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class GivenStiffness(LinearLaw):
-    """Any elasticity, in scene axes.
+    """Any elasticity.
 
     Parameters
     ----------
     stiffness : (6, 6)
         Mandel stiffness [Pa] (rows and columns xx, yy, zz, √2 yz, √2 xz, √2 xy: the shear entries of a Voigt matrix
         times 2, its mixed ones times √2): symmetric, without negative eigenvalues; zero is a void.
+    x_axis, y_axis : (float, float, float)
+        Directions of the axes that the matrix counts from, in scene axes, of any length, at right angles.
     """
 
     key: ClassVar[str] = "stiffness"
     references: ClassVar[tuple[str, ...]] = ("M. M. Mehrabadi, S. C. Cowin 1990, Q. J. Mech. Appl. Math. 43, 15",)
 
     stiffness: tuple[tuple[Stress, ...], ...]
+    x_axis: Direction = (1.0, 0.0, 0.0)
+    y_axis: Direction = (0.0, 1.0, 0.0)
 
     def __post_init__(self) -> None:
         ragged = len({len(row) for row in self.stiffness}) > 1
         given = checked_stiffness(self.key, "stiffness", [[0.0]] if ragged else self.stiffness)
         object.__setattr__(self, "stiffness", tuple(map(tuple, given.tolist())))
+        frame_of(self.key, self.x_axis, self.y_axis)
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""
-        return np.array(self.stiffness)
+        turn = mandel_rotation(frame_of(self.key, self.x_axis, self.y_axis))
+        return np.asarray(turn @ np.array(self.stiffness) @ turn.T)
 
 
 @hookimpl

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import (
     Component,
+    Direction,
     LinearLaw,
     Stress,
     factors_of_compliance,
@@ -58,7 +59,7 @@ class TransverselyIsotropic(LinearLaw):
     axial_poisson_ratio: float
     transverse_poisson_ratio: float
     axial_shear_modulus: Stress
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    axis: Direction = (0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:
         for name in ("axial_modulus", "transverse_modulus", "axial_shear_modulus"):

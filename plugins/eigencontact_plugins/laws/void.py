@@ -24,6 +24,7 @@ class Void(LinearLaw):
 
     key: ClassVar[str] = "void"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
+    isotropic: ClassVar[bool] = True
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""

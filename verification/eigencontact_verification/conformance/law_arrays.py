@@ -1,0 +1,196 @@
+"""What every constitutive law promises of its arrays: shapes, declared variables, points that do not see each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.units import parse_quantity
+from eigencontact.plugin import LawStep, Response, Variable, VariesInSpace
+from eigencontact_verification.conformance.law_questions import (
+    Question,
+    answered,
+    finite,
+    history,
+    rest,
+    some_strains,
+    step_at,
+    there,
+)
+from eigencontact_verification.conformance.report import check, ensure
+
+__all__ = [
+    "check_law_at_places",
+    "check_points_alone",
+    "check_response_shapes",
+    "check_rest",
+    "check_update_pure",
+    "check_variables",
+]
+
+FloatArray = NDArray[np.float64]
+
+#: Differences that rounding, and iterations that stop at their own time, may leave; in parts of the size.
+_ROUNDING = 1e-9
+#: Names that results use beside those of variables.
+_TAKEN = ("equivalent_eigenstrain",)
+
+
+@check
+def check_variables(law: Any) -> None:
+    """What a point remembers is declared: a name, components, a unit, a meaning."""
+    ensure(isinstance(law.variables, Mapping), "variables", "a mapping of names to Variable", repr(law.variables), "")
+    for name, item in law.variables.items():
+        where = f"variables[{name!r}]"
+        good = isinstance(name, str) and name.isidentifier() and name == name.lower() and name not in _TAKEN
+        advice = f"it names the stored values; {', '.join(_TAKEN)} is taken"
+        ensure(good, where, "a name in lower case with underscores", repr(name), advice)
+        ensure(isinstance(item, Variable), where, "a Variable", repr(item), "Variable(unit=..., meaning=...)")
+        count = item.components
+        ensure(type(count) is int and count >= 1, f"{where}.components", "1 or more", repr(count), "6: a Mandel vector")
+        ensure(str(item.meaning).strip(), f"{where}.meaning", "said in words", repr(item.meaning), "")
+        ensure(_is_unit(item.unit), f"{where}.unit", 'an SI unit, "1" of a number', repr(item.unit), "write J/m^3")
+
+
+def _is_unit(unit: Any) -> bool:
+    if not isinstance(unit, str):
+        return False
+    if unit == "1":
+        return True
+    try:
+        return bool(parse_quantity(f"1 {unit}", unit, "a number") == 1.0)
+    except ValueError:
+        return False
+
+
+@check
+def check_response_shapes(law: Any) -> None:
+    """Stress (6, n), tangent (6, 6) or (6, 6, n), the declared variables; finite, also at no point and in no time."""
+    if not finite(law):
+        return
+    for count in (0, 1, 2, 24):
+        for duration in (1.0, 0.0):
+            question = Question(
+                some_strains(count), rest(law, count), step_at(count, time=duration, duration=duration)
+            )  # fmt: skip
+            _complete(law, question, f"{count} points, duration {duration:g}")
+    for question, _ in history(law):
+        _complete(law, question, "points with a history")
+
+
+def _complete(law: Any, question: Question, case: str) -> None:
+    found, count = law.update(question.strain, question.before, question.step), question.count
+    ensure(isinstance(found, Response), "the answer", "a Response", type(found).__name__, "see eigencontact.plugin")
+    _formed(found.stress, [(6, count)], f"stress of {case}")
+    _formed(found.tangent, [(6, 6, count), (6, 6)], f"tangent of {case}")
+    ensure(
+        set(found.variables) == set(law.variables), f"variables after, of {case}",
+        f"those declared, {set(law.variables)}", set(found.variables),
+        "declare each in the class attribute variables, and return each",
+    )  # fmt: skip
+    for name, item in law.variables.items():
+        _formed(found.variables[name], [(item.components, count)], f"variable {name!r} of {case}")
+
+
+def _formed(values: Any, shapes: list[tuple[int, ...]], what: str) -> None:
+    good = isinstance(values, np.ndarray) and values.shape in shapes and values.dtype == np.float64
+    got = f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
+    ensure(good, what, f"float64 of shape {' or '.join(map(str, shapes))}", got, "points are the last axis")
+    ensure(np.all(np.isfinite(values)), what, "finite", f"{int(np.sum(~np.isfinite(values)))} numbers not", "")
+
+
+@check
+def check_rest(law: Any) -> None:
+    """At rest, without strain, there is no stress, the tangent is finite, and what is remembered stays zero."""
+    if not finite(law):
+        return
+    for duration in (1.0, 0.0):
+        question = Question(np.zeros((6, 8)), rest(law, 8), step_at(8, time=1.0, duration=duration))
+        found = answered(law, question)
+        ensure(
+            np.all(found.stress == 0.0), f"stress without strain at rest, duration {duration:g}", "zero",
+            np.abs(found.stress).max(), "stress counts from a stress-free state; NaN: take limits where a norm is zero",
+        )  # fmt: skip
+        ensure(np.all(np.isfinite(found.tangent)), "tangent without strain at rest", "finite", "not", "take the limit")
+        for name, values in found.variables.items():
+            ensure(
+                np.all(values == 0.0), f"variable {name!r} without strain at rest", "zero, as it was",
+                np.abs(values).max(), "store what has been added since the state at rest",
+            )  # fmt: skip
+
+
+@check
+def check_update_pure(law: Any) -> None:
+    """Same answer twice, another question in between; arrays stay as they were, and may be read-only."""
+    if not finite(law):
+        return
+    (other, _), *_, (question, _) = history(law)
+    step = question.step
+    arrays = (question.strain, *question.before.values(), step.x, step.y, step.z)
+    kept = [array.copy() for array in arrays]
+    first = law.update(question.strain, question.before, step)
+    copies = [np.array(part) for part in _parts(first)]
+    unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, kept, strict=True))
+    ensure(unchanged, "the arrays of the question", "unchanged", "changed", "write to copies only")
+    law.update(other.strain, other.before, other.step)
+    handed = [np.array(part) for part in _parts(first)]
+    for array in arrays:
+        array.flags.writeable = False
+    for again in (handed, _parts(law.update(question.strain, question.before, step))):
+        ensure(
+            all(map(np.array_equal, again, copies)), "the answer to the same question",
+            "the same", "different", "keep no memory of what was asked, hand out new arrays: `before` is the history",
+        )  # fmt: skip
+
+
+def _parts(response: Response) -> list[FloatArray]:
+    return [response.stress, response.tangent, *(response.variables[name] for name in sorted(response.variables))]
+
+
+@check
+def check_points_alone(law: Any) -> None:
+    """The answer at many points is that at each of them alone, whatever the others are."""
+    if not finite(law):
+        return
+    for question, _ in history(law):
+        whole = answered(law, question)
+        for point in range(0, question.count, 5):
+            alone = answered(law, _one(question, point))
+            for what, many, one in _pairs(whole, alone):
+                size = float(np.abs(one).max(initial=0.0))
+                ensure(
+                    np.allclose(many[..., point : point + 1], one, rtol=0.0, atol=_ROUNDING * size),
+                    f"{what} of point {point} among {question.count}", "what it is of that point alone",
+                    "something else", "treat every point alike: no `if` on arrays, no maximum over all points",
+                )  # fmt: skip
+
+
+def _one(question: Question, point: int) -> Question:
+    """One point of a question."""
+    part, step = slice(point, point + 1), question.step
+    place = LawStep(x=step.x[part], y=step.y[part], z=step.z[part], time=step.time, duration=step.duration)
+    return Question(question.strain[:, part], {n: v[:, part] for n, v in question.before.items()}, place)
+
+
+def _pairs(first: Response, second: Response) -> list[tuple[str, FloatArray, FloatArray]]:
+    """Parts of two answers, by name."""
+    names = ["stress", "tangent", *(f"variable {name!r}" for name in sorted(first.variables))]
+    return list(zip(names, _parts(first), _parts(second), strict=True))
+
+
+@check
+def check_law_at_places(law: Any) -> None:
+    """The law that `at` gives of some points answers as the law itself does at those points."""
+    if not isinstance(law, VariesInSpace) or not finite(law):
+        return
+    for question, answer in history(law):
+        local = answered(there(law, question.step), question)
+        for what, itself, there_ in _pairs(answer, local):
+            size = float(np.abs(itself).max(initial=0.0))
+            ensure(
+                np.allclose(itself, there_, rtol=0.0, atol=_ROUNDING * size), f"{what} of the law of the points",
+                "that of the law itself", "something else", "let update ask self.at(step.x, step.y, step.z)",
+            )  # fmt: skip

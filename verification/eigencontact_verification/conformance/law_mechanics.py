@@ -1,0 +1,179 @@
+"""What every constitutive law promises of its stress: a true tangent, no preferred axes, no energy out of nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.quantities import DirectionMark
+from eigencontact.plugin import LinearLaw, Rotation, as_tuple, mandel_rotation, rotation_matrix
+from eigencontact_verification.conformance.law_questions import (
+    Question,
+    along,
+    answered,
+    finite,
+    history,
+    some_strains,
+    step_at,
+    there,
+)
+from eigencontact_verification.conformance.report import check, ensure
+
+__all__ = ["check_energy", "check_objectivity", "check_tangent", "check_tangent_symmetry"]
+
+FloatArray = NDArray[np.float64]
+
+#: Steps of finite differences, in parts of the strain, and what they may differ by from the tangent, in parts of it;
+#: forward and backward ones that differ by more are of a kink.
+_STEP, _NEAR, _BEND = 1e-4, 1e-5, 1e-2
+#: Rounding, and what an iteration inside a law may leave.
+_ROUNDING = 1e-8
+#: Increments of a closed path of strain, of linear laws (any number does) and of others; energy that may be left by
+#: their number, in parts of the work to and fro.
+_FEW, _INCREMENTS, _LEFT = 12, 128, 1e-3
+_TURN = rotation_matrix("turn", (0.7, -0.4, 1.9))
+
+
+@check
+def check_tangent(law: Any) -> None:
+    """The tangent is the derivative of the stress by the strain, at rest and within an increment with a history."""
+    if not finite(law):
+        return
+    for number, (question, answer) in enumerate(history(law), 1):
+        (wide, _), (near, bend) = (_differences(law, question, answer.stress, part) for part in (1.0, 0.5))
+        size = np.abs(answer.tangent).max(axis=(0, 1)) + np.abs(near).max(axis=(0, 1)) + np.finfo(float).tiny
+        smooth = (np.abs(wide - near).max(axis=(0, 1)) <= _NEAR * size) & (bend.max(axis=(0, 1)) <= _BEND * size)
+        ensure(
+            2 * smooth.sum() >= smooth.size, f"stress in increment {number}", "smooth at most strains",
+            f"smooth at {int(smooth.sum())} of {smooth.size}", "iterate to rounding within the law; kinks may be few",
+        )  # fmt: skip
+        error = np.where(smooth, np.abs(answer.tangent - near).max(axis=(0, 1)) / size, 0.0)
+        worst = int(np.argmax(error))
+        ensure(
+            error[worst] <= _NEAR, f"tangent in increment {number} at a strain of {question.strain[:, worst]}",
+            "the derivative of the stress by the strain", f"off by {error[worst]:.1e} of its largest entry",
+            "row: stress, column: strain, both Mandel; within an increment the variables before stay as they are",
+        )  # fmt: skip
+
+
+def _differences(law: Any, question: Question, stress: FloatArray, part: float) -> tuple[FloatArray, FloatArray]:
+    """Central differences ``(6, 6, n)``, and how far forward ones are from backward ones, by part of the step."""
+    step = part * _STEP * np.linalg.norm(question.strain, axis=0)
+    out, bend = np.empty((6, 6, question.count)), np.empty((6, 6, question.count))
+    for column in range(6):
+        change = np.zeros_like(question.strain)
+        change[column] = step
+        up, down = (
+            answered(law, Question(question.strain + sign * change, question.before, question.step)).stress
+            for sign in (1.0, -1.0)
+        )
+        out[:, column] = (up - down) / (2.0 * step)
+        bend[:, column] = np.abs(up - 2.0 * stress + down) / step
+    return out, bend
+
+
+@check
+def check_tangent_symmetry(law: Any) -> None:
+    """The tangent is symmetric, unless the law says that it is not: ``symmetric = False``."""
+    if not finite(law) or not law.symmetric:
+        return
+    for _, answer in history(law):
+        size = np.abs(answer.tangent).max(axis=(0, 1)) + np.finfo(float).tiny
+        skew = float((np.abs(answer.tangent - answer.tangent.swapaxes(0, 1)).max(axis=(0, 1)) / size).max(initial=0.0))
+        ensure(
+            skew <= _ROUNDING, "tangent", "symmetric", f"off by {skew:.1e} of its largest entry",
+            "say symmetric: ClassVar[bool] = False where the law is so",
+        )  # fmt: skip
+
+
+@check
+def check_objectivity(law: Any) -> None:
+    """Turn the strain, what is remembered and the directions of the material, and the stress is turned."""
+    turned, found = _turned(law)
+    ensure(
+        found or law.isotropic, "the law", "isotropic, or with directions that can be turned", "neither",
+        "say isotropic: ClassVar[bool] = True, or annotate fields with Direction or Rotation; a law that is bound to "
+        "the axes of the scene waives this check",
+    )  # fmt: skip
+    Q = mandel_rotation(_TURN)
+    if not finite(law):
+        stiff, expected = (there(one, step_at()).factors(8e10)[1] for one in (turned, law))
+        _alike("stiff", stiff, Q @ expected @ Q.T, 1.0)
+        return
+    before: Mapping[str, FloatArray] | None = None
+    for question, answer in history(law):
+        before = _turned_variables(law, question.before, Q) if before is None else before
+        other = answered(turned, Question(Q @ question.strain, before, question.step))
+        size = np.abs(answer.tangent).max(axis=(0, 1)) * np.linalg.norm(question.strain, axis=0)
+        _alike("stress", other.stress, Q @ answer.stress, size)
+        expected = np.einsum("ai,ijn,bj->abn", Q, answer.tangent, Q)
+        _alike("tangent", other.tangent, expected, np.abs(expected).max(axis=(0, 1)))
+        for name, values in _turned_variables(law, answer.variables, Q).items():
+            _alike(f"variable {name!r}", other.variables[name], values, np.abs(values).max(axis=0))
+        before = other.variables
+
+
+def _turned(law: Any) -> tuple[Any, bool]:
+    """Law with every direction turned, those of parts of it too, and whether there is one."""
+    hints, changes = get_type_hints(type(law), include_extras=True), {}
+    for item in fields(law):
+        value, hint = getattr(law, item.name), hints[item.name]
+        if hint in (Rotation, Rotation | None):
+            changes[item.name] = as_tuple(_TURN @ rotation_matrix(law.key, value))
+        elif value is not None and DirectionMark() in _marks(hint):
+            changes[item.name] = as_tuple((_TURN @ np.asarray(value, dtype=float).T).T)
+        elif is_dataclass(value) and not isinstance(value, type):
+            part, found = _turned(value)
+            changes |= {item.name: part} if found else {}
+    return (replace(law, **changes), True) if changes else (law, False)
+
+
+def _marks(hint: Any) -> list[Any]:
+    """Everything that annotates a type or a part of it."""
+    return [*getattr(hint, "__metadata__", ()), *(mark for part in get_args(hint) for mark in _marks(part))]
+
+
+def _turned_variables(law: Any, variables: Mapping[str, FloatArray], Q: FloatArray) -> dict[str, FloatArray]:
+    """Variables of six components turned, as Mandel vectors; all others as they are."""
+    return {n: Q @ values if law.variables[n].components == 6 else values for n, values in variables.items()}
+
+
+def _alike(what: str, got: FloatArray, expected: FloatArray, size: FloatArray | float) -> None:
+    error = np.abs(got - expected) / (size + np.finfo(float).tiny)
+    ensure(
+        error.max(initial=0.0) <= _ROUNDING, f"{what} of the law turned, under strain turned", f"the {what}, turned",
+        f"off by {error.max(initial=0.0):.1e}", "use invariants; a variable of six components is a Mandel vector",
+    )  # fmt: skip
+
+
+@check
+def check_energy(law: Any) -> None:
+    """A closed path of strain from rest costs work or none, and never gives any; of a linear law it costs none."""
+    if not finite(law):
+        return
+    linear = isinstance(there(law, step_at()), LinearLaw)
+    count = _FEW if linear else _INCREMENTS
+    one, other = some_strains(), some_strains(seed=5)
+    other *= np.linalg.norm(one, axis=0) / np.linalg.norm(other, axis=0)
+    angle = 2.0 * np.pi * np.arange(2 * count + 1)[:, None, None] / count
+    for what, across in (("to and fro", 0.0), ("round a loop", 1.0), ("round a loop the other way", -1.0)):
+        path = (1.0 - np.cos(angle)) * one + across * np.sin(angle) * other
+        path[count] = path[-1] = 0.0
+        stress = np.stack([np.zeros(one.shape), *(answer.stress for answer in along(law, path[1:]))])
+        parts = 0.5 * (stress[1:] + stress[:-1]) * np.diff(path, axis=0)
+        size = np.abs(parts).sum(axis=(0, 1)) + np.finfo(float).tiny
+        for turns in (1, 2):
+            work = parts[: turns * count].sum(axis=(0, 1)) / size
+            ensure(
+                work.min() >= -(_ROUNDING if linear else _LEFT),
+                f"work of strain {what}, {turns} times", "zero or positive", f"{work.min():.2e} of all work on the way",
+                "stress must not do work on a closed path: a sign, a skew stiffness, energy stored at rest",
+            )  # fmt: skip
+            ensure(
+                not linear or work.max() <= _ROUNDING, f"work of strain {what}, {turns} times", "zero",
+                f"{work.max():.2e} of all work on the way", "a linear law stores energy and gives it back",
+            )  # fmt: skip
