@@ -13,6 +13,19 @@ from eigencontact.plugin import KINDS
 from eigencontact_verification.conformance import ConformanceError, checks_for
 
 
+#: What a module has around the law of the page.
+BEFORE = """from dataclasses import dataclass
+from typing import ClassVar
+import numpy as np
+from eigencontact.plugin import Stress, hookimpl, require
+"""
+AFTER = """
+@hookimpl
+def eigencontact_register():
+    return [CrushingFoam]
+"""
+
+
 @pytest.fixture(scope="module")
 def page(root):
     return (root / "plugins" / "README.md").read_text(encoding="utf-8")
@@ -63,7 +76,7 @@ def test_the_test_of_the_page_has_all_checks(names):
 
 def test_the_scene_runs_with_the_shape_of_the_first_block(page, install, tmp_path):
     install(blocks(page, "python")[0], name="eigencontact-hollow-ball", entry="hollow-ball")
-    (text,) = blocks(page, "toml")
+    text, _ = blocks(page, "toml")
     (tmp_path / "shell.toml").write_text(text, encoding="utf-8")
     plan = ec.plan(ec.load_scene(tmp_path / "shell.toml"))
     assert "plugin 'hollow-ball'" in plan.explain()
@@ -72,14 +85,28 @@ def test_the_scene_runs_with_the_shape_of_the_first_block(page, install, tmp_pat
     assert result.summary["versions"]["plugin inclusion-shape hollow-ball"] == "eigencontact-hollow-ball 1.2.3"
 
 
+def test_the_scene_runs_with_the_law_of_its_block(page, install, tmp_path):
+    """Foam below the ball is crushed as it is loaded, and stays so."""
+    (foam,) = (block for block in blocks(page, "python") if "class CrushingFoam" in block)
+    install(BEFORE + foam + AFTER, name="eigencontact-crushing-foam", entry="crushing-foam")
+    (tmp_path / "foam.toml").write_text(blocks(page, "toml")[1], encoding="utf-8")
+    result = ec.run(ec.load_scene(tmp_path / "foam.toml"))
+    crushed = result.dataset["crushed_1"]
+    assert crushed.attrs["units"] == "1"
+    loaded, unloaded = (float(crushed.sel(history_step=step).max()) for step in (1, 2))
+    assert loaded > 1e-3
+    assert unloaded == close(loaded, rel=1e-6)
+
+
 def test_every_check_is_explained_and_no_other(page, names):
     rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `check_")]
     explained = {name for row in rows for name in re.findall(r"`(check_\w+)`", row)}
-    assert explained == {check.__name__ for check in checks_for(names["fast_shell"], finite_elements=True)}
+    components = (names["fast_shell"], names["crushing"])
+    assert explained == {c.__name__ for item in components for c in checks_for(item, finite_elements=True)}
 
 
 def test_every_kind_is_in_the_table_with_a_file_that_exists(page, root):
-    lines = page.split("## Other kinds")[1].splitlines()
+    lines = page.split("# Other kinds")[1].splitlines()
     rows = [line.split("|") for line in lines if line.startswith("| ") and not line.startswith("| to write")]
     kinds = {row[2].strip(" `") for row in rows}
     assert kinds == set(KINDS)

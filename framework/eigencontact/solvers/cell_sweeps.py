@@ -21,6 +21,9 @@ __all__ = ["CellSweeps", "Sweep"]
 
 FloatArray = NDArray[np.float64]
 
+#: Part of the eigenstrain of the last increment that counts beside the strain of the load: all is unloaded at times.
+_LEFT = 1e-2
+
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
@@ -32,7 +35,7 @@ class Sweep:
         Eigenstrain that the cells would take.
     residual : float
         Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
-        strain σ / 2G.
+        strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment.
     remembered : list of mappings
         What the cells of each law that is not linear would then remember.
     """
@@ -65,6 +68,7 @@ class CellSweeps:
         prestrain: FloatArray,
         before: Sequence[Mapping[str, FloatArray]] = (),
         steps: Sequence[Any] = (),
+        start: FloatArray | None = None,
     ) -> Sweep:
         """Sweep once.
 
@@ -78,6 +82,8 @@ class CellSweeps:
             Eigenstrain of the cells' own.
         before, steps
             For each law that is not linear; see `LawCells.answer`.
+        start : (6, nz, ny, nx), optional
+            Eigenstrain that the increment begins with.
         """
         stress = applied_stress + self._caused(eigenstrain)
         image, cells = eigenstrain.copy().reshape(6, -1), self._laws.cells
@@ -88,6 +94,8 @@ class CellSweeps:
             image[:, cells], remembered = self._laws.answer(e, sigma, own, before, steps)
         change = float(np.linalg.norm(image - eigenstrain.reshape(6, -1)))
         size = self._size(applied_stress, prestrain)
+        if start is not None:
+            size = max(size, _LEFT * float(np.linalg.norm(start)))
         residual = change / size if size > 0.0 else (0.0 if change == 0.0 else np.inf)
         return Sweep(image.reshape(eigenstrain.shape), residual, remembered)
 

@@ -160,7 +160,7 @@ def check_points_alone(law: Any) -> None:
         for point in range(0, question.count, 5):
             alone = answered(law, _one(question, point))
             for what, many, one in _pairs(whole, alone):
-                size = float(np.abs(one).max(initial=0.0))
+                size = float(np.abs(many).max(initial=0.0))
                 ensure(
                     np.allclose(many[..., point : point + 1], one, rtol=0.0, atol=_ROUNDING * size),
                     f"{what} of point {point} among {question.count}", "what it is of that point alone",

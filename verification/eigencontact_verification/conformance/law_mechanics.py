@@ -113,7 +113,7 @@ def check_objectivity(law: Any) -> None:
         expected = np.einsum("ai,ijn,bj->abn", Q, answer.tangent, Q)
         _alike("tangent", other.tangent, expected, np.abs(expected).max(axis=(0, 1)))
         for name, values in _turned_variables(law, answer.variables, Q).items():
-            _alike(f"variable {name!r}", other.variables[name], values, np.abs(values).max(axis=0))
+            _alike(f"variable {name!r}", other.variables[name], values, float(np.abs(values).max()))
         before = other.variables
 
 

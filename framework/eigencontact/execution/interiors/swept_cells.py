@@ -108,7 +108,9 @@ class SweptCells(Cells):
         if not self._sweeping:
             return super().image(tractions, tolerance)
         before = self._sweeps.applications
-        found = self._sweeps.sweep(self.eigenstrain, self.applied(tractions), self._own, self._before, self._steps)
+        found = self._sweeps.sweep(
+            self.eigenstrain, self.applied(tractions), self._own, self._before, self._steps, self._start
+        )
         self._after, self._residual = found.remembered, found.residual
         self._spent += self._sweeps.applications - before
         return found.image, found.residual
