@@ -120,7 +120,7 @@ REFUSED = {
     "automatic grid without load": (["steps.normal-load=0"], "grid must be given for this scene (got automatic)"),
     "memory": (
         ["grid={cells=200000, size=[1e-4, 1e-4]}"],
-        "plan must fit into memory,",
+        "grid.cells must make at most ",
     ),
     "moment": (
         ["grid={cells=16, size=[2e-5, 2e-5]}", "steps.moment-y=1e-3"],

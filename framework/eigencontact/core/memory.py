@@ -1,12 +1,13 @@
-"""Memory of this process."""
+"""Memory of this process, and of the machine."""
 
 from __future__ import annotations
 
+import os
 import resource
 import sys
 from pathlib import Path
 
-__all__ = ["peak_bytes", "resident_bytes"]
+__all__ = ["machine_bytes", "peak_bytes", "resident_bytes"]
 
 
 def resident_bytes() -> float:
@@ -26,3 +27,11 @@ def peak_bytes() -> int:
     except (OSError, StopIteration):
         unit = 1 if sys.platform == "darwin" else 1024
         return unit * int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+
+def machine_bytes() -> float:
+    """Memory of this machine; a tebibyte where the system does not tell, so that absurd sizes are seen all the same."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return float(2**40)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
-from eigencontact.errors import PlanError
+from eigencontact.errors import PlanError, require
 from eigencontact.halfspace.layered_depths import LayeredDepths
 from eigencontact.halfspace.layered_remainder import SmoothField
 from eigencontact.halfspace.layered_split import Band, bands
@@ -33,6 +33,8 @@ HANKEL = (
 )
 # Stretched reaches are rounded up to powers of the eighth root of 2, so that windows of about one size share fields.
 OCTAVE = 8.0
+# Layers thinner than this part of the reach are refused: the logarithmic grid that joins both grows by decades.
+THIN = 1e9
 # Memory of the smooth fields that are kept for further cells, components and steps [bytes]; a depth takes some 100 kB.
 KEPT = 1e8
 
@@ -167,9 +169,14 @@ class LayeredInfluence:
 
         Raises
         ------
+        SceneError
+            A layer so thin against the reach that no resolution sees both.
         NotConverged
             Two resolutions differ by 1e-5 or more.
         """
+        thinnest = float(np.diff((0.0, *medium.interfaces)).min(initial=np.inf))
+        rule = f"of layers that are thicker than {reach / THIN:.2g} [m], a part in {THIN:g} of the window"
+        require(thinnest * THIN >= reach, medium.key, "thickness", thinnest, rule)
         fields: list[tuple[Band, SmoothField]] = []
         edge = reach + max(half_widths)
         for band in bands(self.base, quantity, np.asarray(depths, dtype=float), max(half_widths), medium, self.side):

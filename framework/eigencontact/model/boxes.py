@@ -11,6 +11,7 @@ import numpy as np
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.model.regions import RegionLattice
+from eigencontact.model.sizes import cut_down, most, refuse_more
 from eigencontact.model.sources import Inhomogeneity, Lattice, Patch, Source
 from eigencontact.scene.schema import Scene
 from eigencontact.solvers.cells import Cells
@@ -24,6 +25,9 @@ _ACROSS, _FLAT = 4, 0.5
 #: Regions with prescribed eigenstrain share a box as long as it has at most this many times their own cells.
 _SPARSE = 3.0
 _SNAP = 1e-6
+
+#: Field of a scene, its value, and the power (1 or -1) of it that the number of layers grows with.
+_Setting = tuple[str, float, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +87,9 @@ def with_cells(sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid) -> tu
     """Inhomogeneities with their cells: columns of the grid, layers of one height in each body."""
     members = {body: [source for source in sources if source.body == body] for body in (1, 2)}
     heights = {body: _layer_height(some, scene, grid) for body, some in members.items() if some}
-    return tuple(replace(source, lattice=_around(source, heights[source.body], grid)) for source in sources)
+    pitch = scene.numerics.inclusion_pitch
+    setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
+    return tuple(replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources)
 
 
 def boxes_of(sources: Sequence[Source]) -> list[CellBox]:
@@ -105,7 +111,10 @@ def boxes_of(sources: Sequence[Source]) -> list[CellBox]:
 def box_of_inhomogeneities(sources: Sequence[Inhomogeneity]) -> CellBox:
     """The one box that all inhomogeneities of a body share."""
     lattices = [source.lattice for source in sources if source.lattice is not None]
-    return CellBox(tuple(sources), _union(lattices))
+    box = CellBox(tuple(sources), _union(lattices))
+    advice = "give a coarser grid or numerics.inclusion-pitch, or let the regions lie closer together"
+    refuse_more(box.lattice.cells, "inclusions that share a box", "cells inside a body", box.words, advice)
+    return box
 
 
 def _union(lattices: Sequence[Lattice]) -> Lattice:
@@ -142,8 +151,11 @@ def _cells_of_source(source: Source, scene: Scene, grid: Grid) -> Lattice:
     extents = [hi - lo for lo, hi in zip(low, high, strict=True)]
     patch = isinstance(source.shape, Patch)
     layers = source.layers or (_layers_of_patch(extents[2], scene, source.body) if patch else None)
-    height = extents[2] / layers if layers else min(extents) / scene.numerics.inclusion_cells
-    return _around(source, extents[2] / max(1, round(extents[2] / height)), grid)
+    across = scene.numerics.inclusion_cells
+    height = extents[2] / layers if layers else min(extents) / across
+    setting = (f"{source.where}.layers", source.layers, 1) if source.layers else None
+    setting = ("numerics.inclusion-cells", across, 1) if layers is None else setting
+    return _around(source, extents[2] / max(1, round(extents[2] / height)), grid, setting)
 
 
 def _layers_of_patch(depth: float, scene: Scene, body: int) -> int:
@@ -179,8 +191,11 @@ def _layer_height(sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid) ->
     return min(most, thinnest / fewest) if thinnest > most else most
 
 
-def _around(source: Source, height: float, grid: Grid) -> Lattice:
-    """Whole cells around a region: columns of the grid, layers counted from the surface."""
+def _around(source: Source, height: float, grid: Grid, setting: _Setting | None) -> Lattice:
+    """Whole cells around a region: columns of the grid, layers counted from the surface.
+
+    `setting` is the field of the scene that the height follows from, if it has one.
+    """
     low, high = source.shape.bounds
     if low[2] < -_SNAP * height:
         raise SceneError(
@@ -194,4 +209,21 @@ def _around(source: Source, height: float, grid: Grid) -> Lattice:
         first = floor((lo - start) / edge + _SNAP)
         spans.append((first, max(first + 1, ceil((hi - start) / edge - _SNAP))))
     (k, stop_k), (j, stop_j), (i, stop_i) = spans
-    return Lattice((max(k, 0), j, i), (stop_k - max(k, 0), stop_j - j, stop_i - i), edges)
+    lattice = Lattice((max(k, 0), j, i), (stop_k - max(k, 0), stop_j - j, stop_i - i), edges)
+    _refuse_many(lattice, source, setting)
+    return lattice
+
+
+def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> None:
+    """Refuse more cells than fit: by what sets their height where one layer would fit, else by the region."""
+    nz, ny, nx = lattice.shape
+    if lattice.cells <= most():
+        return
+    got = f"{nx} x {ny} x {nz} for {source.name!r}"
+    if setting is not None and ny * nx <= most():
+        name, value, power = setting
+        nearest = cut_down(value**power, lattice.cells) ** power
+        refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do")
+    wide = f"{lattice.edges[2]:.3g} m x {lattice.edges[1]:.3g} m"
+    advice = f"its cells are {wide} wide: give a smaller one, or a coarser grid"
+    refuse_more(lattice.cells, source.where, "cells inside a body", got, advice)

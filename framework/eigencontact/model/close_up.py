@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, floor
+from math import ceil, floor, prod
 
 from eigencontact.core.grid import Grid
-from eigencontact.errors import SceneError, nearest
+from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.model.sources import Inhomogeneity, Source
 from eigencontact.scene.schema import StressRequest
 
@@ -48,16 +48,18 @@ def _around(request: StressRequest, sources: Sequence[Source], grid: Grid) -> St
     at = None if normal is None else _place(request, source, middle[normal], box[normal])
     # The middles of the cells' parts, as along x and y.
     low, high = (end / pitch[2] * finer - 0.5 for end in box[2])
-    depths = [(number + 0.5) / finer * pitch[2] for number in range(max(ceil(low - _SNAP), 0), floor(high + _SNAP) + 1)]
-    if normal == 2 and at is not None:
-        depths = [at]
-    count = len(depths)
-    for axis in (0, 1):
-        count *= 1 if axis == normal else int((box[axis][1] - box[axis][0]) / pitch[axis] * finer) + 1
+    numbers = range(max(ceil(low - _SNAP), 0), floor(high + _SNAP) + 1)
+    counts = [int((box[axis][1] - box[axis][0]) / pitch[axis] * finer) + 1 for axis in (0, 1)]
+    counts = [1 if axis == normal else count for axis, count in enumerate([*counts, numbers.stop - numbers.start])]
+    count = prod(counts)
     if count > _MOST:
+        fitting = int(finer * (_MOST / count) ** (1.0 / sum(one > 1 for one in counts)))
+        choice = f"refinement = {fitting}" if fitting else "less room"
         raise SceneError(
-            f"stress region {request.label!r} must have at most {_MOST} points (got {count}); lower refinement or room"
+            f"stress region {request.label!r} must have at most {_MOST} points (got {shown(count)}, from refinement "
+            f"{shown(finer)} and room {request.room:g}); give {choice}"
         )
+    depths = [at] if normal == 2 and at is not None else [(number + 0.5) / finer * pitch[2] for number in numbers]
     return request.model_copy(
         update={
             "around": None,

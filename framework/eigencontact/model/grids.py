@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isqrt
 
 import numpy as np
 
 from eigencontact.core.grid import Grid
+from eigencontact.errors import shown
+from eigencontact.model.sizes import comfortable, refuse_more
 from eigencontact.scene.schema import GridSpec
 
 __all__ = ["given_grid", "grid_around"]
@@ -18,9 +21,16 @@ _CELLS = 128
 
 
 def given_grid(spec: GridSpec) -> Grid | None:
-    """Grid of two of cells, size, spacing; None for an automatic one."""
+    """Grid of two of cells, size, spacing; None for an automatic one.
+
+    Raises
+    ------
+    SceneError
+        More cells than the memory of this machine can hold.
+    """
     if spec.cells is not None:
         nx, ny = spec.cells
+        _refuse_many(nx, ny, "grid.cells")
         if spec.size is not None:
             dx, dy = spec.size[0] / nx, spec.size[1] / ny
         else:
@@ -30,8 +40,16 @@ def given_grid(spec: GridSpec) -> Grid | None:
     if spec.size is not None:
         assert spec.spacing is not None
         nx, ny = (max(1, round(size / pitch)) for size, pitch in zip(spec.size, spec.spacing, strict=True))
+        _refuse_many(nx, ny, "grid.spacing")
         return Grid(nx=nx, ny=ny, dx=spec.size[0] / nx, dy=spec.size[1] / ny, center=spec.center)
     return None
+
+
+def _refuse_many(nx: int, ny: int, where: str) -> None:
+    """Refuse more cells than fit; those named instead keep the shorter side where they can."""
+    wide = min(nx, max(isqrt(comfortable()), comfortable() // ny))
+    high = min(ny, comfortable() // wide)
+    refuse_more(nx * ny, where, "cells", f"{shown(nx)} x {shown(ny)}", f"{wide} x {high} would do")
 
 
 def grid_around(bounds: Sequence[tuple[Point, Point]]) -> Grid:

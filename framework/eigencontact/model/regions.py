@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.errors import SceneError
+from eigencontact.errors import SceneError, shown
+from eigencontact.model.sizes import comfortable, cut_down, most, refuse_more
 from eigencontact.scene.schema import StressRequest
 
 __all__ = ["RegionLattice", "region_lattice", "surface_lattice"]
@@ -83,7 +84,14 @@ class RegionLattice:
 
 
 def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
-    """Lattice of a request: planes and volumes follow the cells of the window, planes lie exactly where asked."""
+    """Lattice of a request: planes and volumes follow the cells of the window, planes lie exactly where asked.
+
+    Raises
+    ------
+    SceneError
+        No points, or more than the memory of this machine can hold.
+    """
+    _refuse_many(request, grid)
     if request.shape in ("line", "points"):
         return RegionLattice(
             target=(0, 0), origin=(0.0, 0.0), x=np.empty(0), y=np.empty(0), depths=np.empty(0), points=_points(request)
@@ -91,13 +99,10 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     depths = _depths(request)
     x, y, origin, finer = grid.x, grid.y, [0.0, 0.0], [1, 1]
     if request.start is not None or request.refinement is not None:
-        low, high = request.start or (-np.inf, -np.inf, 0.0), request.end or (np.inf, np.inf, 0.0)
-        if request.shape == "plane":  # along its normal the position counts
-            low, high = _without(low, request.normal, -np.inf), _without(high, request.normal, np.inf)
         finer = [request.refinement or 1] * 2
         (x, origin[1]), (y, origin[0]) = (
-            _between(axis, pitch, finer[0], low[n], high[n])
-            for n, (axis, pitch) in enumerate(((grid.x, grid.dx), (grid.y, grid.dy)))
+            _between(axis, pitch, finer[0], span)
+            for axis, pitch, span in zip((grid.x, grid.y), (grid.dx, grid.dy), _spans(request, grid), strict=True)
         )
     if request.shape == "plane" and request.normal == "x":
         x, finer[1] = np.array([request.at]), 1
@@ -110,21 +115,62 @@ def region_lattice(request: StressRequest, grid: Grid) -> RegionLattice:
     )
 
 
-def _between(axis: FloatArray, pitch: float, finer: int, low: float, high: float) -> tuple[FloatArray, float]:
-    """Middles of the cells' parts between limits, which may lie beyond the window, and the place of the first in cells.
+def _spans(request: StressRequest, grid: Grid) -> list[tuple[int, int]]:
+    """First and last of the points along x, and along y, numbered from the window's first; one across a plane."""
+    low, high = request.start or (-np.inf, -np.inf, 0.0), request.end or (np.inf, np.inf, 0.0)
+    normal = "xyz".index(request.normal) if request.shape == "plane" else None
+    finer = request.refinement or 1
+    return [
+        (0, 0)  # the position counts
+        if axis == normal
+        else _span(first - 0.5 * pitch, pitch / finer, count * finer, (low[axis], high[axis]))
+        for axis, (first, pitch, count) in enumerate(
+            ((float(grid.x[0]), grid.dx, grid.nx), (float(grid.y[0]), grid.dy, grid.ny))
+        )
+    ]
 
-    They never lie on faces of cells; with an odd number to a cell the middles of the cells are among them.
-    """
-    begin, part = axis[0] - 0.5 * pitch, pitch / finer
+
+def _span(begin: float, part: float, count: int, limits: tuple[float, float]) -> tuple[int, int]:
+    """First and last of the parts of cells whose middles lie between limits, which may lie beyond the window."""
+    low, high = limits
     first = int(np.ceil((low - begin) / part - 0.5 - 1e-6)) if np.isfinite(low) else 0
-    stop = int(np.floor((high - begin) / part - 0.5 + 1e-6)) if np.isfinite(high) else axis.size * finer - 1
+    stop = int(np.floor((high - begin) / part - 0.5 + 1e-6)) if np.isfinite(high) else count - 1
     if stop < first:
         raise SceneError(
             f"stress region must hold points (got none between {low:g} m and {high:g} m, {part:g} m apart); "
             "give start and end of a larger box, or a finer refinement"
         )
-    numbers = np.arange(first, stop + 1) + 0.5
-    return np.asarray(begin + numbers * part), _whole(numbers[0] / finer - 0.5)
+    return first, stop
+
+
+def _between(axis: FloatArray, pitch: float, finer: int, span: tuple[int, int]) -> tuple[FloatArray, float]:
+    """Middles of the cells' parts of a span, and the place of the first in cells.
+
+    They never lie on faces of cells; with an odd number to a cell the middles of the cells are among them.
+    """
+    numbers = np.arange(span[0], span[1] + 1) + 0.5
+    return np.asarray(axis[0] - 0.5 * pitch + numbers * (pitch / finer)), _whole(numbers[0] / finer - 0.5)
+
+
+def _refuse_many(request: StressRequest, grid: Grid) -> None:
+    """Refuse more points than fit, by the field that makes them many; nothing of that size is made."""
+    where = f"stress region {request.label!r}:"
+    if request.shape in ("line", "points"):
+        count = request.count if request.shape == "line" else len(request.points or [])
+        refuse_more(count, f"{where} count", "points", shown(count), f"{comfortable()} would do")
+        return
+    across = [last - first + 1 for first, last in _spans(request, grid)]
+    depths = _depth_count(request)
+    count, finer, power = across[0] * across[1] * depths, request.refinement or 1, sum(n > 1 for n in across)
+    if count <= most():
+        return
+    got = f"{shown(across[0])} x {shown(across[1])} points at {shown(depths)} depths"
+    if request.depth_max is not None and count // depths <= most():
+        refuse_more(count, f"{where} depth-cells", "points", got, f"{comfortable() // (count // depths)} would do")
+    if count // finer**power <= most():
+        advice = f"{max(1, int(cut_down(finer, count, power)))} is the most"
+        refuse_more(count, f"{where} refinement", "points", got, advice)
+    refuse_more(count, f"{where} start and end", "points", got, "ask for a smaller box, or a coarser refinement")
 
 
 def surface_lattice(grid: Grid) -> RegionLattice:
@@ -132,15 +178,15 @@ def surface_lattice(grid: Grid) -> RegionLattice:
     return RegionLattice(target=grid.shape, origin=(0.0, 0.0), x=grid.x, y=grid.y, depths=np.zeros(1))
 
 
-def _without(ends: tuple[float, float, float], normal: str, value: float) -> tuple[float, float, float]:
-    """Limits with no limit along one axis."""
-    x, y, z = (value if axis == normal else end for axis, end in zip("xyz", ends, strict=True))
-    return x, y, z
-
-
 def _whole(value: float) -> float:
     """Snap a position in cells to a whole number where it is one up to round-off."""
     return float(round(value)) if abs(value - round(value)) < 1e-9 else float(value)
+
+
+def _depth_count(request: StressRequest) -> int:
+    if request.shape == "plane" and request.normal == "z":
+        return 1
+    return request.depth_cells + 1 if request.depths is None else len(request.depths)
 
 
 def _depths(request: StressRequest) -> FloatArray:

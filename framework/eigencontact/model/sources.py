@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ class Lattice:
     @property
     def cells(self) -> int:
         """Number of cells."""
-        return int(np.prod(self.shape))
+        return prod(self.shape)
 
     def axes(self, grid: Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Centres along z, y, x [m]."""

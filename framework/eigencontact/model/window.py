@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
-from eigencontact.errors import EigencontactError, PlanError
+from eigencontact.errors import EigencontactError, PlanError, SceneError
+from eigencontact.model.sizes import cut_down, most, refuse_more
 from eigencontact.scene.schema import GridSpec
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalOptions, solve_normal
@@ -67,6 +68,8 @@ def estimate_contact(
     options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
     try:
         pressure = solve_normal(coarse, h, coefficients, control, options).pressure
+    except SceneError:  # a body that is refused, not a contact that is not found
+        raise
     except EigencontactError:
         return None
     box = Box.around(pressure > 0)
@@ -98,6 +101,8 @@ def automatic_grid(
     ------
     PlanError
         Where no window holds the contact (no load, a geometry without rise).
+    SceneError
+        More cells than the memory of this machine can hold.
     """
     found: ContactEstimate | None = None
     across = 0.0
@@ -118,9 +123,20 @@ def automatic_grid(
     center = (0.5 * (found.x0 + found.x1), 0.5 * (found.y0 + found.y1))
     # An even number of cells, symmetric about the contact.
     nx, ny = (2 * max(1, int(np.ceil(0.5 * spec.margin * extent / edge - 1e-6))) for extent in (wide, high))
+    _refuse_many(nx * ny, spec)
     # A centre within a cell of the origin is the origin: symmetric scenes stay symmetric.
     center = tuple(0.0 if abs(value) < 0.06 * max(wide, high) else value for value in center)  # type: ignore[assignment]
     return Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
+
+
+def _refuse_many(cells: int, spec: GridSpec) -> None:
+    """Refuse more cells than fit: by the margin where the contact alone would have fewer, else by its cells."""
+    usual = GridSpec.model_fields["margin"].default
+    wide = spec.margin > usual and cells * (usual / spec.margin) ** 2 <= most()
+    name = "margin" if wide else "cells_per_contact_radius"
+    given = getattr(spec, name)
+    where = f"grid.{name.replace('_', '-')}"
+    refuse_more(cells, where, "cells", f"{given:g}", f"{cut_down(given, cells, 2):g} would do")
 
 
 def _settle(

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
+from math import ceil
 
+from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
 from eigencontact.execution.block import Block
 from eigencontact.execution.mechanics import mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
+from eigencontact.model.sizes import MEMORY_SHARE
 from eigencontact.planning.left_out import left_out
 from eigencontact.planning.order import in_order
 from eigencontact.planning.plan import Plan
 from eigencontact.scene.schema import Scene
 
 __all__ = ["make_plan"]
-
-#: The largest plan that is accepted, as a share of the machine's memory.
-_MEMORY_SHARE = 0.9
 
 
 def make_plan(scene: Scene, registry: Registry) -> Plan:
@@ -35,9 +34,9 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     mechanics = list(_mechanics(model))
     blocks = [*_beside_the_contact(model), *mechanics, *_regions(model), *_observers(model, mechanics)]
     known = {item.name: getattr(model, item.name) for item in fields(model)}
-    plan = Plan(**known, blocks=in_order(blocks), left_out=left_out(model))
+    plan = Plan(**known, blocks=in_order(blocks), left_out=())
     _check_memory(plan)
-    return plan
+    return replace(plan, left_out=left_out(model))
 
 
 def _mechanics(model: Model) -> Iterator[Block]:
@@ -72,14 +71,11 @@ def _observers(model: Model, mechanics: Iterable[Block]) -> Iterable[Block]:
 
 
 def _check_memory(plan: Plan) -> None:
-    try:
-        total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):
-        return
-    wanted = plan.cost.peak
-    if wanted > _MEMORY_SHARE * total:
+    total, wanted = machine_bytes(), plan.cost.peak
+    if wanted > MEMORY_SHARE * total:
         largest = max(plan.parts, key=lambda part: part.cost.peak)
         raise PlanError(
             f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
-            f"{largest.name!r}); use fewer cells or depths, or numerics.precision = 'single'"
+            f"{largest.name!r}); use about 1/{ceil(wanted / (MEMORY_SHARE * total))} of the cells or depths, or "
+            "numerics.precision = 'single'"
         )

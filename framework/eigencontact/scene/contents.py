@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from eigencontact.core.names import clashes
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
+from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
 
 if TYPE_CHECKING:
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["check_contents"]
 
+#: Load steps of a scene.
+_MOST_STEPS = 100_000
 _TANGENTIAL = frozenset(name for mode in TANGENTIAL_MODES for name in mode)
 
 
@@ -57,6 +60,7 @@ def _check_steps(scene: Scene) -> None:
             "!friction must not be given without a geometry (got no contact to slip in); add [geometry], or leave it "
             "out"
         )
+    _check_number_of_steps(scene)
     controlled = False
     for number, step in enumerate(scene.steps):
         where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
@@ -78,6 +82,18 @@ def _check_steps(scene: Scene) -> None:
                 f"!{where} must not prescribe {along[0]} without friction (got a frictionless contact, which carries "
                 'no shear); add [friction] with type = "coulomb" and a coefficient, or leave it out'
             )
+
+
+def _check_number_of_steps(scene: Scene) -> None:
+    largest = max(range(len(scene.steps)), key=lambda number: scene.steps[number].increments)
+    count = sum(step.increments for step in scene.steps)
+    if count > _MOST_STEPS:
+        where = "steps" if len(scene.steps) == 1 else f"steps.{largest}"
+        own = scene.steps[largest].increments
+        raise ValueError(
+            f"!{where}.increments must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "
+            f"stored (got {shown(own)}, and {shown(count)} in all); {max(1, _MOST_STEPS - count + own)} is the most"
+        )
 
 
 def _check_travel(scene: Scene, where: str) -> None:

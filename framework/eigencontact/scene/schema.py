@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment, Stress
 from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
+from eigencontact.core.units import LARGEST
 from eigencontact.scene.checks import (
     at_least,
     finite,
@@ -94,6 +95,8 @@ class GridSpec(Table):
             raise ValueError(f"two of cells, size, spacing, or none of them for an automatic grid; given: {given}")
         if self.cells is not None and min(self.cells) < 1:
             raise ValueError("of at least 1 cell each way")
+        if self.cells is not None and max(self.cells) > LARGEST:
+            raise ValueError(f"of at most {LARGEST:g} cells each way")
         return self
 
     @property
@@ -170,7 +173,7 @@ class Numerics(Table):
     precision: Literal["double", "single"] = "double"
     tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
     max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
-    threads: Annotated[int, AfterValidator(at_least(1))] | None = None
+    threads: Annotated[int, AfterValidator(in_range(1, 1024, "threads"))] | None = None
     allow_contact_at_edge: bool = False
 
 
@@ -199,7 +202,7 @@ class StressRequest(Table):
     depth_cells: Annotated[int, AfterValidator(at_least(1))] = 48
     start: tuple[FiniteLength, FiniteLength, Depth] | None = None
     end: tuple[FiniteLength, FiniteLength, Depth] | None = None
-    count: Annotated[int, AfterValidator(at_least(2))] = 64
+    count: Annotated[int, AfterValidator(in_range(2, 1e7, "points"))] = 64
     points: list[tuple[FiniteLength, FiniteLength, Depth]] | None = None
     around: str | None = None
     room: Annotated[float, AfterValidator(non_negative("sizes of the inclusion"))] = 0.5
