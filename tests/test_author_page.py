@@ -12,7 +12,6 @@ from eigencontact.cli import app
 from eigencontact.plugin import KINDS
 from eigencontact_verification.conformance import ConformanceError, checks_for
 
-
 #: What a module has around the law of the page.
 BEFORE = """from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,8 @@
 """A real package of a stranger: built as a wheel, installed into an environment of its own, used from scenes.
 
-`sample_package` brings a torus (only `contains`), a spheroid (potentials), a friction law and an eigenstrain field that
-reads a file. A second package beside it cannot be imported. Nothing here needs a network.
+`sample_package` brings a torus (only `contains`), a spheroid (potentials), a friction law, an eigenstrain field that
+reads a file, a constitutive law and an observer that asks for a region. A second package beside it cannot be imported.
+Nothing here needs a network.
 """
 
 import json
@@ -163,6 +164,8 @@ LISTED = {
     "spheroid": "Ellipsoid of revolution about z",
     "adhesive": "Shear strength that begins at tau0",
     "measured": "Isotropic eigenstrain of two columns of text",
+    "laminate": "Thin layers of two isotropic solids in turn",
+    "deepest-shear": "Largest shear stress on a line into a body",
 }
 
 
@@ -261,6 +264,72 @@ def test_a_contact_slips_by_their_law(stranger):
     refused = stranger("explain", "friction.toml", "--set", "friction.cap=1 MPa")
     assert refused.returncode == 2
     assert "adhesive.cap must be finite and at least tau0, 50000000.0 [Pa] (got 1000000.0)" in refused.stderr
+
+
+MATERIAL = """
+title = "A material and an observer of a stranger"
+
+[body1]
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+
+[geometry]
+type = "sphere"
+radius = "105 um"
+
+[[inclusions]]
+name = "grain"
+type = "sphere"
+center = ["0 um", "0 um", "4 um"]
+radius = "2 um"
+material = { type = "laminate", moduli = ["210 GPa", "210 GPa"], poisson-ratios = [0.3, 0.3], share = 0.4 }
+eigenstrain = { type = "measured", measurement = "grain.txt" }
+
+[[observers]]
+type = "deepest-shear"
+depth = "5 um"
+points = 40
+
+[grid]
+cells = 20
+size = ["16 um", "16 um"]
+
+[steps]
+normal-load = "0.65 N"
+
+[output]
+pictures = false
+vtk = false
+"""
+
+
+def test_their_material_observer_and_prestrain_in_one_scene(stranger):
+    """Layers of steel in steel are steel: Hertz's largest shear, .31 p0 at .48 a. Of another metal they are not."""
+    place = stranger.folder / "grain"
+    place.mkdir()
+    (place / "grain.txt").write_text("0.0 0.0\n1.0 0.0\n")
+    (place / "grain.toml").write_text(MATERIAL, encoding="utf-8")
+
+    def observed(out, *changes):
+        done = stranger("run", "grain/grain.toml", "-o", out, "--json", *(p for c in changes for p in ("--set", c)))
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    steel = observed("steel")
+    assert steel["versions"]["plugin constitutive-law laminate"] == ORIGIN
+    assert steel["versions"]["plugin observer deepest-shear"] == ORIGIN
+    assert "G. E. Backus 1962, J. Geophys. Res. 67, 4427, eq. (13)" in steel["references"]
+    radius = (0.75 * 0.65 * 105e-6 * 0.91 / 210e9) ** (1 / 3)
+    pressure = 1.5 * 0.65 / (3.14159265 * radius**2)
+    assert abs(steel["observed"]["deepest_shear_shear"] / (0.31 * pressure) - 1) < 0.02
+    assert abs(steel["observed"]["deepest_shear_depth"] / (0.48 * radius) - 1) < 0.05
+    soft = observed("soft", 'inclusions.0.material.moduli=["210 GPa", "50 GPa"]')
+    assert soft["approach"] > 1.001 * steel["approach"]
+
+    (place / "grain.txt").write_text("0.0 1e-3\n1.0 1e-3\n")
+    again = stranger("run", "grain/grain.toml", "-o", "steel", "--resume")
+    assert again.returncode == 5
+    assert "--resume continues the same scene only" in again.stderr
 
 
 FIELDS = """

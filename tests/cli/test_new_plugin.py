@@ -35,7 +35,7 @@ def test_every_kind_passes_its_tests_as_written(tmp_path):
         capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
-    # 27 checks for each of two balls, 9 for each of two fields, 8 for each of two geometries
+    # 27 checks for each of two balls, 19 for each of two laws, 10 for each of two fields, some for all others
     passed = int(re.search(r"(\d+) passed", done.stdout)[1])
     assert passed >= 80
     assert "skipped" not in done.stdout

@@ -1,8 +1,10 @@
-"""Shapes, friction law and eigenstrain field keep the promises of their kinds."""
+"""Shapes, laws, eigenstrain field and observer keep the promises of their kinds."""
 
 from pathlib import Path
 
 from eigencontact_sample_shapes.adhesive import Adhesive
+from eigencontact_sample_shapes.deepest_shear import DeepestShear
+from eigencontact_sample_shapes.laminate import Laminate
 from eigencontact_sample_shapes.measured import Measured
 from eigencontact_sample_shapes.spheroid import Spheroid
 from eigencontact_sample_shapes.torus import Torus
@@ -18,9 +20,14 @@ SHAPES = [
 ]
 LAWS = [Adhesive(tau0=20 * MPA, coefficient=0.1, cap=300 * MPA), Adhesive(tau0=0.0, coefficient=0.5, cap=1e12)]
 FIELDS = [Measured(measurement=str(Path(__file__).with_name("peened.txt")), factor=factor) for factor in (1.0, -0.5)]
+MATERIALS = [
+    Laminate(moduli=(200e9, 3e9), poisson_ratios=(0.3, 0.4), share=0.3, normal=(1.0, 2.0, -2.0)),
+    Laminate(moduli=(1e9, 1e9), poisson_ratios=(0.0, -0.5), share=1.0),
+]
+OBSERVERS = [DeepestShear(depth=5 * UM, x=1 * UM)]
 
 
-@parametrize_with_checks([*SHAPES, *LAWS, *FIELDS])
+@parametrize_with_checks([*SHAPES, *LAWS, *FIELDS, *MATERIALS, *OBSERVERS])
 def test_conformance(component, check):
     """One test for every component and check."""
     check(component)

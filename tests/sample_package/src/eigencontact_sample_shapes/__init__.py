@@ -1,1 +1,1 @@
-"""A torus, a spheroid, friction with adhesion, and measured eigenstrain for eigencontact."""
+"""A torus, a spheroid, friction with adhesion, measured eigenstrain, laminates and shear at depth, for eigencontact."""
