@@ -8,7 +8,8 @@ prestrain: six equations for e in each cell, solved by Newton's method with the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,22 +17,17 @@ from numpy.typing import NDArray
 from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged
 from eigencontact.solvers.cell_conditions import compliance
+from eigencontact.solvers.law_answers import Answer, Law, answer_of, place_of, refuse
 
-__all__ = ["Law", "LawCells", "Remembered"]
+__all__ = ["LawCells", "Remembered"]
 
 FloatArray = NDArray[np.float64]
 Remembered = dict[str, FloatArray]
 
 #: Newton steps of one sweep, halvings of one of them, and residual that is round-off, in parts of the stress.
 _STEPS, _HALVINGS, _ROUND_OFF = 40, 12, 1e-11
-
-
-class Law(Protocol):
-    """What is asked of a constitutive law; see `eigencontact.plugin.ConstitutiveLaw`."""
-
-    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
-        """Stress, tangent and variables after."""
-        ...
+#: Roundings of the strain that the law may make stress of: a law much stiffer than the matrix strains by differences.
+_ROUNDINGS = 16.0 * np.finfo(float).eps
 
 
 class LawCells:
@@ -48,8 +44,7 @@ class LawCells:
     """
 
     def __init__(self, matrix: Material, alone: FloatArray, groups: Sequence[tuple[Law, NDArray[np.intp]]]) -> None:
-        self._alone, self._compliance = alone, compliance(matrix)
-        self._size = 2.0 * matrix.shear_modulus
+        self._body = _Body(alone, compliance(matrix), 2.0 * matrix.shear_modulus)
         self.cells = np.concatenate([cells for _, cells in groups]) if groups else np.zeros(0, dtype=np.intp)
         stops = np.cumsum([0, *(cells.size for _, cells in groups)])
         self.groups = [
@@ -76,77 +71,99 @@ class LawCells:
         Raises
         ------
         NotConverged
-            A cell without answer; its number and law are named.
+            A cell without answer; its place and law are named.
+        PluginError
+            A law that answers what it must not; see `eigencontact.solvers.law_answers`.
         """
-        foreign = stress - self._alone @ eigenstrain
+        foreign = stress - self._body.alone @ eigenstrain
         out, remembered = np.empty_like(eigenstrain), []
         for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
-            found, after = self._solve(law, foreign[:, cells], eigenstrain[:, cells], prestrain[:, cells], known, step)
-            out[:, cells] = found
-            remembered.append(after)
+            question = _Question(self._body, law, foreign[:, cells], prestrain[:, cells], known, step)
+            found = _solved(question, eigenstrain[:, cells])
+            out[:, cells] = found.eigenstrain
+            remembered.append(found.answer.variables)
         return out, remembered
 
-    def _solve(
-        self,
-        law: Law,
-        foreign: FloatArray,
-        start: FloatArray,
-        prestrain: FloatArray,
-        before: Mapping[str, FloatArray],
-        step: Any,
-    ) -> tuple[FloatArray, Remembered]:
-        e = start.copy()
-        response, residual = self._ask(law, foreign, e, prestrain, before, step)
-        scale = np.maximum(np.linalg.norm(foreign, axis=0), self._size * np.linalg.norm(e, axis=0))
-        scale += np.finfo(float).tiny
-        for _ in range(_STEPS):
-            error: FloatArray = np.sqrt(np.sum(residual * residual, axis=0))
-            if np.all(error <= _ROUND_OFF * scale):
-                return e, dict(response.variables)
-            tangent = np.asarray(response.tangent)
-            by_cell = tangent if tangent.ndim == 2 else np.moveaxis(tangent, 2, 0)
-            jacobian = by_cell @ (self._compliance @ self._alone + np.eye(6)) - self._alone
-            jacobian = np.broadcast_to(jacobian, (e.shape[1], 6, 6))
-            change: FloatArray = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T.astype(float)
-            e, response, residual = self._shortened(law, foreign, e, change, error, prestrain, before, step)
-        worst = int(np.argmax(np.linalg.norm(residual, axis=0) / scale))
-        raise NotConverged(
-            f"constitutive law {getattr(law, 'key', law)!r} found no stress for the strain of cell {worst} of "
-            f"{e.shape[1]} in {_STEPS} steps; take smaller load steps"
-        )
 
-    def _shortened(
-        self,
-        law: Law,
-        foreign: FloatArray,
-        e: FloatArray,
-        change: FloatArray,
-        error: FloatArray,
-        prestrain: FloatArray,
-        before: Mapping[str, FloatArray],
-        step: Any,
-    ) -> tuple[FloatArray, Any, FloatArray]:
-        """Newton's step, halved in the cells where it does not lower the residual."""
-        part = np.ones(e.shape[1])
-        for _ in range(_HALVINGS):
-            trial = e + part * change
-            response, residual = self._ask(law, foreign, trial, prestrain, before, step)
-            worse = ~(np.linalg.norm(residual, axis=0) <= error)
-            if not worse.any():
-                break
-            part = np.where(worse, 0.5 * part, part)
-        return trial, response, residual
+@dataclass(frozen=True, slots=True, eq=False)
+class _Body:
+    """Matrix around a cell: stress of the cell by its own eigenstrain, compliance, 2 G."""
 
-    def _ask(
-        self,
-        law: Law,
-        foreign: FloatArray,
-        e: FloatArray,
-        prestrain: FloatArray,
-        before: Mapping[str, FloatArray],
-        step: Any,
-    ) -> tuple[Any, FloatArray]:
-        """Answer of the law to the strain under an eigenstrain, and how far its stress is from that of the cell."""
-        stress = foreign + self._alone @ e
-        response = law.update(self._compliance @ stress + e - prestrain, before, step)
-        return response, np.asarray(response.stress) - stress
+    alone: FloatArray
+    compliance: FloatArray
+    size: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Question:
+    """What the cells of one law must answer."""
+
+    body: _Body
+    law: Law
+    foreign: FloatArray
+    prestrain: FloatArray
+    before: Mapping[str, FloatArray]
+    step: Any
+
+    def at(self, eigenstrain: FloatArray) -> _State:
+        """The law at the strain under an eigenstrain."""
+        stress = self.foreign + self.body.alone @ eigenstrain
+        strain = self.body.compliance @ stress + eigenstrain - self.prestrain
+        answer = answer_of(self.law, strain, self.before, self.step)
+        residual = answer.stress - stress
+        error = np.where(answer.finite, np.linalg.norm(residual, axis=0), np.inf)
+        return _State(eigenstrain, strain, answer, residual, error)
+
+    def limit(self, state: _State) -> FloatArray:
+        """Residual that is round-off."""
+        sizes = [np.linalg.norm(part, axis=0) for part in (state.eigenstrain, self.prestrain, self.foreign)]
+        strain = sizes[0] + sizes[1] + sizes[2] / self.body.size
+        stiffness = np.linalg.norm(state.answer.tangent, axis=(1, 2))
+        scale = np.maximum.reduce([self.body.size * sizes[0], self.body.size * sizes[1], sizes[2]])
+        return np.asarray(_ROUND_OFF * scale + _ROUNDINGS * stiffness * strain + np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _State:
+    """Eigenstrain of the cells, and how far the stress of their law is from theirs."""
+
+    eigenstrain: FloatArray
+    strain: FloatArray
+    answer: Answer
+    residual: FloatArray
+    error: FloatArray
+
+
+def _solved(question: _Question, start: FloatArray) -> _State:
+    """Newton's method in all cells of a law."""
+    body, state = question.body, question.at(start.copy())
+    for _ in range(_STEPS):
+        refuse(question.law, state.strain, state.answer, question.step)
+        if np.all(state.error <= question.limit(state)):
+            return state
+        jacobian = state.answer.tangent @ (body.compliance @ body.alone + np.eye(6)) - body.alone
+        try:
+            change = -np.linalg.solve(jacobian, state.residual.T[..., None])[..., 0].T
+        except np.linalg.LinAlgError:
+            raise NotConverged(
+                f"constitutive law {question.law.key!r}: cells are so soft that their strain is not determined; "
+                f"take smaller load steps"
+            ) from None
+        state = _nearer(question, state, np.asarray(change))
+    worst = int(np.argmax(state.error / question.limit(state)))
+    raise NotConverged(
+        f"constitutive law {question.law.key!r} found no stress for the strain {place_of(worst, question.step)} in "
+        f"{_STEPS} steps; take smaller load steps"
+    )
+
+
+def _nearer(question: _Question, state: _State, change: FloatArray) -> _State:
+    """Newton's step, halved in the cells where it does not lower the residual."""
+    part = np.ones(change.shape[1])
+    for _ in range(_HALVINGS):
+        trial = question.at(state.eigenstrain + part * change)
+        worse = ~(trial.error <= state.error)
+        if not worse.any():
+            break
+        part = np.where(worse, 0.5 * part, part)
+    return trial

@@ -1,0 +1,131 @@
+"""Answers of constitutive laws as solvers use them; what is no answer is refused by the name of the law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import EigencontactError, NotConverged, PluginError
+
+__all__ = ["Answer", "Law", "answer_of", "place_of", "refuse"]
+
+FloatArray = NDArray[np.float64]
+
+#: A strain beyond which numbers that are not finite are blamed on the iteration, not on the law.
+_FAR = 1.0
+
+
+class Law(Protocol):
+    """What is asked of a constitutive law; see `eigencontact.plugin.ConstitutiveLaw`."""
+
+    @property
+    def key(self) -> Any:
+        """Name in messages."""
+        ...
+
+    @property
+    def variables(self) -> Any:
+        """Mapping of names to what is remembered, with ``components`` each."""
+        ...
+
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
+        """Stress, tangent and variables after."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """Answer of a law at n points.
+
+    Attributes
+    ----------
+    stress : (6, n)
+        [Pa].
+    tangent : (n, 6, 6)
+        [Pa].
+    variables : mapping of str to (components, n)
+        What the points would remember.
+    finite : (n,) of bool
+        Whether all of it is.
+    """
+
+    stress: FloatArray
+    tangent: FloatArray
+    variables: dict[str, FloatArray]
+    finite: NDArray[np.bool_]
+
+
+def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Answer:
+    """Ask a law.
+
+    Raises
+    ------
+    PluginError
+        The law fails, or answers with other shapes, other variables or no numbers.
+    """
+    where, count = f"constitutive law {law.key!r}", strain.shape[1]
+    try:
+        found = law.update(strain, before, step)
+        stress, tangent = (_numbers(getattr(found, name), where, name) for name in ("stress", "tangent"))
+        given = dict(found.variables)
+    except EigencontactError:
+        raise
+    except Exception as problem:
+        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
+    _formed(stress, [(6, count)], where, "stress")
+    _formed(tangent, [(6, 6, count), (6, 6)], where, "tangent")
+    if set(given) != set(law.variables):
+        raise PluginError(
+            f"{where} must return the variables that it declares, {sorted(law.variables)} (got {sorted(given)})"
+        )
+    variables = {name: _numbers(values, where, f"variable {name!r}") for name, values in given.items()}
+    for name, values in variables.items():
+        _formed(values, [(law.variables[name].components, count)], where, f"variable {name!r}")
+    by_point = np.broadcast_to(tangent, (count, 6, 6)) if tangent.ndim == 2 else np.moveaxis(tangent, 2, 0)
+    rows = np.concatenate([stress, by_point.reshape(count, 36).T, *variables.values()])
+    return Answer(stress, by_point, variables, np.isfinite(rows).all(axis=0))
+
+
+def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:
+    """Refuse an answer that is not finite at some point.
+
+    Raises
+    ------
+    PluginError
+        The strain is one that a law must answer.
+    NotConverged
+        It is not: whoever asks has lost the way.
+    """
+    if answer.finite.all():
+        return
+    bad = np.flatnonzero(~answer.finite)
+    sizes = np.linalg.norm(strain[:, bad], axis=0)
+    worst = int(bad[np.argmin(np.where(np.isfinite(sizes), sizes, np.inf))])
+    got = f"constitutive law {law.key!r} must answer with finite numbers (got others {place_of(worst, step)}, and at"
+    got += f" {bad.size} of {strain.shape[1]} points"
+    if not np.linalg.norm(strain[:, worst]) <= _FAR:
+        raise NotConverged(f"{got}, at strains beyond {_FAR:g}); take smaller load steps")
+    raise PluginError(f"{got}, at a strain of {np.array2string(strain[:, worst], precision=4)})")
+
+
+def place_of(point: int, step: Any) -> str:
+    """Words for the place of a point."""
+    x, y, z = (float(axis[point]) for axis in (step.x, step.y, step.z))
+    return f"at x = {x:.6g} m, y = {y:.6g} m, z = {z:.6g} m"
+
+
+def _numbers(values: Any, where: str, what: str) -> FloatArray:
+    out = np.asarray(values)
+    if out.dtype.kind not in "fiu":
+        raise PluginError(f"{what} of {where} must be real numbers (got {out.dtype})")
+    return out.astype(float, copy=False)
+
+
+def _formed(values: FloatArray, shapes: list[tuple[int, ...]], where: str, what: str) -> None:
+    if values.shape not in shapes:
+        rule = " or ".join(map(str, shapes))
+        raise PluginError(f"{what} of {where} must be of shape {rule} (got shape {values.shape})")
