@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.core.arrays import real_array
 from eigencontact.core.units import LARGEST, SMALLEST
 from eigencontact.errors import EigencontactError, PluginError, SceneError, require
-from eigencontact.hooks.registry import Entry
+from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin import KINDS
 from eigencontact.scene.installed import installed_plugins
 
@@ -49,29 +49,29 @@ def make(key: str, /, *, kind: str | None = None, **parameters: Any) -> Any:
     require(isinstance(key, str), "make", "key", key, "the name of a plugin")
     if kind is not None:
         require(isinstance(kind, str) and kind in KINDS, "make", "kind", kind, f"one of {', '.join(KINDS)}")
-        return instantiate(registry.get(kind, key), parameters, key)
+        return instantiate(registry, registry.get(kind, key), parameters, key)
     kinds = dict.fromkeys(entry.kind for entry in registry.named(key))
     entries = [registry.get(kind, key) for kind in kinds]
     if len(entries) > 1:
         fitting = [entry for entry in entries if set(parameters) <= set(registry.parameters(entry.component))]
         entries = fitting or entries
     if len(entries) > 1:
-        return _only_fitting(key, entries, parameters)
+        return _only_fitting(registry, key, entries, parameters)
     if not entries:
         raise PluginError(registry.unknown(key))
-    return instantiate(entries[0], parameters, key)
+    return instantiate(registry, entries[0], parameters, key)
 
 
-def _only_fitting(key: str, entries: list[Entry], parameters: dict[str, Any]) -> Any:
+def _only_fitting(registry: Registry, key: str, entries: list[Entry], parameters: dict[str, Any]) -> Any:
     """Component of the one kind that accepts the parameters; a sphere's centre has two or three coordinates."""
     from eigencontact.scene.components import converted, instantiate
 
     made, refused, of_right_form = {}, {}, []
     for entry in entries:
         try:
-            converted(entry, parameters, key)
+            converted(registry, entry, parameters, key)
             of_right_form.append(entry)
-            made[entry.kind] = instantiate(entry, parameters, key)
+            made[entry.kind] = instantiate(registry, entry, parameters, key)
         except EigencontactError as problem:
             refused[entry.kind] = str(problem)
     if len(made) == 1:
@@ -79,7 +79,7 @@ def _only_fitting(key: str, entries: list[Entry], parameters: dict[str, Any]) ->
     if made:
         raise PluginError(f"{key!r} must be told apart by kind (it may be {', '.join(map(repr, made))}); give kind=")
     if len(of_right_form) == 1:  # its own rules refuse the values, and say so best
-        return instantiate(of_right_form[0], parameters, key)
+        return instantiate(registry, of_right_form[0], parameters, key)
     reasons = "; ".join(f"as {kind}: {reason}" for kind, reason in refused.items())
     raise SceneError(f"{key} must be given parameters that one kind accepts ({reasons})")
 

@@ -115,7 +115,7 @@ class Model:
         for source in self.sources:
             used += [source.shape, source.field, getattr(source, "law", None)]
         used += [self.friction, *(one.observer for one in self.observers)]
-        return [item for item in used if isinstance(item, Component)]
+        return [part for item in used if isinstance(item, Component) for part in (item, *item.parts)]
 
     def half_space(self, body: int) -> Material:
         """Constants of a body (1 or 2) that is a homogeneous half-space; eigenstrain lies in no other."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
 from typing import ClassVar
 
 __all__ = ["Component"]
@@ -23,3 +24,10 @@ class Component:
     key: ClassVar[str]
     kind: ClassVar[str]
     references: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def parts(self) -> list[Component]:
+        """Components that the fields of this one hold, and theirs."""
+        values = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
+        held = [one for value in values for one in (value if isinstance(value, tuple) else (value,))]
+        return [part for one in held if isinstance(one, Component) for part in (one, *one.parts)]

@@ -10,10 +10,11 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from eigencontact.errors import PluginError, SceneError, shown
 from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.plugin.component import Component
 from eigencontact.scene.checks import only_numbers
 from eigencontact.scene.messages import explain_error, refuse_unknown
 
-__all__ = ["build_component", "converted", "instantiate"]
+__all__ = ["build_component", "converted", "instantiate", "kind_within"]
 
 
 def build_component(registry: Registry, kind: str, table: Mapping[str, Any], where: str) -> Any:
@@ -29,12 +30,12 @@ def build_component(registry: Registry, kind: str, table: Mapping[str, Any], whe
     if not isinstance(key, str) or not key:
         known = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
         raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {known}")
-    return instantiate(registry.get(kind, key, where=where), parameters, where)
+    return instantiate(registry, registry.get(kind, key, where=where), parameters, where)
 
 
-def instantiate(entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
+def instantiate(registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
     """Component of a registered class from named parameters, each converted to its annotated type."""
-    values = converted(entry, parameters, where)
+    values = converted(registry, entry, parameters, where)
     try:
         return entry.component(**values)
     except SceneError:
@@ -45,8 +46,11 @@ def instantiate(entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
         ) from problem
 
 
-def converted(entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Parameters with the names and types of a registered class; its own rules are not asked yet."""
+def converted(registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Parameters with the names and types of a registered class; its own rules are not asked yet.
+
+    A field whose annotation is a kind of plugin holds the table of a component of that kind.
+    """
     cls = entry.component
     known = {item.name: item for item in fields(cls)}
     refuse_unknown(parameters, known, f"{where} ({entry.key})")
@@ -66,8 +70,26 @@ def converted(entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[s
     out = {}
     for name, value in given.items():
         place = f"{where}.{name.replace('_', '-')}"
-        out[name] = _convert(adapters[name], _named(hints[name], _plain(value), place), place)
+        kind = kind_within(hints[name])
+        held = kind is not None and _parts(registry, kind, hints[name], value, place)
+        out[name] = _convert(adapters[name], held or _named(hints[name], _plain(value), place), place)
     return out
+
+
+def kind_within(hint: Any) -> type[Component] | None:
+    """Kind of plugin that an annotation such as ``tuple[HardeningLaw, ...]`` or ``HardeningLaw | None`` holds."""
+    if isinstance(hint, type) and issubclass(hint, Component):
+        return hint
+    return next((found for found in map(kind_within, get_args(hint)) if found is not None), None)
+
+
+def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
+    """Component, or several, of the tables of a field; components themselves stay."""
+    one_of_many = get_origin(hint) in (list, tuple) and isinstance(value, Mapping)
+    if one_of_many or isinstance(value, list | tuple):
+        tables = [value] if one_of_many else value
+        return tuple(_parts(registry, kind, kind, one, f"{where}.{n}") for n, one in enumerate(tables))
+    return build_component(registry, kind.kind, value, where) if isinstance(value, Mapping) else value
 
 
 @cache
@@ -90,7 +112,7 @@ def _adapters(cls: type) -> dict[str, Any]:
 def _table_class(hint: Any) -> type | None:
     """Dataclass inside an annotation such as ``tuple[Region, ...]``, whose tables a field holds."""
     if isinstance(hint, type) and is_dataclass(hint):
-        return hint
+        return None if issubclass(hint, Component) else hint
     return next((found for found in map(_table_class, get_args(hint)) if found is not None), None)
 
 

@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from eigencontact.core.quantities import FileMark
 from eigencontact.errors import PluginError
 from eigencontact.hooks.registry import Registry
+from eigencontact.scene.components import kind_within
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import OfKind, Table
 
@@ -79,32 +80,35 @@ def _in_component(value: Any, kind: str, registry: Registry, place: Place) -> An
         component = registry.get(kind, key).component
     except PluginError:
         return value
-    return _in_table(component, value, place)
+    return _in_table(component, value, registry, place)
 
 
-def _in_table(cls: type, table: Mapping[str, Any], place: Place) -> dict[str, Any]:
+def _in_table(cls: type, table: Mapping[str, Any], registry: Registry, place: Place) -> dict[str, Any]:
     hints = get_type_hints(cls, include_extras=True)
     known = {item.name: hints[item.name] for item in fields(cls)}
     return {
-        name: _placed(known[field], value, place) if (field := name.replace("-", "_")) in known else value
+        name: _placed(known[field], value, registry, place) if (field := name.replace("-", "_")) in known else value
         for name, value in table.items()
     }
 
 
-def _placed(hint: Any, value: Any, place: Place) -> Any:
+def _placed(hint: Any, value: Any, registry: Registry, place: Place) -> Any:
     """Value of a field with its annotation; an array of tables or files item by item."""
     if any(isinstance(mark, FileMark) for mark in getattr(hint, "__metadata__", ())):
         return place(str(value)) if isinstance(value, str | Path) else value
+    kind = kind_within(hint)
+    if kind is not None:
+        return _in_component(value, kind.kind, registry, place)
     if isinstance(hint, type) and is_dataclass(hint):
         if isinstance(value, list | tuple):
-            return [_placed(hint, item, place) for item in value]
-        return _in_table(hint, value, place) if isinstance(value, Mapping) else value
+            return [_placed(hint, item, registry, place) for item in value]
+        return _in_table(hint, value, registry, place) if isinstance(value, Mapping) else value
     if get_origin(hint) is Literal:
         return value
     inner = [part for part in get_args(hint) if part is not Ellipsis]
     if get_origin(hint) in (tuple, list) and isinstance(value, list | tuple):
         each = inner if Ellipsis not in get_args(hint) and len(inner) == len(value) else inner[:1] * len(value)
-        return [_placed(part, item, place) for part, item in zip(each, value, strict=True)]
+        return [_placed(part, item, registry, place) for part, item in zip(each, value, strict=True)]
     for part in inner:  # of a union; at most one of its members fits the value
-        value = _placed(part, value, place)
+        value = _placed(part, value, registry, place)
     return value

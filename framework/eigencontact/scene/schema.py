@@ -400,11 +400,16 @@ def _type_of(component: Any) -> str:
 
 def _table(item: Any) -> Any:
     """Table of a component, or of a table that has one as its ``type`` or its ``eigenstrain``."""
-    from dataclasses import asdict, is_dataclass
+    from dataclasses import fields, is_dataclass
+
+    from eigencontact.plugin.component import Component
 
     if is_dataclass(item) and not isinstance(item, type):
-        given = asdict(item, dict_factory=lambda pairs: {name: value for name, value in pairs if value is not None})
-        return {"type": _type_of(item), **_table(given)}
+        given = {field.name: getattr(item, field.name) for field in fields(item)}
+        table = {name: _table(value) for name, value in given.items() if value is not None}
+        return {"type": _type_of(item), **table} if isinstance(item, Component) else table
+    if isinstance(item, list | tuple) and any(map(is_dataclass, item)):
+        return [_table(one) for one in item]
     if not isinstance(item, dict):
         return item.tolist() if hasattr(item, "tolist") else item
     nested = ("type", "eigenstrain", "material", "value")

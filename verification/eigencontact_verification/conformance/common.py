@@ -14,6 +14,7 @@ import numpy as np
 from eigencontact.errors import SceneError
 from eigencontact.hooks.registry import Entry
 from eigencontact.library import installed_plugins
+from eigencontact.plugin import Component
 from eigencontact.scene.components import instantiate
 from eigencontact_verification.conformance.report import check, ensure
 
@@ -92,7 +93,7 @@ def check_fields_are_the_table(component: Any) -> None:
     }
     read = tomllib.loads(tomli_w.dumps(table))
     entry = Entry(component.kind, component.key, type(component), "this package", "")
-    again = instantiate(entry, read, component.key)
+    again = instantiate(installed_plugins(), entry, read, component.key)
     for item in fields(component):
         before, after = getattr(component, item.name), getattr(again, item.name)
         ensure(
@@ -202,7 +203,8 @@ def _plain(value: Any) -> Any:
         return {key: _plain(part) for key, part in value.items()}
     if is_dataclass(value):
         parts = {item.name.replace("_", "-"): getattr(value, item.name) for item in fields(value)}
-        return {key: _plain(part) for key, part in parts.items() if part is not None}
+        table = {key: _plain(part) for key, part in parts.items() if part is not None}
+        return {"type": value.key, **table} if isinstance(value, Component) else table
     return str(value) if isinstance(value, Path) else value
 
 
