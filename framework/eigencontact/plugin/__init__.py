@@ -26,7 +26,7 @@ from eigencontact.core.quantities import Angle, DataFile, Direction, Force, Leng
 from eigencontact.core.rotation import Rotation, Row, as_tuple, rotation_matrix, turned_derivatives
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.core.units import readable
-from eigencontact.errors import SceneError, require
+from eigencontact.errors import NotConverged, SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
 from eigencontact.halfspace.point_kernels import PointKernels
 from eigencontact.halfspace.potentials import (
@@ -41,9 +41,21 @@ from eigencontact.halfspace.potentials import (
 )
 from eigencontact.hooks.hookspecs import hookimpl
 from eigencontact.plugin.component import Component
-from eigencontact.plugin.constitutive import ConstitutiveLaw, LawStep, LinearLaw, Response, Variable, VariesInSpace
+from eigencontact.plugin.constitutive import (
+    ConstitutiveLaw,
+    HasCellAnswer,
+    LawStep,
+    LinearLaw,
+    OfBody,
+    Response,
+    Surroundings,
+    Variable,
+    VariesInSpace,
+)
+from eigencontact.plugin.damage import DamageLaw, PlasticDamage
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
+from eigencontact.plugin.hardening import HardeningLaw, IsotropicHardening, KinematicHardening
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium
 from eigencontact.plugin.observer import Observer, RegionView, RememberedView, StepView
@@ -60,6 +72,7 @@ __all__ = [
     "Component",
     "ConstitutiveLaw",
     "CornerInfluence",
+    "DamageLaw",
     "DataFile",
     "Direction",
     "EigenstrainField",
@@ -70,6 +83,8 @@ __all__ = [
     "Geometry",
     "Grid",
     "GriddedData",
+    "HardeningLaw",
+    "HasCellAnswer",
     "HasCornerPotentials",
     "HasFarField",
     "HasMirrorPotential",
@@ -81,16 +96,21 @@ __all__ = [
     "HasVolumeFractions",
     "HasWavenumberResponse",
     "InclusionShape",
+    "IsotropicHardening",
     "Jet",
+    "KinematicHardening",
     "LawStep",
     "LayeredMedium",
     "Length",
     "LinearLaw",
     "Material",
     "Moment",
+    "NotConverged",
     "Observer",
+    "OfBody",
     "Order",
     "Place",
+    "PlasticDamage",
     "PointKernels",
     "PointSources",
     "RegionView",
@@ -104,6 +124,7 @@ __all__ = [
     "Strain",
     "Stress",
     "SurfaceInfluence",
+    "Surroundings",
     "TimedField",
     "Unit",
     "Variable",

@@ -28,6 +28,6 @@ class Component:
     @property
     def parts(self) -> list[Component]:
         """Components that the fields of this one hold, and theirs."""
-        values = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
+        values: list[object] = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
         held = [one for value in values for one in (value if isinstance(value, tuple) else (value,))]
         return [part for one in held if isinstance(one, Component) for part in (one, *one.parts)]

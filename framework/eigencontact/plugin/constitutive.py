@@ -13,7 +13,17 @@ from numpy.typing import NDArray
 from eigencontact.core.elasticity import factors_of_stiffness
 from eigencontact.plugin.component import Component
 
-__all__ = ["ConstitutiveLaw", "LawStep", "LinearLaw", "Response", "Variable", "VariesInSpace"]
+__all__ = [
+    "ConstitutiveLaw",
+    "HasCellAnswer",
+    "LawStep",
+    "LinearLaw",
+    "OfBody",
+    "Response",
+    "Surroundings",
+    "Variable",
+    "VariesInSpace",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -157,4 +167,89 @@ class VariesInSpace(Protocol):
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> ConstitutiveLaw:
         """Law of the points x, y, z, each ``(n,)`` [m]: whatever it answers is for those, in that order."""
+        ...
+
+
+@runtime_checkable
+class OfBody(Protocol):
+    """Optional ability of a law: constants that it lacks are those of the body."""
+
+    def of_body(self, young_modulus: float, poisson_ratio: float) -> ConstitutiveLaw:
+        """Law in a body of these constants [Pa], [-]; what is given in the law stays."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Surroundings:
+    """Elastic material around a cell, as the cell feels it: by the answer of a ball to its own eigenstrain.
+
+    The deviatoric stress of a cell is ``s = s_f - κ e``, its mean stress ``m = m_f - κ_v e_m``: what the others cause,
+    less what its own eigenstrain takes away (J. D. Eshelby 1957). Its strain is that of the stress in the material
+    around, and e. A law in its place is driven by the strain ``s_f / κ`` through a further compliance 1/κ - 1/2G.
+
+    Attributes
+    ----------
+    young_modulus, poisson_ratio : float
+        E [Pa] and ν [-] of the material around.
+    """
+
+    young_modulus: float
+    poisson_ratio: float
+
+    @property
+    def shear_stiffness(self) -> float:
+        """κ = 2G (7 - 5ν) / (15 (1 - ν)) [Pa]."""
+        nu = self.poisson_ratio
+        return self.young_modulus / (1.0 + nu) * (7.0 - 5.0 * nu) / (15.0 * (1.0 - nu))
+
+    @property
+    def bulk_stiffness(self) -> float:
+        """κ_v = 2E / (3 (1 - ν)) [Pa]: mean stress by mean eigenstrain (a third of the trace)."""
+        return 2.0 * self.young_modulus / (3.0 * (1.0 - self.poisson_ratio))
+
+    @property
+    def shear_give(self) -> float:
+        """1/κ - 1/2G [1/Pa]."""
+        return 1.0 / self.shear_stiffness - (1.0 + self.poisson_ratio) / self.young_modulus
+
+    @property
+    def bulk_give(self) -> float:
+        """1/κ_v - 1/3K [1/Pa]."""
+        return 1.0 / self.bulk_stiffness - (1.0 - 2.0 * self.poisson_ratio) / self.young_modulus
+
+
+@runtime_checkable
+class HasCellAnswer(Protocol):
+    """Optional ability of a law: the answer of cells in an elastic body, faster than by Newton's method on `update`.
+
+    It is the local step of an iteration, and any answer leads to the same result: at the end the stress is that of
+    `update` for the strain.
+    """
+
+    def cell_answer(
+        self,
+        foreign: FloatArray,
+        prestrain: FloatArray,
+        around: Surroundings,
+        before: Mapping[str, FloatArray],
+        step: LawStep,
+    ) -> tuple[FloatArray, Mapping[str, FloatArray]]:
+        """Eigenstrain of cells, and what they then remember.
+
+        Parameters
+        ----------
+        foreign : (6, n)
+            Mandel stress that all others cause [Pa].
+        prestrain : (6, n)
+            Strain without stress of the material [-].
+        around : Surroundings
+        before, step
+            See `ConstitutiveLaw.update`.
+
+        Returns
+        -------
+        eigenstrain : (6, n)
+            Strain less that of the stress in the material around, prestrain included [-].
+        variables : mapping of str to (components, n)
+        """
         ...

@@ -1,0 +1,73 @@
+"""The kind *hardening law*: how the yield surface of a plastic material grows, or moves, with plastic strain."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin.component import Component
+
+__all__ = ["HardeningLaw", "IsotropicHardening", "KinematicHardening"]
+
+FloatArray = NDArray[np.float64]
+
+
+class HardeningLaw(Component, ABC):
+    """What a plastic law asks when it yields: see `IsotropicHardening` and `KinematicHardening`."""
+
+    kind: ClassVar[str] = "hardening-law"
+
+    def of_material(self, young_modulus: float) -> HardeningLaw:  # noqa: ARG002
+        """Law in a material of this Young's modulus [Pa]; itself, but for parameters that are measured on it."""
+        return self
+
+
+class IsotropicHardening(HardeningLaw):
+    """The size of the yield surface."""
+
+    @abstractmethod
+    def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Stress at which the material flows, and its slope.
+
+        Parameters
+        ----------
+        p : (n,)
+            Equivalent plastic strain [-], zero or positive.
+
+        Returns
+        -------
+        flow_stress, slope : (n,)
+            In uniaxial tension, positive, and its derivative by p, both [Pa]. The slope may be negative.
+        """
+
+
+class KinematicHardening(HardeningLaw):
+    """One back-stress X, the middle of the yield surface.
+
+    A plastic strain dε_p, of the size dp, turns X into ``θ(dp) (X + (2/3) C dε_p)``.
+
+    Attributes
+    ----------
+    modulus : float
+        C [Pa], zero or positive; a field, or a property.
+    """
+
+    modulus: float
+
+    @abstractmethod
+    def recall(self, dp: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Part of the back-stress that stays, and its derivative.
+
+        Parameters
+        ----------
+        dp : (n,)
+            Increment of the equivalent plastic strain [-], zero or positive.
+
+        Returns
+        -------
+        theta, slope : (n,)
+            θ in (0, 1], 1 at dp = 0, and its derivative by dp.
+        """

@@ -1,0 +1,54 @@
+"""Damage that grows with plastic strain and saturates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Component, PlasticDamage, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ExponentialDamage"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExponentialDamage(PlasticDamage):
+    """``D = D_inf (1 - exp(-p / p0))``: bone.
+
+    Parameters
+    ----------
+    saturation : float
+        D_inf in [0, 1).
+    strain : float
+        p0 [-], positive.
+    """
+
+    key: ClassVar[str] = "exponential"
+    references: ClassVar[tuple[str, ...]] = (
+        "D. Garcia, P. K. Zysset, M. Charlebois, A. Curnier 2009, Biomech. Model. Mechanobiol. 8, 149",
+    )
+
+    saturation: float
+    strain: float
+
+    def __post_init__(self) -> None:
+        require(0 <= self.saturation < 1, self.key, "saturation", self.saturation, "in [0, 1) [-]")
+        require(0 < self.strain < np.inf, self.key, "strain", self.strain, "positive and finite [-]")
+
+    def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `PlasticDamage.damage`."""
+        left = np.exp(-p / self.strain)
+        return self.saturation * (1.0 - left), self.saturation / self.strain * left
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register the exponential law."""
+    return [ExponentialDamage]

@@ -1,0 +1,71 @@
+"""Damage by a measured curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Component, DataFile, PlasticDamage, hookimpl, read_columns, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["TabulatedDamage"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabulatedDamage(PlasticDamage):
+    """Damage by points of a curve over plastic strain: lines between them, constant beyond the last.
+
+    Parameters
+    ----------
+    strain, values : tuple of float, optional
+        Equivalent plastic strain [-], from 0 upwards, and D, from 0, never falling, below 1.
+    file : str, optional
+        Text file of two columns, plastic strain and D, instead of them.
+    """
+
+    key: ClassVar[str] = "tabulated"
+    references: ClassVar[tuple[str, ...]] = ("elementary: linear interpolation",)
+
+    strain: tuple[float, ...] = ()
+    values: tuple[float, ...] = ()
+    file: DataFile | None = None
+
+    def __post_init__(self) -> None:
+        given = bool(self.strain or self.values)
+        require(given != (self.file is not None), self.key, "file", self.file, "given, or else strain and values")
+        strain, values = self._curve
+        name = "file" if self.file is not None else "strain"
+        same = strain.size == values.size >= 2
+        require(same, self.key, name, (strain.size, values.size), "at least two strains, and as many values")
+        rising = bool(strain[0] == 0 and np.all(np.diff(strain) > 0) and np.isfinite(strain[-1]))
+        require(rising, self.key, name, strain.tolist(), "plastic strains that ascend from 0 [-]")
+        name = "file" if self.file is not None else "values"
+        good = bool(values[0] == 0 and np.all(np.diff(values) >= 0) and values[-1] < 1)
+        require(good, self.key, name, values.tolist(), "damage from 0, never falling, below 1 [-]")
+
+    @cached_property
+    def _curve(self) -> tuple[FloatArray, FloatArray]:
+        if self.file is None:
+            return np.array(self.strain, dtype=float), np.array(self.values, dtype=float)
+        columns = read_columns(f"{self.key}.file", self.file, ("plastic-strain", "damage"))
+        return columns[0], columns[1]
+
+    def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `PlasticDamage.damage`."""
+        strain, values = self._curve
+        slopes = np.append(np.diff(values) / np.diff(strain), 0.0)
+        return np.interp(p, strain, values), slopes[np.searchsorted(strain, p, side="right") - 1]
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register the measured curve."""
+    return [TabulatedDamage]

@@ -1,0 +1,47 @@
+"""No hardening."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Perfect"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Perfect(IsotropicHardening):
+    """The flow stress never changes.
+
+    Parameters
+    ----------
+    yield_stress : float
+        Yield stress in tension [Pa], positive; infinite is allowed, the material then never yields.
+    """
+
+    key: ClassVar[str] = "perfect"
+    references: ClassVar[tuple[str, ...]] = ("R. Hill 1950, The Mathematical Theory of Plasticity, chapter II",)
+
+    yield_stress: Stress
+
+    def __post_init__(self) -> None:
+        require(self.yield_stress > 0, self.key, "yield_stress", self.yield_stress, "positive [Pa]")
+
+    def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `IsotropicHardening.flow_stress`."""
+        return np.full_like(p, self.yield_stress), np.zeros_like(p)
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register perfect plasticity."""
+    return [Perfect]

@@ -1,0 +1,72 @@
+"""Hardening by a measured curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Component, DataFile, IsotropicHardening, Stress, hookimpl, read_columns, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Tabulated"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tabulated(IsotropicHardening):
+    """Flow stress by points of a curve: lines between them, constant beyond the last.
+
+    Parameters
+    ----------
+    strain, stress : tuple of float, optional
+        Equivalent plastic strain [-], from 0 upwards, and flow stress [Pa], positive.
+    file : str, optional
+        Text file of two columns, plastic strain [-] and flow stress [Pa], instead of them.
+    """
+
+    key: ClassVar[str] = "tabulated"
+    references: ClassVar[tuple[str, ...]] = ("elementary: linear interpolation",)
+
+    strain: tuple[float, ...] = ()
+    stress: tuple[Stress, ...] = ()
+    file: DataFile | None = None
+
+    def __post_init__(self) -> None:
+        given = bool(self.strain or self.stress)
+        require(given != (self.file is not None), self.key, "file", self.file, "given, or else strain and stress")
+        strain, stress = self._curve
+        name = "file" if self.file is not None else "strain"
+        same = strain.size == stress.size >= 2
+        require(same, self.key, name, (strain.size, stress.size), "at least two strains, and as many stresses")
+        rising = bool(strain[0] == 0 and np.all(np.diff(strain) > 0) and np.isfinite(strain[-1]))
+        require(rising, self.key, name, strain.tolist(), "plastic strains that ascend from 0 [-]")
+        name = "file" if self.file is not None else "stress"
+        good = bool(np.all((stress > 0) & (stress < np.inf)))
+        require(good, self.key, name, stress.tolist(), "positive and finite [Pa]")
+
+    @cached_property
+    def _curve(self) -> tuple[FloatArray, FloatArray]:
+        if self.file is None:
+            return np.array(self.strain, dtype=float), np.array(self.stress, dtype=float)
+        columns = read_columns(f"{self.key}.file", self.file, ("plastic-strain", "flow-stress"))
+        return columns[0], columns[1]
+
+    def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `IsotropicHardening.flow_stress`."""
+        strain, stress = self._curve
+        slopes = np.append(np.diff(stress) / np.diff(strain), 0.0)
+        piece = np.searchsorted(strain, p, side="right") - 1
+        return np.interp(p, strain, stress), slopes[piece]
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register the measured curve."""
+    return [Tabulated]

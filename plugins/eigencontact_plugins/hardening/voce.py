@@ -1,0 +1,58 @@
+"""Hardening that saturates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Voce"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Voce(IsotropicHardening):
+    """``Y = Y0 + Q (1 - exp(-b p))``.
+
+    Parameters
+    ----------
+    yield_stress : float
+        Y0 [Pa], positive.
+    saturation : float
+        Q [Pa]: what the flow stress gains in the end; negative softens, and the sum with Y0 stays positive.
+    rate : float
+        b [-], positive.
+    """
+
+    key: ClassVar[str] = "voce"
+    references: ClassVar[tuple[str, ...]] = ("E. Voce 1948, J. Inst. Metals 74, 537",)
+
+    yield_stress: Stress
+    saturation: Stress
+    rate: float
+
+    def __post_init__(self) -> None:
+        good = 0 < self.yield_stress < np.inf
+        require(good, self.key, "yield_stress", self.yield_stress, "positive and finite [Pa]")
+        good = -self.yield_stress < self.saturation < np.inf
+        require(good, self.key, "saturation", self.saturation, "finite, and above -yield-stress [Pa]")
+        require(0 < self.rate < np.inf, self.key, "rate", self.rate, "positive and finite [-]")
+
+    def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `IsotropicHardening.flow_stress`."""
+        left = np.exp(-self.rate * p)
+        return self.yield_stress + self.saturation * (1.0 - left), self.saturation * self.rate * left
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register Voce's law."""
+    return [Voce]

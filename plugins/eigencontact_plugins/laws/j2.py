@@ -1,0 +1,225 @@
+"""Metal plasticity: yield by the stress of von Mises, with hardening and damage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import (
+    Component,
+    ConstitutiveLaw,
+    HardeningLaw,
+    IsotropicHardening,
+    KinematicHardening,
+    LawStep,
+    PlasticDamage,
+    Response,
+    SceneError,
+    Stress,
+    Surroundings,
+    Variable,
+    hookimpl,
+    require,
+)
+from eigencontact_plugins.laws.radial_return import Drive, RadialReturn, Returned
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["J2"]
+
+FloatArray = NDArray[np.float64]
+
+_ROOT = float(np.sqrt(1.5))
+_UNIT = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+_DEVIATOR = np.eye(6) - np.outer(_UNIT, _UNIT) / 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class J2(ConstitutiveLaw):
+    """Isotropic elasticity up to the yield stress of von Mises; what is beyond flows along the deviator.
+
+    The step is implicit (backward Euler): large increments, reversals and cycles are ordinary.
+
+    Parameters
+    ----------
+    hardening : HardeningLaw, or several
+        One that is isotropic, which gives the yield stress, and any number of back-stresses; several of
+        ``armstrong-frederick`` are Chaboche's law.
+    young_modulus, poisson_ratio : float, optional
+        E [Pa], positive and finite, and ν [-] in (-1, 0.5); those of the body where they are not given.
+    damage : PlasticDamage, optional
+        Loss of stiffness by plastic strain.
+    yield_on : str
+        Of a material with damage: ``"nominal"``, the stress itself, or ``"effective"``, that in the part of the
+        material that still bears, ``σ / (1 - D)``; the nominal strength falls then with damage.
+    """
+
+    key: ClassVar[str] = "j2"
+    references: ClassVar[tuple[str, ...]] = (
+        "R. von Mises 1913, Nachr. Ges. Wiss. Goettingen, 582",
+        "J. C. Simo, T. J. R. Hughes 1998, Computational Inelasticity, chapter 3",
+        "J. Lemaitre 1985, J. Eng. Mater. Technol. 107, 83 (effective stress)",
+    )
+
+    hardening: tuple[HardeningLaw, ...]
+    young_modulus: Stress | None = None
+    poisson_ratio: float | None = None
+    damage: PlasticDamage | None = None
+    yield_on: Literal["nominal", "effective"] = "nominal"
+
+    def __post_init__(self) -> None:
+        E, nu = self.young_modulus, self.poisson_ratio
+        require(E is None or 0 < E < np.inf, self.key, "young_modulus", E, "positive and finite [Pa]")
+        require(nu is None or -1 < nu < 0.5, self.key, "poisson_ratio", nu, "in (-1, 0.5) [-]")
+        sizes = [law.key for law in self.hardening if isinstance(law, IsotropicHardening)]
+        rule = "one that gives a yield stress (perfect, linear, swift ...), and any number of back-stresses"
+        require(len(sizes) == 1, self.key, "hardening", [law.key for law in self.hardening], rule)
+        good = self.damage is None or isinstance(self.damage, PlasticDamage)
+        require(good, self.key, "damage", getattr(self.damage, "key", None), "a law of plastic strain")
+        if E is not None:
+            for law in self.hardening:
+                law.of_material(E)
+
+    def of_body(self, young_modulus: float, poisson_ratio: float) -> J2:
+        """See `OfBody.of_body`."""
+        return replace(
+            self,
+            young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
+            poisson_ratio=poisson_ratio if self.poisson_ratio is None else self.poisson_ratio,
+        )
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
+        """See `ConstitutiveLaw.variables`; one back-stress of each kinematic law."""
+        found = {
+            "equivalent_plastic_strain": Variable("1", "equivalent plastic strain"),
+            "plastic_strain": Variable("1", "plastic strain", 6),
+        }
+        for number in range(1, len(self._kinematic) + 1):
+            found[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
+        if self.damage is not None:
+            found["damage"] = Variable("1", "part of the stiffness that is lost")
+        return found
+
+    @property
+    def words(self) -> str:
+        """See `ConstitutiveLaw.words`."""
+        return f"material that yields ({', '.join(law.key for law in self.hardening)})"
+
+    @cached_property
+    def _kinematic(self) -> list[KinematicHardening]:
+        return [law for law in self._hardening if isinstance(law, KinematicHardening)]
+
+    @cached_property
+    def _hardening(self) -> list[HardeningLaw]:
+        E = self.young_modulus
+        return list(self.hardening) if E is None else [law.of_material(E) for law in self.hardening]
+
+    @cached_property
+    def _constants(self) -> tuple[float, float]:
+        """Shear and bulk modulus [Pa]."""
+        E, nu = self.young_modulus, self.poisson_ratio
+        if E is None or nu is None:
+            name = "young-modulus" if E is None else "poisson-ratio"
+            raise SceneError(f"{self.key}.{name} must be given (got none); without it the law needs those of a body")
+        return E / (2.0 * (1.0 + nu)), E / (3.0 * (1.0 - 2.0 * nu))
+
+    @cached_property
+    def _return(self) -> RadialReturn:
+        return RadialReturn(
+            shear_modulus=self._constants[0],
+            isotropic=next(law for law in self._hardening if isinstance(law, IsotropicHardening)),
+            kinematic=self._kinematic,
+            damage=self.damage,
+            effective=self.yield_on == "effective",
+        )
+
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:  # noqa: ARG002
+        """See `ConstitutiveLaw.update`; the tangent is that of the implicit step, not symmetric with damage.
+
+        Raises
+        ------
+        NotConverged
+            Points that soften faster than -3G.
+        """
+        bulk, volume = self._constants[1], _UNIT @ strain
+        drive = self._drive(_DEVIATOR @ strain, 0.0, before)
+        now = self._return.state(drive, self._return.increments(drive))
+        deviator, after = self._after(drive, now, before)
+        stress = deviator + now.sound * bulk * volume * _UNIT[:, None]
+        return Response(stress=stress, tangent=self._tangent(drive, now, deviator, volume), variables=after)
+
+    def cell_answer(
+        self,
+        foreign: FloatArray,
+        prestrain: FloatArray,
+        around: Surroundings,
+        before: Mapping[str, FloatArray],
+        step: LawStep,  # noqa: ARG002
+    ) -> tuple[FloatArray, dict[str, FloatArray]]:
+        """See `HasCellAnswer.cell_answer`."""
+        mean = _UNIT @ foreign / 3.0
+        shear, bulk = around.shear_stiffness, around.bulk_stiffness
+        drive = self._drive(_DEVIATOR @ (foreign / shear - prestrain), around.shear_give, before)
+        now = self._return.state(drive, self._return.increments(drive))
+        deviator, after = self._after(drive, now, before)
+        lost = 1.0 / (3.0 * self._constants[1] * now.sound) + around.bulk_give
+        pressed = (mean / bulk - _UNIT @ prestrain / 3.0) / lost
+        away = _DEVIATOR @ foreign - deviator
+        return away / shear + (mean - pressed) / bulk * _UNIT[:, None], after
+
+    def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray]) -> Drive:
+        back = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
+        stacked = np.stack(back) if back else np.zeros((0, *deviator.shape))
+        return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked)
+
+    def _after(
+        self, drive: Drive, now: Returned, before: Mapping[str, FloatArray]
+    ) -> tuple[FloatArray, dict[str, FloatArray]]:
+        """Deviatoric stress, and what is remembered."""
+        flowed = _ROOT * now.dp * now.flow
+        stress = now.w * (drive.tau - flowed)
+        after = {
+            "equivalent_plastic_strain": (drive.p + now.dp)[None],
+            "plastic_strain": before["plastic_strain"] + flowed,
+        }
+        for number, law in enumerate(self._kinematic):
+            turned = drive.back[number] + law.modulus / 1.5 * flowed
+            after[f"back_stress_{number + 1}"] = now.theta[number] * turned
+        if self.damage is not None:
+            after["damage"] = (1.0 - now.sound)[None]
+        return (now.sound if self._return.effective else 1.0) * stress, after
+
+    def _tangent(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
+        """Derivative of the stress by the strain, ``(6, 6, n)``."""
+        bulk, effective = self._constants[1], self._return.effective
+        unit, m = np.eye(6)[:, :, None], now.flow
+        # Derivative of dp by τ: zero where nothing flows.
+        grown: Any = np.where(now.dp > 0.0, -_ROOT * now.w / now.slope, 0.0) * m
+        size = np.sqrt(np.sum(now.reached**2, axis=0))
+        moved = now.w * unit + _outer(now.dw * drive.tau - now.drecalled, grown)
+        across = (moved - _outer(m, np.einsum("in,ijn->jn", m, moved))) / np.where(size > 0.0, size, 1.0)
+        flowing = now.dw * drive.tau - _ROOT * (now.w + now.dw * now.dp) * m
+        out = now.w * unit + _outer(flowing, grown) - _ROOT * now.w * now.dp * across
+        if effective:
+            whole = deviator / now.sound
+            out = now.sound * out + _outer(now.dsound * whole, grown)
+        out = out + _outer(now.dsound * bulk * volume * _UNIT[:, None], grown)
+        out = np.einsum("ijn,jk->ikn", out, _DEVIATOR)
+        return cast("FloatArray", out + now.sound * bulk * np.outer(_UNIT, _UNIT)[:, :, None])
+
+
+def _outer(one: FloatArray, other: FloatArray) -> FloatArray:
+    return one[:, None, :] * other[None, :, :]
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register metal plasticity."""
+    return [J2]

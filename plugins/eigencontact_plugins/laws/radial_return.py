@@ -1,0 +1,202 @@
+r"""Implicit return to a yield surface of von Mises, with isotropic and kinematic hardening and damage.
+
+A point is driven by a deviatoric strain τ (less its plastic strain) through a compliance: ``s = w τ`` with
+``1/w = 1/(2G (1 - D)) + b``. For the strain of a point b is zero; for a cell in an elastic body it is what the body
+around gives way (see `eigencontact.plugin.Surroundings`). A plastic increment dp along the unit flow m leads to
+
+    s = w (τ - √(3/2) dp m),   X_i = θ_i (X_i + (2/3) C_i √(3/2) dp m),   ξ = s - Σ X_i,
+
+and m is parallel to ``ξ* = w τ - Σ θ_i X_i``; one equation for dp is left:
+
+    f(dp) = √(3/2) |ξ*| - (3/2) dp (w + (2/3) Σ θ_i C_i) - Y(p + dp) = 0.
+
+With yield on the effective stress s and σ stand for ``σ / (1 - D)``.
+
+References
+----------
+J. C. Simo and T. J. R. Hughes 1998, Computational Inelasticity, chapter 3; J.-L. Chaboche and G. Cailletaud 1996,
+Comput. Methods Appl. Mech. Eng. 133, 125 (several back-stresses: one equation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import IsotropicHardening, KinematicHardening, NotConverged, PlasticDamage
+
+__all__ = ["Drive", "RadialReturn", "Returned"]
+
+FloatArray = NDArray[np.float64]
+
+_ROOT = float(np.sqrt(1.5))
+#: Steps of the search for dp, doublings of its bracket, and residual that is round-off, in parts of the stress.
+_STEPS, _DOUBLINGS, _ROUND_OFF = 100, 60, 1e-13
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """What drives n points, and what they remember.
+
+    Attributes
+    ----------
+    tau : (6, n)
+        Deviatoric Mandel strain less the plastic strain.
+    give : float
+        b [1/Pa].
+    p : (n,)
+        Equivalent plastic strain.
+    back : (k, 6, n)
+        Back-stresses [Pa].
+    """
+
+    tau: FloatArray
+    give: float
+    p: FloatArray
+    back: FloatArray
+
+    def of(self, points: NDArray[np.bool_]) -> Drive:
+        """Some of the points."""
+        return Drive(self.tau[:, points], self.give, self.p[points], self.back[:, :, points])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Returned:
+    """State at dp, with derivatives by dp (names that begin with d).
+
+    Attributes
+    ----------
+    residual, slope : (n,)
+        f [Pa] and its derivative.
+    w, dw : (n,)
+        Stiffness of the points [Pa], at the level at which they yield.
+    sound, dsound : (n,)
+        1 - D.
+    recalled, drecalled : (6, n)
+        Σ θ X [Pa].
+    reached : (6, n)
+        ξ* [Pa].
+    flow : (6, n)
+        m; zero where ξ* is.
+    theta : (k, n)
+    """
+
+    dp: FloatArray
+    residual: FloatArray
+    slope: FloatArray
+    w: FloatArray
+    dw: FloatArray
+    sound: FloatArray
+    dsound: FloatArray
+    drecalled: FloatArray
+    reached: FloatArray
+    flow: FloatArray
+    theta: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialReturn:
+    """Return mapping of one material.
+
+    Attributes
+    ----------
+    shear_modulus : float
+        G of the sound material [Pa].
+    isotropic : IsotropicHardening
+    kinematic : sequence of KinematicHardening
+    damage : PlasticDamage or None
+    effective : bool
+        Whether the effective stress yields.
+    """
+
+    shear_modulus: float
+    isotropic: IsotropicHardening
+    kinematic: Sequence[KinematicHardening] = field(default=())
+    damage: PlasticDamage | None = None
+    effective: bool = False
+
+    def increments(self, drive: Drive) -> FloatArray:
+        """Plastic increment dp of every point, zero where it does not yield.
+
+        Raises
+        ------
+        NotConverged
+            Points that soften faster than what drives them gives way: their answer is not unique.
+        """
+        dp = np.zeros_like(drive.p)
+        active = self.state(drive, dp).residual > 0.0
+        if active.any():
+            dp[active] = self._root(drive.of(active), active)
+        return dp
+
+    def state(self, drive: Drive, dp: FloatArray) -> Returned:
+        """State after increments dp."""
+        p = drive.p + dp
+        flow_stress, hardening = self.isotropic.flow_stress(p)
+        damage, growth = (np.zeros_like(p), np.zeros_like(p)) if self.damage is None else self.damage.damage(p)
+        sound, twice = 1.0 - damage, 2.0 * self.shear_modulus
+        around = 1.0 + sound * twice * drive.give
+        if self.effective:
+            w, dw = twice / around, growth * drive.give * (twice / around) ** 2
+        else:
+            w, dw = sound * twice / around, -growth * twice / around**2
+        g, dg = w.copy(), dw.copy()
+        recalled, drecalled = np.zeros_like(drive.tau), np.zeros_like(drive.tau)
+        theta = np.ones((len(self.kinematic), p.size))
+        for number, law in enumerate(self.kinematic):
+            theta[number], falling = law.recall(dp)
+            recalled += theta[number] * drive.back[number]
+            drecalled += falling * drive.back[number]
+            g += law.modulus / 1.5 * theta[number]
+            dg += law.modulus / 1.5 * falling
+        reached = w * drive.tau - recalled
+        size = np.sqrt(np.sum(reached**2, axis=0))
+        flow = reached / np.where(size > 0.0, size, 1.0)
+        residual = _ROOT * size - 1.5 * dp * g - flow_stress
+        slope = _ROOT * np.sum(flow * (dw * drive.tau - drecalled), axis=0) - 1.5 * (g + dp * dg) - hardening
+        return Returned(
+            dp=dp, residual=residual, slope=slope, w=w, dw=dw, sound=sound, dsound=-growth, drecalled=drecalled,
+            reached=reached, flow=flow, theta=theta,
+        )  # fmt: skip
+
+    def _root(self, drive: Drive, active: NDArray[np.bool_]) -> FloatArray:
+        """Root of f in a bracket: Newton's step, or the middle where that is no better."""
+        low = np.zeros_like(drive.p)
+        now = self.state(drive, low)
+        scale = _ROOT * np.sqrt(np.sum(now.reached**2, axis=0))
+        high = now.residual / (1.5 * now.w)
+        for _ in range(_DOUBLINGS):
+            above = self.state(drive, high).residual > 0.0
+            if not above.any():
+                break
+            low, high = np.where(above, high, low), np.where(above, 2.0 * high, high)
+        else:
+            raise self._refusal(active, above)
+        dp, step = low, high - low
+        now = self.state(drive, dp)
+        for _ in range(_STEPS):
+            low, high = np.where(now.residual > 0.0, dp, low), np.where(now.residual > 0.0, high, dp)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                newton = dp - now.residual / now.slope
+            good = (newton > low) & (newton < high) & (np.abs(newton - dp) < 0.5 * np.abs(step))
+            following = np.where(good, newton, 0.5 * (low + high))
+            close = np.abs(now.residual) <= _ROUND_OFF * scale
+            following = np.where(close, dp, following)
+            dp, step = following, np.where(close, step, following - dp)
+            if close.all():
+                break
+            now = self.state(drive, dp)
+        unclear = ~(now.slope < 0.0)
+        if unclear.any():
+            raise self._refusal(active, unclear)
+        return dp
+
+    def _refusal(self, active: NDArray[np.bool_], which: NDArray[np.bool_]) -> NotConverged:
+        first = int(np.flatnonzero(active)[which][0])
+        return NotConverged(
+            f"{int(which.sum())} points soften so fast that their answer is not unique, point {first} the first of "
+            f"{active.size}; take a less steep law, or smaller load steps"
+        )
