@@ -37,8 +37,17 @@ COUPLED = (
     "rolling-over-inclusion", "two-inclusions", "void-near-surface",
 )  # fmt: skip
 #: Scene, or scene and variable, -> largest relative difference allowed, and the reason.
-_START = (1e-6, "each step starts from the eigenstrain of the last, which is now stored: the same to the tolerance")
-EXCEPTIONS = {"prestressed-concrete": _START, "rolling-over-inclusion": _START}
+_SWEPT = (3e-6, "cells are swept with the contact, in place of rounds of solves: the same to the tolerance (1e-6)")
+_PLACE = (np.inf, "the place of a maximum: rounding chooses among its mirror images")
+EXCEPTIONS = {
+    **dict.fromkeys(
+        ("ellipsoid-under-contact", "inclusion-cluster", "inclusion-under-contact", "prestressed-concrete",
+         "rolling-over-inclusion"), _SWEPT,
+    ),
+    "rolling-over-inclusion:moment_x": (1.0, "zero by symmetry, up to the tolerance"),
+    "coated-fretting:dissipated_energy_max_x": _PLACE,
+    "coated-fretting:dissipated_energy_max_y": _PLACE,
+}  # fmt: skip
 
 
 def scenes() -> Iterator[tuple[str, list[str]]]:
@@ -89,7 +98,7 @@ def _rounding(variable: str, then: dict[str, list[float]]) -> float:
 
     Moments are measured by the load on an arm of a contact radius.
     """
-    stem = variable.rsplit("_", 1)[0]
+    stem = "moment" if "moment" in variable else variable.rsplit("_", 1)[0]
     kin = [values[1] for other, values in then.items() if other.rsplit("_", 1)[0] == stem]
     if stem == "moment":
         kin.append(then["normal_load"][1] * then["contact_radius"][1])
