@@ -85,10 +85,10 @@ def kind_within(hint: Any) -> type[Component] | None:
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
     """Component, or several, of the tables of a field; components themselves stay."""
-    one_of_many = get_origin(hint) in (list, tuple) and isinstance(value, Mapping)
-    if one_of_many or isinstance(value, list | tuple):
-        tables = [value] if one_of_many else value
-        return tuple(_parts(registry, kind, kind, one, f"{where}.{n}") for n, one in enumerate(tables))
+    if isinstance(value, list | tuple):
+        return tuple(_parts(registry, kind, kind, one, f"{where}.{number}") for number, one in enumerate(value))
+    if get_origin(hint) in (list, tuple):
+        return (_parts(registry, kind, kind, value, where),)
     return build_component(registry, kind.kind, value, where) if isinstance(value, Mapping) else value
 
 

@@ -166,6 +166,10 @@ class RadialReturn:
         """Root of f in a bracket: Newton's step, or the middle where that is no better."""
         low = np.zeros_like(drive.p)
         now = self.state(drive, low)
+        # Slope of f where the point begins to yield: the stress that a point bears must rise with what drives it.
+        first = now.slope - now.dw / now.w * now.residual
+        if not np.all(first < 0.0):
+            raise self._refusal(active, ~(first < 0.0))
         scale = _ROOT * np.sqrt(np.sum(now.reached**2, axis=0))
         high = now.residual / (1.5 * now.w)
         for _ in range(_DOUBLINGS):
