@@ -97,10 +97,20 @@ def test_the_scene_runs_with_the_law_of_its_block(page, install, tmp_path):
     assert unloaded == close(loaded, rel=1e-6)
 
 
+def hyperbolic(names):
+    return names["Hyperbolic"](yield_stress=1e9, gain=5e8, half=0.01)
+
+
+def test_the_hardening_law_of_the_page_passes_its_checks(names):
+    for check in checks_for(hyperbolic(names)):
+        if check.__name__ != "check_registered":
+            check(hyperbolic(names))
+
+
 def test_every_check_is_explained_and_no_other(page, names):
     rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `check_")]
     explained = {name for row in rows for name in re.findall(r"`(check_\w+)`", row)}
-    components = (names["fast_shell"], names["crushing"])
+    components = (names["fast_shell"], names["crushing"], hyperbolic(names))
     assert explained == {c.__name__ for item in components for c in checks_for(item, finite_elements=True)}
 
 

@@ -115,15 +115,15 @@ BROKEN = {
     ),
     "registers no class": (
         HEAD + CLASS + HOOK.replace("[Bowl]", "[Bowl()]"),
-        "must be a subclass of one of ConstitutiveLaw, Eigenstrain",
+        "must be a subclass of one of ConstitutiveLaw, DamageLaw, Eigenstrain",
     ),
     "of no kind": (
         HEAD + CLASS.replace("(Geometry)", "") + HOOK,
-        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, EigenstrainField, FrictionLaw, Geometry,",
+        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, DamageLaw, EigenstrainField, FrictionLaw, Geometry,",
     ),
     "of a kind that is none": (
         HEAD + CLASS.replace("    key:", "    kind: ClassVar[str] = 'dish'\n    key:") + HOOK,
-        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, EigenstrainField",
+        "PluginError: Bowl must be a subclass of one of ConstitutiveLaw, DamageLaw, EigenstrainField",
     ),
     "annotation unknown": (
         "from __future__ import annotations\n" + HEAD + CLASS + "    depth: Nowhere = 1.0\n" + HOOK,
@@ -196,9 +196,11 @@ def test_one_hook_may_return_classes_of_several_kinds(install):
 def test_every_kind_comes_from_its_exported_class():
     assert {kind: cls.__name__ for kind, cls in KINDS.items()} == {
         "constitutive-law": "ConstitutiveLaw",
+        "damage-law": "DamageLaw",
         "eigenstrain-field": "EigenstrainField",
         "friction-law": "FrictionLaw",
         "geometry": "Geometry",
+        "hardening-law": "HardeningLaw",
         "inclusion-shape": "InclusionShape",
         "layered-medium": "LayeredMedium",
         "observer": "Observer",

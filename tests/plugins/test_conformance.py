@@ -153,6 +153,46 @@ def test_constitutive_laws_conform(component, check):
     check(component)
 
 
+def curve(kind, key, **parameters):
+    return ec.make(key, kind=kind, **parameters)
+
+
+CURVES = [
+    curve("hardening-law", "perfect", yield_stress="1 GPa"),
+    curve("hardening-law", "linear", yield_stress="1 GPa", modulus="20 GPa"),
+    curve("hardening-law", "linear", yield_stress="1 GPa", modulus="-20 GPa", least_stress="50 MPa"),
+    curve("hardening-law", "swift", B="1240 MPa", C=30, n=0.085),
+    curve("hardening-law", "ludwik", yield_stress="1 GPa", strength="2 GPa", n=0.4),
+    curve("hardening-law", "voce", yield_stress="1 GPa", saturation="0.5 GPa", rate=40),
+    curve("hardening-law", "tabulated", strain=(0, 0.01, 0.1), stress=("1 GPa", "1.2 GPa", "1.5 GPa")),
+    curve("hardening-law", "prager", modulus="20 GPa"),
+    curve("hardening-law", "armstrong-frederick", modulus="100 GPa", recovery=500),
+    curve("damage-law", "exponential", saturation=0.6, strain=0.02),
+    curve("damage-law", "tabulated", strain=(0, 0.01, 0.1), values=(0, 0.3, 0.4)),
+]
+
+
+@parametrize_with_checks(CURVES)
+def test_hardening_and_damage_laws_conform(component, check):
+    check(component)
+
+
+STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
+YIELDING = [
+    material("j2", **STEEL, hardening=CURVES[0]),
+    material("j2", **STEEL, hardening=CURVES[3]),
+    material("j2", young_modulus="18.6 GPa", poisson_ratio=0.49, hardening=(CURVES[1], CURVES[7])),
+    material("j2", **STEEL, hardening=(CURVES[0], CURVES[8], CURVES[7])),
+    material("j2", **STEEL, hardening=CURVES[0], damage=CURVES[9]),
+    material("j2", **STEEL, hardening=CURVES[2], damage=CURVES[9], yield_on="effective"),
+]
+
+
+@parametrize_with_checks(YIELDING)
+def test_laws_that_yield_conform(component, check):
+    check(component)
+
+
 @pytest.fixture(scope="module", params=[0.45, 0.5])
 def lattice(request, tmp_path_factory):
     """File of a map: E falls with the depth and along x; incompressible at depth or nowhere."""

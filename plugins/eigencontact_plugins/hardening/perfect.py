@@ -25,7 +25,7 @@ class Perfect(IsotropicHardening):
     Parameters
     ----------
     yield_stress : float
-        Yield stress in tension [Pa], positive; infinite is allowed, the material then never yields.
+        Yield stress in tension [Pa], positive.
     """
 
     key: ClassVar[str] = "perfect"
@@ -34,7 +34,8 @@ class Perfect(IsotropicHardening):
     yield_stress: Stress
 
     def __post_init__(self) -> None:
-        require(self.yield_stress > 0, self.key, "yield_stress", self.yield_stress, "positive [Pa]")
+        good = 0 < self.yield_stress < np.inf
+        require(good, self.key, "yield_stress", self.yield_stress, "positive and finite [Pa]")
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `IsotropicHardening.flow_stress`."""

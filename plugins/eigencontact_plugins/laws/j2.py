@@ -67,6 +67,8 @@ class J2(ConstitutiveLaw):
         "J. Lemaitre 1985, J. Eng. Mater. Technol. 107, 83 (effective stress)",
     )
 
+    isotropic: ClassVar[bool] = True
+
     hardening: tuple[HardeningLaw, ...]
     young_modulus: Stress | None = None
     poisson_ratio: float | None = None
@@ -106,6 +108,11 @@ class J2(ConstitutiveLaw):
         if self.damage is not None:
             found["damage"] = Variable("1", "part of the stiffness that is lost")
         return found
+
+    @property
+    def symmetric(self) -> bool:  # type: ignore[override]
+        """See `ConstitutiveLaw`: neither with damage nor with a back-stress that fades."""
+        return self.damage is None and all(law.recall(np.ones(1))[0][0] == 1.0 for law in self._kinematic)
 
     @property
     def words(self) -> str:

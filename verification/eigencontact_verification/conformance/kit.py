@@ -15,6 +15,7 @@ from eigencontact_verification.conformance import (
     finite_elements,
     friction,
     geometry,
+    hardening,
     identities,
     integrals,
     law_arrays,
@@ -37,7 +38,15 @@ _EVERY: tuple[Check, ...] = (
     common.check_bad_numbers_refused,
     common.check_bad_lengths_refused,
 )
+_CURVE: tuple[Check, ...] = (
+    hardening.check_curve_arrays,
+    hardening.check_curve_range,
+    hardening.check_curve_slope,
+    hardening.check_curve_pure,
+)
 _BY_KIND: dict[str, tuple[Check, ...]] = {
+    "hardening-law": _CURVE,
+    "damage-law": _CURVE,
     "inclusion-shape": (
         region.check_bounds,
         region.check_in_body,
