@@ -138,6 +138,8 @@ class Coupled:
             stubborn = [interior for interior in self._responding if not interior.answer_as_a_whole()]
             if len(stubborn) == len(self._responding):
                 raise
+        for interior in stubborn:
+            interior.begin(increment, before.remembered)
         return self._iterated(self._contact, increment, memory)
 
     def _alone(self) -> Solved:

@@ -83,6 +83,12 @@ class MaterialCells:
         self.fraction = np.where(kept, np.minimum(own / np.where(both, own + other, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
         self.normal = self._gradient(left)
+        for source, number, (place, share) in zip(self._sources, numbers, self._shares, strict=True):
+            filled = (self.index[place] == number) & (self.fraction[place] >= _HALF) & (share > _LEAST)
+            if not is_linear(source.law) and share.any():
+                assert source.lattice is not None
+                rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
+                require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
 
     @property
     def linear(self) -> LinearContent:

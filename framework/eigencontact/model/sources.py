@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.errors import SceneError
+from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
 from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape
@@ -191,6 +191,7 @@ def build_sources(
                 inhomogeneities.append(Inhomogeneity(**facts, shape=shape, field=field, law=law))
             if scene.numerics.half_space != "full-space":
                 _refuse_above((prescribed if law is None else inhomogeneities)[-1])
+    _refuse_clashes(inhomogeneities)
     for number, patch in enumerate(scene.eigenstrain):
         where = "eigenstrain" if len(scene.eigenstrain) == 1 else f"eigenstrain.{number}"
         prescribed.append(
@@ -205,6 +206,20 @@ def build_sources(
             )
         )
     return tuple(prescribed), tuple(inhomogeneities)
+
+
+def _refuse_clashes(inhomogeneities: Sequence[Inhomogeneity]) -> None:
+    """Refuse laws of one body that remember different things by one name: they are stored as one field."""
+    first: dict[tuple[int, str], Inhomogeneity] = {}
+    for source in inhomogeneities:
+        for name, own in source.law.variables.items():
+            other = first.setdefault((source.body, name), source)
+            known = other.law.variables[name]
+            same = (own.unit, own.components) == (known.unit, known.components)
+            rule = f"of a law that remembers {name!r} as {other.law.key!r} of {other.name!r} does, [{known.unit}] with "
+            rule += f"{known.components} components, or in the other body"
+            got = f"{source.law.key!r}: [{own.unit}] with {own.components}"
+            require(same, source.where, "material", got, rule)
 
 
 def _field(registry: Registry, table: Mapping[str, Any], where: str) -> EigenstrainField:

@@ -1,0 +1,299 @@
+"""Laws of materials in scenes: memory from step to step, halved steps, laws side by side, rigid and turned solids."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.errors import NotConverged, PluginError, SceneError
+from eigencontact.execution.driver import drive
+from eigencontact.execution.interiors.swept_cells import SweptCells
+from eigencontact.solvers.cell_sweeps import CellSweeps
+
+E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
+A = (0.75 * LOAD * RADIUS * (1 - NU**2) / E) ** (1 / 3)
+P0 = 1.5 * LOAD / (np.pi * A**2)
+YIELD = 0.3 * P0
+STEEL = {
+    "type": "yielding", "young-modulus": E, "poisson-ratio": NU, "yield-stress": YIELD, "hardening-modulus": 0.05 * E,
+}  # fmt: skip
+RUBBER = {"type": "stiffening", "shear-modulus": 0.3 * E, "growth": 100.0}
+UP_AND_DOWN = [{"normal-load": LOAD}, {"normal-load": 0.0}]
+
+
+@pytest.fixture
+def laws(install):
+    """Toy laws, installed as those of a stranger; a class of one's own may be put in the place of one."""
+
+    def package(source="", classes="Yielding, Stiffening, Fibred"):
+        head = "from toy_laws import *\nfrom eigencontact.errors import NotConverged\n"
+        hook = f"\n@hookimpl\ndef eigencontact_register():\n    return [{classes}]\n"
+        install(head + source + hook, name="eigencontact-toy-laws", entry="toy-laws")
+
+    return package
+
+
+def ball(material, radius=0.4, depth=0.45, x=0.0, **more):
+    """A ball of a material, places in contact radii."""
+    return {"type": "sphere", "center": [x * A, 0.0, depth * A], "radius": radius * A, "material": material, **more}
+
+
+def scene(*inclusions, cells=12, window=3.2, tolerance=1e-6, **tables):
+    return {
+        "body1": {"young-modulus": E, "poisson-ratio": NU},
+        "geometry": {"type": "sphere", "radius": RADIUS},
+        "grid": {"cells": cells, "size": [window * A, window * A]},
+        "steps": {"normal-load": LOAD},
+        "numerics": {"tolerance": tolerance, **tables.pop("numerics", {})},
+        "inclusions": list(inclusions),
+    } | tables
+
+
+def steps_of(*inclusions, **tables):
+    """Accepted steps of a scene, none of them stored."""
+    return list(drive(ec.plan(scene(*inclusions, **tables))))
+
+
+def pressure_of(*inclusions, **tables):
+    return steps_of(*inclusions, **tables)[-1].fields["pressure"]
+
+
+def test_a_body_that_yields_keeps_what_it_has_yielded(laws):
+    laws()
+    region = {"name": "cut", "shape": "plane", "depth-max": A, "depth-cells": 6}
+    result = ec.run(scene(ball(STEEL), cells=10, steps=UP_AND_DOWN, stress=region, output={"history": "all"}))
+    data = result.dataset
+    strain, hardening = data["plastic_strain_1"], data["hardening_1"]
+    assert (strain.attrs["units"], hardening.attrs["units"]) == ("1", "Pa")
+    assert strain.attrs["long_name"] == "plastic strain, Mandel components"
+    assert strain.dims[:2] == ("history_step", "mandel")
+    loaded = strain.values[0]
+    assert np.abs(loaded).max() > 1e-3
+    np.testing.assert_allclose(loaded[:3].sum(axis=0), 0.0, atol=1e-12)
+    first, second = hardening.values
+    assert first.min() == 0.0
+    assert np.all(second >= first)
+    # Mises' stress is at most the yield stress, which has grown in each cell by what is stored.
+    flowed = np.sqrt(2 / 3) * np.linalg.norm(loaded, axis=0)
+    np.testing.assert_allclose(first, 0.05 * E * flowed, rtol=0, atol=1e-6 * first.max())
+    assert data["pressure"][0].values.max() < 0.99 * pressure_of(cells=10).max()
+    # A dent and a residual stress are left without load.
+    assert float(data["pressure"][1].max()) == 0.0
+    assert result.summary["max_sink"] > 1e-3 * A
+    assert float(data["cut_von_mises"][1].max()) > 0.05 * YIELD
+
+
+def test_halves_begin_from_what_is_stored(laws):
+    """A law that goes no further than half a step at once: the run is that of two increments."""
+    laws("""
+class Patient(Yielding):
+    key = "patient"
+    def update(self, strain, before, step):
+        if step.duration > 0.5:
+            raise NotConverged("in haste")
+        return super().update(strain, before, step)
+""", "Patient")  # fmt: skip
+    patient = STEEL | {"type": "patient"}
+    tables = {"tolerance": 1e-9, "cells": 10}
+    halved = steps_of(ball(patient), steps=UP_AND_DOWN, **tables)
+    slow = steps_of(ball(patient), steps=[{**step, "increments": 2} for step in UP_AND_DOWN], **tables)
+    assert [step.scalars["substeps"] for step in halved] == [2, 2]
+    assert [step.scalars["substeps"] for step in slow] == [1, 1, 1, 1]
+    for name in ("plastic_strain_1", "hardening_1", "equivalent_eigenstrain_1"):
+        one, other = (steps[-1].history[name].values for steps in (halved, slow))
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-6 * np.abs(other).max(), err_msg=name)
+
+
+def test_within_an_increment_a_law_is_asked_with_what_was_stored_before(laws):
+    """Whatever the attempts, variables before are those of the last accepted increment."""
+    laws("""
+asked = []
+class Watched(Yielding):
+    key = "watched"
+    def update(self, strain, before, step):
+        asked.append((step.time - step.duration, step.time, before["hardening"].sum()))
+        if step.duration > 0.5:
+            raise NotConverged("in haste")
+        return super().update(strain, before, step)
+""", "Watched")  # fmt: skip
+    (step,) = steps_of(ball(STEEL | {"type": "watched"}), cells=10)
+    import eigencontact_toy_laws as module
+
+    sums = {}
+    for start, end, total in module.asked:
+        sums.setdefault((start, end), set()).add(float(total))
+    assert set(sums) == {(0.0, 0.0), (0.0, 1.0), (0.0, 0.5), (0.5, 1.0)}
+    assert sums[0.0, 0.0] == sums[0.0, 1.0] == sums[0.0, 0.5] == {0.0}
+    (middle,) = sums[0.5, 1.0]
+    assert 0.0 < middle < step.history["hardening_1"].values.sum()
+
+
+def test_a_run_continues_from_what_is_stored(laws, tmp_path, monkeypatch):
+    laws()
+    tables = scene(ball(STEEL), cells=8, steps=[{"normal-load": LOAD}, {"normal-load": 1.2 * LOAD}])
+    tables["output"] = {"pictures": False, "vtk": False}
+    whole = list(drive(ec.plan(tables)))[-1]
+
+    class Interrupted(Exception):
+        pass
+
+    class Watcher:
+        def step_started(self, point, total):  # noqa: ARG002
+            if point.index == 2:
+                raise Interrupted
+
+        def iterated(self, text, residual, tolerance):
+            pass
+
+        def step_finished(self, record, total):
+            pass
+
+    with pytest.raises(Interrupted):
+        ec.run(tables, tmp_path / "out", watcher=Watcher())
+    again = ec.run(tables, tmp_path / "out", resume=True).dataset
+    for name in ("pressure", "residual_displacement_z"):
+        np.testing.assert_array_equal(again[name][-1], whole.fields[name], err_msg=name)
+    for name in ("plastic_strain_1", "hardening_1", "equivalent_eigenstrain_1"):
+        np.testing.assert_array_equal(again[name][-1], np.squeeze(whole.history[name].values), err_msg=name)
+
+
+def test_laws_side_by_side_are_stored_in_one_field(laws):
+    laws()
+    other = STEEL | {"yield-stress": 10 * YIELD}
+    balls = ball(STEEL, 0.3, 0.4, -0.4), ball(other, 0.3, 0.4, 0.4), ball(RUBBER, 0.3, 1.2)
+    hardening = steps_of(*balls)[-1].history["hardening_1"]
+    left = hardening.coords["x"] < 0.0
+    assert hardening.values[..., left].max() > 1e6
+    assert hardening.values[..., ~left].max() == 0.0
+
+
+CLASHES = {
+    "unit": ('Variable(unit="1", meaning="a number")', r"'hardening' as 'yielding' of 'one' does, \[Pa\] with 1"),
+    "components": ('Variable(unit="Pa", meaning="two", components=2)', r"\(got \"'clashing': \[Pa\] with 2\"\)"),
+}
+
+
+@pytest.mark.parametrize("case", CLASHES)
+def test_variables_of_one_name_and_other_units_or_components_are_refused(laws, case):
+    variable, message = CLASHES[case]
+    laws(f"""
+class Clashing(Stiffening):
+    key = "clashing"
+    variables = {{"hardening": {variable}}}
+""", "Yielding, Clashing")  # fmt: skip
+    clashing = RUBBER | {"type": "clashing"}
+    both = ball(STEEL, 0.2, name="one"), ball(clashing, 0.2, x=0.5, name="two")
+    with pytest.raises(SceneError, match=f"inclusions.1.material must be of a law that remembers .*{message}"):
+        ec.plan(scene(*both))
+    elastic = {"body2": {"young-modulus": E, "poisson-ratio": NU}}
+    ec.plan(scene(both[0], both[1] | {"body": 2}, **elastic))
+
+
+def test_a_region_whose_law_fills_no_cell_is_refused_by_name(laws):
+    laws()
+    film = {"type": "cuboid", "center": [0.0, 0.0, 0.5 * A], "edges": [A, A, 0.1 * A]}
+    with pytest.raises(SceneError, match="cells must be fine enough for 'film' to fill half of a cell"):
+        ec.run(scene(film | {"name": "film", "material": STEEL}, numerics={"inclusion-pitch": 0.3 * A}))
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [("return Response(stress=strain[:3], tangent=np.eye(6))", r"stress of constitutive law 'broken' must be of shape"),
+     ("return Response(stress=np.nan * strain, tangent=np.eye(6))", r"'broken' must answer with finite numbers"),
+     ("raise KeyError('mine')", "constitutive law 'broken' failed with KeyError: 'mine'")],
+    ids=["shape", "NaN", "error"],
+)  # fmt: skip
+def test_a_broken_law_is_named_and_nothing_is_halved(laws, body, message):
+    laws(f"""
+class Broken(Stiffening):
+    key = "broken"
+    def update(self, strain, before, step):
+        {body}
+""", "Broken")  # fmt: skip
+    with pytest.raises(PluginError, match=message):
+        ec.run(scene(ball(RUBBER | {"type": "broken"})))
+
+
+def test_a_law_that_finds_no_stress_ends_the_run_by_name(laws):
+    laws("""
+class Stubborn(Stiffening):
+    key = "stubborn"
+    def update(self, strain, before, step):
+        if step.time > 0.0:
+            raise NotConverged("constitutive law 'stubborn' found no stress")
+        return super().update(strain, before, step)
+""", "Stubborn")  # fmt: skip
+    with pytest.raises(NotConverged, match="constitutive law 'stubborn' found no stress"):
+        ec.run(scene(ball(RUBBER | {"type": "stubborn"})))
+
+
+def test_a_rigid_ball_is_the_limit_of_stiff_ones():
+    rigid, stiff = (
+        pressure_of(ball(law, 0.3, 0.6))
+        for law in ({"type": "rigid"}, {"young-modulus": 1e5 * E, "poisson-ratio": 0.2})
+    )
+    np.testing.assert_allclose(rigid, stiff, rtol=0, atol=1e-4 * stiff.max())
+    assert rigid.max() > 1.02 * pressure_of().max()
+
+
+def test_three_planes_of_symmetry_turn_with_their_axes():
+    """Turned by a right angle about z, everything is transposed; with equal constants it is isotropic."""
+    ply = {
+        "type": "orthotropic", "moduli": [3 * E, 0.3 * E, 0.5 * E], "poisson-ratios": [0.25, 0.2, 0.3],
+        "shear-moduli": [0.4 * E, 0.3 * E, 0.2 * E],
+    }  # fmt: skip
+    turned = {"x-axis": [0.0, 1.0, 0.0], "y-axis": [1.0, 0.0, 0.0]}
+    one, other = (pressure_of(ball(law)) for law in (ply, ply | turned))
+    np.testing.assert_allclose(other, one.T, rtol=0, atol=1e-5 * P0)
+    assert np.abs(one - one.T).max() > 1e-3 * P0
+    alike = {"moduli": [0.5 * E] * 3, "poisson-ratios": [NU] * 3, "shear-moduli": [0.25 * E / (1 + NU)] * 3}
+    plain = {"young-modulus": 0.5 * E, "poisson-ratio": NU}
+    one, other = (pressure_of(ball(law)) for law in (ply | alike, plain))
+    np.testing.assert_allclose(one, other, rtol=0, atol=1e-6 * P0)
+
+
+@pytest.fixture
+def lost(monkeypatch):
+    """Sweeps that lose their way at the fifth, eigenstrain and all; counts of sweeps, and of solves as a whole."""
+    sweep, solve, calls = CellSweeps.sweep, SweptCells.solve, {"sweeps": 0, "solves": 0}
+
+    def swept(self, *arguments):
+        calls["sweeps"] += 1
+        if calls["sweeps"] == 5:
+            arguments[0][:] = np.nan
+            raise NotConverged("lost")
+        return sweep(self, *arguments)
+
+    def solved(self, *arguments):
+        calls["solves"] += 1
+        return solve(self, *arguments)
+
+    monkeypatch.setattr(CellSweeps, "sweep", swept)
+    monkeypatch.setattr(SweptCells, "solve", solved)
+    return calls
+
+
+def test_where_sweeps_lose_their_way_linear_cells_are_solved_as_a_whole(lost, monkeypatch):
+    soft = {"young-modulus": 0.5 * E, "poisson-ratio": NU}
+    (found,) = steps_of(ball(soft), tolerance=1e-8)
+    assert lost["sweeps"] == 5
+    assert lost["solves"] >= 2
+    assert found.scalars["substeps"] == 1
+    monkeypatch.undo()
+    expected = pressure_of(ball(soft), tolerance=1e-8)
+    np.testing.assert_allclose(found.fields["pressure"], expected, rtol=0, atol=1e-6 * P0)
+
+
+def test_beside_a_law_that_is_swept_again_it_begins_anew(lost, laws, monkeypatch):
+    """Body 1 yields and is swept in both attempts, body 2 is solved as a whole in the second."""
+    laws()
+    tables = {"body2": {"young-modulus": E, "poisson-ratio": NU}, "tolerance": 1e-8, "cells": 10}
+    balls = ball(STEEL), ball({"young-modulus": 0.5 * E, "poisson-ratio": NU}, body=2)
+    (found,) = steps_of(*balls, **tables)
+    assert lost["solves"] >= 2
+    assert found.scalars["substeps"] == 1
+    monkeypatch.undo()
+    (swept,) = steps_of(*balls, **tables)
+    hardest, expected = (step.history["hardening_1"].values.max() for step in (found, swept))
+    assert hardest == close(expected, rel=1e-5)
+    np.testing.assert_allclose(found.fields["pressure"], swept.fields["pressure"], rtol=0, atol=1e-6 * P0)
