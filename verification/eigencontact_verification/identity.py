@@ -48,6 +48,31 @@ EXCEPTIONS = {
     "coated-fretting:dissipated_energy_max_x": _PLACE,
     "coated-fretting:dissipated_energy_max_y": _PLACE,
 }  # fmt: skip
+_SURFACE = "next to the surface stress by tractions is a mean over each cell, no longer a value on the edge of cells"
+EXCEPTIONS |= {
+    f"{scene}:{region}_{quantity}": (largest, _SURFACE)
+    for scene, regions, largest in (
+        ("cattaneo-mindlin", ("section",), 2e-3),
+        ("coated-sliding", ("section",), 2e-3),
+        ("coated-sphere", ("section",), 1e-5),
+        ("dissimilar-spheres", ("glass", "steel"), 2e-5),
+        ("ellipsoid-under-contact", ("section",), 2e-4),
+        ("hertz", ("section", "axis"), 1e-5),
+        ("hertz-ellipse", ("section", "cross", "axis"), 1e-4),
+        ("inclusion-cluster", ("section",), 5e-6),
+        ("inclusion-under-contact", ("section", "axis"), 5e-5),
+        ("prestressed-concrete", ("along", "across"), 5e-4),
+        ("rolling-over-inclusion", ("section",), 5e-6),
+        ("soft-coating", ("section",), 5e-6),
+        ("tilted-punch", ("section",), 1e-4),
+        ("two-inclusions", ("section",), 1e-4),
+        ("void-near-surface", ("section",), 1e-4),
+    )
+    for region in regions
+    for quantity in ("stress", "von_mises")
+}
+#: With friction the largest was one of them: at the trailing edge, where the tension has a peak.
+EXCEPTIONS |= {f"{scene}:max_von_mises": (3e-2, _SURFACE) for scene in ("cattaneo-mindlin", "coated-sliding")}
 
 
 def scenes() -> Iterator[tuple[str, list[str]]]:

@@ -27,6 +27,8 @@ _WORDS = {"displacement": "displacement x, y, z", "strain": "strain (6 component
 class EigenstrainField:
     """Fields of one body; the eigenstrain of inhomogeneities is what the step remembers."""
 
+    note = ""
+
     def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
         body, where = request.body, lattice.words
         self._name = eigenstrain_name(body)

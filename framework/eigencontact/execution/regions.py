@@ -65,6 +65,8 @@ class Region(Block):
             )
         self.requires = frozenset().union(*(cause.requires for cause in self._causes))
         self.kernels = [kernel for cause in self._causes for kernel in cause.kernels]
+        self._note = "; ".join(cause.note for cause in self._causes if cause.note)
+        self.why += f"; {self._note}" if self._note else ""
         self.cost = sum((cause.cost for cause in self._causes), Cost())
 
     def advance(self, step: Step) -> None:
@@ -73,7 +75,7 @@ class Region(Block):
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():
                 fields[quantity] = fields[quantity] + values if quantity in fields else values
-        record, stress = region_record(self._request, self._lattice, fields)
+        record, stress = region_record(self._request, self._lattice, fields, self._note)
         (step.regions if self._stored else step.looks)[record.name] = record
         if self._stored and stress is not None:
             note_largest(step, record, stress)
@@ -95,6 +97,11 @@ class Cause(Protocol):
     @property
     def cost(self) -> Cost:
         """Price of them, and of a step."""
+        ...
+
+    @property
+    def note(self) -> str:
+        """What must be known of its values, in words, or nothing."""
         ...
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
@@ -119,7 +126,7 @@ def regions_of(model: Model) -> Iterator[Region]:
 
 
 def region_record(
-    request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]
+    request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray], note: str = ""
 ) -> tuple[RegionRecord, FloatArray | None]:
     """Region as it is stored: the fields asked for, and with the stress the numbers read off it; and that stress.
 
@@ -127,6 +134,8 @@ def region_record(
     ----------
     fields : mapping of str to array
         ``stress`` and ``strain`` as Mandel vectors ``(6, ...)``, ``displacement (3, ...)``, on the points of `lattice`.
+    note : str
+        What must be known of the values.
     """
     stress: FloatArray | None = None
     stored: dict[str, FloatArray] = {}
@@ -136,7 +145,7 @@ def region_record(
     if "stress" in request.fields:
         stress = _cut(fields["stress"], request)
         stored |= {name: _SCALARS[name](stress) for name in request.quantities}
-    return _record(request, lattice, stored), stress
+    return _record(request, lattice, stored, note), stress
 
 
 def note_largest(step: Step, record: RegionRecord, stress: FloatArray) -> None:
@@ -156,7 +165,7 @@ def _cut(values: FloatArray, request: StressRequest) -> FloatArray:
     return np.squeeze(values, axis={"z": 1, "y": 2, "x": 3}[request.normal])
 
 
-def _record(request: StressRequest, lattice: RegionLattice, fields: dict[str, FloatArray]) -> RegionRecord:
+def _record(request: StressRequest, lattice: RegionLattice, fields: dict[str, FloatArray], note: str) -> RegionRecord:
     coords: dict[str, FloatArray | float]
     if lattice.points is not None:
         dims: tuple[str, ...] = ("point",)
@@ -167,7 +176,7 @@ def _record(request: StressRequest, lattice: RegionLattice, fields: dict[str, Fl
         dims = tuple(name for name in "zyx" if name != flat)
         coords = {name: float(axis[0]) if name == flat else axis for name, axis in axes.items()}
     return RegionRecord(
-        name=request.label, shape=request.shape, body=request.body, dims=dims, coords=coords, fields=fields
+        name=request.label, shape=request.shape, body=request.body, dims=dims, coords=coords, fields=fields, note=note
     )
 
 

@@ -20,11 +20,16 @@ from eigencontact.model.kernels import KernelUse, Solid, StressCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.scene.schema import StressRequest
+from eigencontact.solvers.surface_means import depth_of_means
 
 __all__ = ["TractionField"]
 
 FloatArray = NDArray[np.float64]
 
+#: What is told of a region that has points next to the surface.
+_NOTE = "stress by tractions above a depth of {:.3g} m is a mean over each cell, linear between their centres"
+#: Tables for one mean over a cell, and means for one point between cells.
+_TABLES, _MEANS = 4, 4
 #: Depths of a close-up whose coefficients are held at once.
 _AT_ONCE = 16
 
@@ -33,7 +38,8 @@ class TractionField:
     """Field of one body; the spectra are kept as long as the contact stays in the box that they were made for.
 
     Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
-    stress is that of body 1 under those.
+    stress is that of body 1 under those. Next to the surface of a window that is not periodic, stress is a mean over
+    cells (`eigencontact.solvers.surface_means`).
     """
 
     def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
@@ -45,7 +51,10 @@ class TractionField:
         self._tractions = model.tractions
         self._kernels = [StressCoefficients(model.influences[item.name], body) for item in model.tractions]
         self.requires = frozenset(item.field for item in model.tractions)
-        self._operator: Any = None
+        depths = lattice.depths if lattice.points is None else lattice.points[:, 2]
+        self._near = np.zeros(depths.shape, dtype=bool) if model.periodic else depths < depth_of_means(model.grid)
+        self.note = _NOTE.format(depth_of_means(model.grid)) if self._near.any() else ""
+        self._operators: dict[bool, Any] = {}
         self._declare(model)
 
     def _declare(self, model: Model) -> None:
@@ -53,12 +62,14 @@ class TractionField:
         lattice, numerics, pressure = self._lattice, self._numerics, model.influences["p"]
         sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
         if lattice.points is not None:
-            tables, text = len(lattice.points), f"{len(lattice.points)} points, superposed directly"
+            tables = int(np.where(self._near, _TABLES * _MEANS, 1).sum())
+            text = f"{len(lattice.points)} points, superposed directly"
             cells, workers = model.contact_box[0] * model.contact_box[1], numerics.threads or available_threads()
             seconds = tables * (sampling * count * cells + 1e-4) / (0.75 * workers)
             cost = Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
         else:
-            tables, text = lattice.depths.size * lattice.finer[0] * lattice.finer[1], lattice.words
+            tables = int(np.where(self._near, _TABLES, lattice.finer[0] * lattice.finer[1]).sum())
+            text = lattice.words
             cost = spectra_cost(self._layout(model), tables, sampling, numerics, tractions=count)
             if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
                 cost = Cost(
@@ -108,43 +119,63 @@ class TractionField:
 
     def _at_points(self, tractions: list[FloatArray]) -> FloatArray:
         from eigencontact.solvers.subsurface import stress_at_points
+        from eigencontact.solvers.surface_means import means_at_points
 
-        assert self._lattice.points is not None
-        return stress_at_points(
-            self._grid, self._kernels, tractions, self._lattice.points, threads=self._numerics.threads
-        )  # fmt: skip
+        points, near = self._lattice.points, self._near
+        assert points is not None
+        stress = np.empty((6, len(points)))
+        for some, found in ((near, means_at_points), (~near, stress_at_points)):
+            if some.any():
+                stress[:, some] = found(
+                    self._grid, self._kernels, tractions, points[some], threads=self._numerics.threads
+                )  # fmt: skip
+        return stress
 
     def _on_lattice(self, tractions: list[FloatArray]) -> FloatArray:
+        box, near = Box.around(tractions[0] > 0), self._near
+        if box is None:
+            return np.zeros((6, *self._lattice.shape))
+        stress = np.empty((6, *self._lattice.shape))
+        if near.any():
+            stress[:, near] = self._kept(box, near=True).apply(tractions)
+        if self._lattice.finer != (1, 1):
+            self._close_up(tractions, box, stress)
+        elif not near.all():
+            stress[:, ~near] = self._kept(box, near=False).apply(tractions)
+        return stress
+
+    def _kept(self, box: Box, *, near: bool) -> Any:
+        """Operator of the points next to the surface, or below; with a margin where the contact has left its box."""
+        operator = self._operators.pop(near, None)
+        if operator is None or not operator.covers(box):
+            margin = 0 if operator is None else max(2, max(box.shape) // 6)
+            operator = None  # its memory goes before the next is made
+            operator = self._operator(box.grown(margin, margin, self._grid.shape), near=near)
+        self._operators[near] = operator
+        return operator
+
+    def _operator(self, source: Box, *, near: bool) -> Any:
         from eigencontact.solvers.subsurface import SubsurfaceStress
+        from eigencontact.solvers.surface_means import MeansOnLattice
 
         lattice, numerics = self._lattice, self._numerics
-        box = Box.around(tractions[0] > 0)
-        if box is None:
-            return np.zeros((6, *lattice.shape))
-        if lattice.finer != (1, 1):
-            return self._close_up(tractions, box)
-        if self._operator is None or not self._operator.covers(box):
-            margin = 0 if self._operator is None else max(2, max(box.shape) // 6)
-            self._operator = None  # its memory goes before the next is made
-            self._operator = SubsurfaceStress(
-                self._grid,
-                self._kernels,
-                source=box.grown(margin, margin, self._grid.shape),
-                target=lattice.target,
-                origin=lattice.origin,
-                depths=lattice.depths,
-                periodic=self._periodic,
-                precision=numerics.precision,
-                threads=numerics.threads,
-            )
-        return np.asarray(self._operator.apply(tractions), dtype=float)
+        precision, threads = numerics.precision, numerics.threads
+        depths = lattice.depths[self._near == near]
+        if near:
+            return MeansOnLattice(
+                self._grid, self._kernels, source=source, x=lattice.x, y=lattice.y, depths=depths,
+                precision=precision, threads=threads,
+            )  # fmt: skip
+        return SubsurfaceStress(
+            self._grid, self._kernels, source=source, target=lattice.target, origin=lattice.origin, depths=depths,
+            periodic=self._periodic, precision=precision, threads=threads,
+        )  # fmt: skip
 
-    def _close_up(self, tractions: list[FloatArray], box: Box) -> FloatArray:
+    def _close_up(self, tractions: list[FloatArray], box: Box, out: FloatArray) -> None:
         """Stress on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
         from eigencontact.solvers.subsurface import SubsurfaceStress
 
-        out = np.empty((6, *self._lattice.shape))
-        for begin in range(0, self._lattice.depths.size, _AT_ONCE):
+        for begin in range(int(self._near.sum()), self._lattice.depths.size, _AT_ONCE):
             layers = slice(begin, begin + _AT_ONCE)
             for (rows, columns), lattice in self._lattice.shifted:
                 operator = SubsurfaceStress(
@@ -157,7 +188,6 @@ class TractionField:
                     threads=self._numerics.threads,
                 )
                 out[:, layers, rows, columns] = operator.apply(tractions)
-        return out
 
 
 def _hooke(stress: FloatArray, body: Material) -> FloatArray:

@@ -113,7 +113,10 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
     from eigencontact import __version__
 
     described = {
-        name: {"shape": region.shape, "body": region.body, "dims": list(region.dims), "fields": list(region.fields)}
+        name: {
+            "shape": region.shape, "body": region.body, "dims": list(region.dims), "fields": list(region.fields),
+            "note": region.note,
+        }
         for name, region in record.regions.items()
     }
     return {
@@ -236,6 +239,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
             "region": name,
             "shape": region.shape,
             "body": region.body,
+            **({"comment": region.note} if region.note else {}),
         }
         dims = ("step", *lead, *(named[axis] for axis in region.dims))
         yield Variable(name=f"{name}_{quantity}", dims=dims, values=np.asarray(values)[None], attrs=attrs)

@@ -35,6 +35,8 @@ class RegionRecord:
         ``stress (6, ...)`` [Pa] and ``strain (6, ...)``, plain tensor components in the order xx, yy, zz, yz, xz, xy;
         ``displacement (3, ...)`` [m]; ``von_mises (...)``, ``tresca``, ``hydrostatic``, ``principal (3, ...)`` [Pa];
         those that were asked for.
+    note : str
+        What must be known of the values, in words, or nothing.
     """
 
     name: str
@@ -43,6 +45,7 @@ class RegionRecord:
     dims: tuple[str, ...]
     coords: dict[str, FloatArray | float]
     fields: dict[str, FloatArray]
+    note: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -185,6 +185,8 @@ class StressRequest(Table):
     with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
 
     At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
+    Less than a quarter of a cell below a surface that is not periodic, stress by tractions is a mean over each cell,
+    linear between their centres (`eigencontact.solvers.surface_means`).
 
     ``around`` names an inclusion: a plane (through its middle by default) or a volume is then cut to the box around the
     inclusion and some `room`, in sizes of the inclusion, with `refinement` points to an edge of a cell (8 by default).

@@ -14,7 +14,7 @@ from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.tensors import COMPONENTS
 
-__all__ = ["HasDepths", "StressKernel", "SubsurfaceStress", "stress_at_points"]
+__all__ = ["HasDepths", "StressKernel", "SubsurfaceStress", "TableAt", "stress_at_points", "tables_at"]
 
 FloatArray = NDArray[np.float64]
 #: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
@@ -60,8 +60,8 @@ class HasDepths(Protocol):
         ...
 
 
-def _tables(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
-    """Tables of all components at some depths."""
+def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
+    """Tables of all components at depths ``(nz,)`` for offsets up to `reach` [m]."""
     names = list(COMPONENTS)
     if isinstance(kernel, HasDepths):
         return kernel.at_depths(names, depths, half_widths, reach)
@@ -75,7 +75,7 @@ def _all_tables(
     found: dict[int, TableAt] = {}
 
     def prepare(number: int, kernel: StressKernel) -> None:
-        found[number] = _tables(kernel, depths, half_widths, reach)
+        found[number] = tables_at(kernel, depths, half_widths, reach)
 
     in_parallel(threads, [partial(prepare, number, kernel) for number, kernel in enumerate(kernels)])
     return [found[number] for number in range(len(kernels))]
