@@ -67,7 +67,10 @@ def sampled(monkeypatch):
 
 
 def test_planning_samples_no_stress_and_running_only_what_was_planned(sampled):
-    planned = ec.plan(ec.load_scene("hertz", [PLANE, *PLAIN[1:]]))
+    scene = ec.load_scene("hertz", [PLANE, *PLAIN[1:]])
+    ec.plan(scene)  # what a table costs is measured once in a process
+    sampled.clear()
+    planned = ec.plan(scene)
     assert {quantity for quantity, _, _ in sampled} == {"displacement"}
     sampled.clear()
     ec.run(planned)
