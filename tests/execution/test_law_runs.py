@@ -189,6 +189,17 @@ class Clashing(Stiffening):
     ec.plan(scene(both[0], both[1] | {"body": 2}, **elastic))
 
 
+def test_a_variable_by_the_name_of_what_is_stored_anyway_is_refused(laws):
+    laws("""
+class Bold(Stiffening):
+    key = "bold"
+    variables = {"equivalent_eigenstrain": Variable(unit="1", meaning="mine", components=6)}
+""", "Bold")  # fmt: skip
+    words = r"inclusions.material must be of a law with names of its own .* \(got 'bold'\)"
+    with pytest.raises(SceneError, match=words):
+        ec.plan(scene(ball(RUBBER | {"type": "bold"})))
+
+
 def test_a_region_whose_law_fills_no_cell_is_refused_by_name(laws):
     laws()
     film = {"type": "cuboid", "center": [0.0, 0.0, 0.5 * A], "edges": [A, A, 0.1 * A]}

@@ -208,11 +208,17 @@ def build_sources(
     return tuple(prescribed), tuple(inhomogeneities)
 
 
+#: What is stored of every cell, beside the variables of its law.
+_STORED = ("equivalent_eigenstrain",)
+
+
 def _refuse_clashes(inhomogeneities: Sequence[Inhomogeneity]) -> None:
     """Refuse laws of one body that remember different things by one name: they are stored as one field."""
     first: dict[tuple[int, str], Inhomogeneity] = {}
     for source in inhomogeneities:
         for name, own in source.law.variables.items():
+            rule = f"of a law with names of its own for what it remembers; {name!r} is stored of every cell"
+            require(name not in _STORED, source.where, "material", source.law.key, rule)
             other = first.setdefault((source.body, name), source)
             known = other.law.variables[name]
             same = (own.unit, own.components) == (known.unit, known.components)

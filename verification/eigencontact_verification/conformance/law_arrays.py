@@ -9,21 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.units import parse_quantity
-from eigencontact.plugin import LawStep, Response, Variable, VariesInSpace
+from eigencontact.plugin import LawStep, Response, Variable
 from eigencontact_verification.conformance.law_questions import (
     Question,
     answered,
     finite,
     history,
+    law_check,
+    pairs,
+    parts,
     rest,
     some_strains,
     step_at,
-    there,
 )
-from eigencontact_verification.conformance.report import check, ensure
+from eigencontact_verification.conformance.report import ensure
 
 __all__ = [
-    "check_law_at_places",
     "check_points_alone",
     "check_response_shapes",
     "check_rest",
@@ -39,7 +40,7 @@ _ROUNDING = 1e-9
 _TAKEN = ("equivalent_eigenstrain",)
 
 
-@check
+@law_check
 def check_variables(law: Any) -> None:
     """What a point remembers is declared: a name, components, a unit, a meaning."""
     ensure(isinstance(law.variables, Mapping), "variables", "a mapping of names to Variable", repr(law.variables), "")
@@ -66,7 +67,7 @@ def _is_unit(unit: Any) -> bool:
         return False
 
 
-@check
+@law_check
 def check_response_shapes(law: Any) -> None:
     """Stress (6, n), tangent (6, 6) or (6, 6, n), the declared variables; finite, also at no point and in no time."""
     if not finite(law):
@@ -102,7 +103,7 @@ def _formed(values: Any, shapes: list[tuple[int, ...]], what: str) -> None:
     ensure(np.all(np.isfinite(values)), what, "finite", f"{int(np.sum(~np.isfinite(values)))} numbers not", "")
 
 
-@check
+@law_check
 def check_rest(law: Any) -> None:
     """At rest, without strain, there is no stress, the tangent is finite, and what is remembered stays zero."""
     if not finite(law):
@@ -122,7 +123,7 @@ def check_rest(law: Any) -> None:
             )  # fmt: skip
 
 
-@check
+@law_check
 def check_update_pure(law: Any) -> None:
     """Same answer twice, another question in between; arrays stay as they were, and may be read-only."""
     if not finite(law):
@@ -132,25 +133,21 @@ def check_update_pure(law: Any) -> None:
     arrays = (question.strain, *question.before.values(), step.x, step.y, step.z)
     kept = [array.copy() for array in arrays]
     first = law.update(question.strain, question.before, step)
-    copies = [np.array(part) for part in _parts(first)]
+    copies = [np.array(part) for part in parts(first)]
     unchanged = all(np.array_equal(array, copy) for array, copy in zip(arrays, kept, strict=True))
     ensure(unchanged, "the arrays of the question", "unchanged", "changed", "write to copies only")
     law.update(other.strain, other.before, other.step)
-    handed = [np.array(part) for part in _parts(first)]
+    handed = [np.array(part) for part in parts(first)]
     for array in arrays:
         array.flags.writeable = False
-    for again in (handed, _parts(law.update(question.strain, question.before, step))):
+    for again in (handed, parts(law.update(question.strain, question.before, step))):
         ensure(
             all(map(np.array_equal, again, copies)), "the answer to the same question",
             "the same", "different", "keep no memory of what was asked, hand out new arrays: `before` is the history",
         )  # fmt: skip
 
 
-def _parts(response: Response) -> list[FloatArray]:
-    return [response.stress, response.tangent, *(response.variables[name] for name in sorted(response.variables))]
-
-
-@check
+@law_check
 def check_points_alone(law: Any) -> None:
     """The answer at many points is that at each of them alone, whatever the others are."""
     if not finite(law):
@@ -159,7 +156,7 @@ def check_points_alone(law: Any) -> None:
         whole = answered(law, question)
         for point in range(0, question.count, 5):
             alone = answered(law, _one(question, point))
-            for what, many, one in _pairs(whole, alone):
+            for what, many, one in pairs(whole, alone):
                 size = float(np.abs(many).max(initial=0.0))
                 ensure(
                     np.allclose(many[..., point : point + 1], one, rtol=0.0, atol=_ROUNDING * size),
@@ -173,24 +170,3 @@ def _one(question: Question, point: int) -> Question:
     part, step = slice(point, point + 1), question.step
     place = LawStep(x=step.x[part], y=step.y[part], z=step.z[part], time=step.time, duration=step.duration)
     return Question(question.strain[:, part], {n: v[:, part] for n, v in question.before.items()}, place)
-
-
-def _pairs(first: Response, second: Response) -> list[tuple[str, FloatArray, FloatArray]]:
-    """Parts of two answers, by name."""
-    names = ["stress", "tangent", *(f"variable {name!r}" for name in sorted(first.variables))]
-    return list(zip(names, _parts(first), _parts(second), strict=True))
-
-
-@check
-def check_law_at_places(law: Any) -> None:
-    """The law that `at` gives of some points answers as the law itself does at those points."""
-    if not isinstance(law, VariesInSpace) or not finite(law):
-        return
-    for question, answer in history(law):
-        local = answered(there(law, question.step), question)
-        for what, itself, there_ in _pairs(answer, local):
-            size = float(np.abs(itself).max(initial=0.0))
-            ensure(
-                np.allclose(itself, there_, rtol=0.0, atol=_ROUNDING * size), f"{what} of the law of the points",
-                "that of the law itself", "something else", "let update ask self.at(step.x, step.y, step.z)",
-            )  # fmt: skip

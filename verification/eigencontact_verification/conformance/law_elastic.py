@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import LinearLaw
-from eigencontact_verification.conformance.law_questions import finite, history, step_at, there
-from eigencontact_verification.conformance.report import check, ensure
+from eigencontact_verification.conformance.law_questions import finite, history, law_check, step_at, there
+from eigencontact_verification.conformance.report import ensure
 
 __all__ = ["check_factors", "check_stiffness"]
 
@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 _AROUND = (1e6, 8e10, 1e13)
 
 
-@check
+@law_check
 def check_stiffness(law: Any) -> None:
     """A symmetric stiffness without negative eigenvalues gives the stress; an infinite one is refused."""
     linear = there(law, step_at())
@@ -45,7 +45,7 @@ def check_stiffness(law: Any) -> None:
         )  # fmt: skip
 
 
-@check
+@law_check
 def check_factors(law: Any) -> None:
     """Factors soft = (C + 2G)^-1 and stiff = C soft are bounded and symmetric; stiff + 2 G soft is the unit matrix."""
     linear = there(law, step_at())

@@ -4,21 +4,48 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import wraps
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import SceneError
-from eigencontact.plugin import LawStep, LinearLaw, Response, VariesInSpace
+from eigencontact.plugin import LawStep, LinearLaw, OfBody, Response, VariesInSpace
+from eigencontact_verification.conformance.report import Check, check
 
-__all__ = ["Question", "along", "answered", "finite", "history", "rest", "some_strains", "step_at", "there"]
+__all__ = [
+    "Question",
+    "along",
+    "answered",
+    "finite",
+    "history",
+    "law_check",
+    "pairs",
+    "parts",
+    "rest",
+    "some_strains",
+    "step_at",
+    "there",
+]
 
 FloatArray = NDArray[np.float64]
 
 #: Points of a question, increments before the last one, and decades of strain and of length [m].
 _POINTS, _INCREMENTS = 24, 4
 _STRAINS, _LENGTHS = (-6.0, -2.0), (-8.0, -2.0)
+#: Young's modulus [Pa] and Poisson's ratio of the body in which a law is asked that lacks them.
+_BODY = (7e10, 0.3)
+
+
+def law_check(function: Check) -> Check:
+    """Turn a function of a law into a check; the law is that in a body, where it asks for one."""
+
+    @wraps(function)
+    def run(law: Any) -> None:
+        function(law.of_body(*_BODY) if isinstance(law, OfBody) else law)
+
+    return check(run)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,3 +132,14 @@ def along(law: Any, path: FloatArray) -> Iterator[Response]:
         answer = answered(law, question)
         yield answer
         before = dict(answer.variables)
+
+
+def parts(response: Response) -> list[FloatArray]:
+    """Arrays of an answer."""
+    return [response.stress, response.tangent, *(response.variables[name] for name in sorted(response.variables))]
+
+
+def pairs(first: Response, second: Response) -> list[tuple[str, FloatArray, FloatArray]]:
+    """Parts of two answers, by name."""
+    names = ["stress", "tangent", *(f"variable {name!r}" for name in sorted(first.variables))]
+    return list(zip(names, parts(first), parts(second), strict=True))

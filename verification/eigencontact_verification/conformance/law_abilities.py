@@ -1,0 +1,105 @@
+"""What constitutive laws with optional abilities promise: the law of a place, of a body, and the answer of a cell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import HasCellAnswer, OfBody, Surroundings, VariesInSpace
+from eigencontact_verification.conformance.law_questions import (
+    Question,
+    answered,
+    finite,
+    history,
+    law_check,
+    pairs,
+    some_strains,
+    there,
+)
+from eigencontact_verification.conformance.report import check, ensure
+
+__all__ = ["check_cell_answer", "check_law_at_places", "check_law_of_body"]
+
+FloatArray = NDArray[np.float64]
+
+#: Differences that rounding, and iterations that stop at their own time, may leave; in parts of the size.
+_ROUNDING, _ITERATED = 1e-9, 1e-7
+#: Bodies that a law is put into.
+_BODIES = ((7e10, 0.3), (2e11, 0.2))
+_AROUND = Surroundings(young_modulus=7e10, poisson_ratio=0.2)
+
+
+@law_check
+def check_law_at_places(law: Any) -> None:
+    """The law that `at` gives of some points answers as the law itself does at those points."""
+    if not isinstance(law, VariesInSpace) or not finite(law):
+        return
+    for question, answer in history(law):
+        local = answered(there(law, question.step), question)
+        for what, itself, there_ in pairs(answer, local):
+            size = float(np.abs(itself).max(initial=0.0))
+            ensure(
+                np.allclose(itself, there_, rtol=0.0, atol=_ROUNDING * size), f"{what} of the law of the points",
+                "that of the law itself", "something else", "let update ask self.at(step.x, step.y, step.z)",
+            )  # fmt: skip
+
+
+@check
+def check_law_of_body(law: Any) -> None:
+    """What a law takes from the body it keeps in another, and what it was given it keeps in any."""
+    if not isinstance(law, OfBody):
+        return
+    first = law.of_body(*_BODIES[0])
+    again: Any = first.of_body(*_BODIES[1]) if isinstance(first, OfBody) else first
+    ensure(
+        again == first, "the law of a body, put into another", "as it was in the first", repr(again),
+        "fill in what is None, and nothing else",
+    )  # fmt: skip
+
+
+@law_check
+def check_cell_answer(law: Any) -> None:
+    """A cell's own answer is the eigenstrain at which `update` gives the stress of the cell, and remembers the same."""
+    ready: Any = law if isinstance(law, HasCellAnswer) and finite(law) else None
+    if ready is None:
+        return
+    own = 0.3 * some_strains(seed=11)
+    for question, _ in history(law):
+        foreign = _AROUND.young_modulus * some_strains(seed=12)
+        for array in (foreign, own, *question.before.values()):
+            array.flags.writeable = False
+        found, after = ready.cell_answer(foreign, own, _AROUND, question.before, question.step)
+        ensure(
+            isinstance(found, np.ndarray) and found.shape == foreign.shape and bool(np.isfinite(found).all()),
+            "cell_answer", f"finite, of shape {foreign.shape}", getattr(found, "shape", type(found).__name__), "",
+        )  # fmt: skip
+        stress = foreign - _taken(found)
+        answer = answered(law, Question(_strain(stress) + found - own, question.before, question.step))
+        stiffness = np.abs(answer.tangent).max(axis=(0, 1))
+        size = np.linalg.norm(foreign, axis=0) + stiffness * np.linalg.norm(own, axis=0)
+        error = float((np.abs(answer.stress - stress) / size).max())
+        ensure(
+            error <= _ITERATED, "stress of a cell by cell_answer", "that of update for its strain",
+            f"off by {error:.1e}", "the eigenstrain holds the prestrain; see Surroundings for what it takes away",
+        )  # fmt: skip
+        ensure(set(after) == set(law.variables), "variables of cell_answer", "those declared", set(after), "")
+        for name, values in answer.variables.items():
+            near = np.allclose(after[name], values, rtol=0.0, atol=_ITERATED * float(np.abs(values).max()))
+            ensure(near, f"variable {name!r} of cell_answer", "that of update", "something else", "")
+
+
+def _taken(eigenstrain: FloatArray) -> FloatArray:
+    """Stress of a cell that its own eigenstrain takes away."""
+    mean = eigenstrain[:3].mean(axis=0)
+    out = _AROUND.shear_stiffness * eigenstrain
+    out[:3] += (_AROUND.bulk_stiffness - _AROUND.shear_stiffness) * mean
+    return out
+
+
+def _strain(stress: FloatArray) -> FloatArray:
+    """Strain of the material around under a stress."""
+    out = (1.0 + _AROUND.poisson_ratio) / _AROUND.young_modulus * stress
+    out[:3] -= _AROUND.poisson_ratio / _AROUND.young_modulus * stress[:3].sum(axis=0)
+    return out
