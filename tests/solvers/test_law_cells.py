@@ -162,6 +162,19 @@ def test_a_prestrain_alone_is_answered():
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
+def test_cells_that_are_done_are_not_asked_for_more():
+    """Rounding that no step lowers halves nothing: six Newton steps take no twenty questions."""
+    asked = []
+
+    class Counted(Yielding):
+        def update(self, strain, before, step):
+            asked.append(1)
+            return super().update(strain, before, step)
+
+    answered(Counted(**vars(STEEL)), *loads(20000))
+    assert len(asked) <= 8
+
+
 @dataclass(frozen=True)
 class Saturating(Stiffening):
     """Stress that saturates at 1 GPa: from far away Newton's whole steps go to and fro and never arrive."""

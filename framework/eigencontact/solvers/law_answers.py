@@ -86,8 +86,10 @@ def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], st
     for name, values in variables.items():
         _formed(values, [(law.variables[name].components, count)], where, f"variable {name!r}")
     by_point = np.broadcast_to(tangent, (count, 6, 6)) if tangent.ndim == 2 else np.moveaxis(tangent, 2, 0)
-    rows = np.concatenate([stress, by_point.reshape(count, 36).T, *variables.values()])
-    return Answer(stress, by_point, variables, np.isfinite(rows).all(axis=0))
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(stress).all(axis=0) & np.isfinite(tangent).all(axis=(0, 1)))
+    for values in variables.values():
+        finite &= np.isfinite(values).all(axis=0)
+    return Answer(stress, by_point, variables, finite)
 
 
 def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:

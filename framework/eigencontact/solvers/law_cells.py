@@ -158,11 +158,11 @@ def _solved(question: _Question, start: FloatArray) -> _State:
 
 
 def _nearer(question: _Question, state: _State, change: FloatArray) -> _State:
-    """Newton's step, halved in the cells where it does not lower the residual."""
-    part = np.ones(change.shape[1])
+    """Newton's step, halved in the cells where it does not lower the residual, unless to round-off."""
+    part, enough = np.ones(change.shape[1]), np.maximum(state.error, question.limit(state))
     for _ in range(_HALVINGS):
         trial = question.at(state.eigenstrain + part * change)
-        worse = ~(trial.error <= state.error)
+        worse = ~(trial.error <= enough)
         if not worse.any():
             break
         part = np.where(worse, 0.5 * part, part)
