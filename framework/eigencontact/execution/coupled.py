@@ -208,6 +208,8 @@ class Coupled:
                 return self._solved(answer, scalars)
             if not np.isfinite(residual):
                 break
+            if residual <= self._tolerance and not answering:
+                continue  # what was swept stays: only the contact has to be solved to the tolerance
             # Bodies can be softened where every displacement by the tractions can be offset.
             wanted = seen.share(now) if answering and set(names) >= set(answer.displacement) else 0.0
             pressed = answer.tractions["pressure"] > 0

@@ -152,7 +152,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
     if scene.friction is not None:
         friction = build_component(registry, "friction-law", scene.friction, "friction")
     given = given_grid(scene.grid) if window is None else window.grid
-    prescribed, inhomogeneities = build_sources(scene, registry, given)
+    prescribed, inhomogeneities = build_sources(scene, registry, given, bodies)
     grid, reason = (window.grid, window.reason) if window else _grid_of_regions(given, (*prescribed, *inhomogeneities))
     prescribed = with_lattices(prescribed, scene, grid)
     if scene.numerics.inclusion_resolution == "cells":

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
-from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape
+from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape, OfBody
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import EigenstrainPatch, eigenstrain_table
 from eigencontact.scene.schema import Scene
@@ -159,7 +160,7 @@ class Inhomogeneity(Source):
 
 
 def build_sources(
-    scene: Scene, registry: Registry, grid: Grid | None
+    scene: Scene, registry: Registry, grid: Grid | None, bodies: Sequence[object] = (None, None)
 ) -> tuple[tuple[Source, ...], tuple[Inhomogeneity, ...]]:
     """Regions with prescribed eigenstrain, and inhomogeneities, built and checked, without their cells.
 
@@ -167,6 +168,8 @@ def build_sources(
     ----------
     grid : Grid or None
         The window that patches fill; None where it is chosen from the regions, which then must give their size.
+    bodies : two of Material, or anything else
+        Constants that a law takes where it gives none itself.
 
     Raises
     ------
@@ -178,7 +181,10 @@ def build_sources(
     for number, item in enumerate(scene.inclusions):
         where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
-        law = None if item.material is None else _law(registry, item.material, f"{where}.material")
+        law: Any = None if item.material is None else _law(registry, item.material, f"{where}.material")
+        body = bodies[item.body - 1]
+        if isinstance(law, OfBody) and isinstance(body, Material):
+            law = law.of_body(body.young_modulus, body.poisson_ratio)
         entry = registry.get("inclusion-shape", item.type, where=where)
         for copy, table in enumerate(item.tables(entry.component, where)):
             shape = build_component(registry, "inclusion-shape", table, where)

@@ -59,6 +59,7 @@ class CellSweeps:
     def __init__(self, linear: InhomogeneousCells, laws: LawCells) -> None:
         self._linear, self._laws = linear, laws
         self._own: tuple[FloatArray, FloatArray] | None = None
+        self._last: tuple[FloatArray, FloatArray] | None = None
         self.applications = 0
 
     def sweep(
@@ -102,12 +103,18 @@ class CellSweeps:
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
         """Strain of the load in the cells, as `InclusionReport` measures by it."""
         if self._own is None or self._own[0] is not prestrain:
-            self._own = prestrain, self._caused(prestrain)
+            self._own = prestrain, self._stress_of(prestrain)
         load = (applied_stress + self._own[1]).reshape(6, -1)
         cells = np.concatenate([self._linear.cells, self._laws.cells])
         return float(np.linalg.norm(load[:, cells])) / (2.0 * self._linear.matrix.shear_modulus)
 
     def _caused(self, eigenstrain: FloatArray) -> FloatArray:
+        """Stress by an eigenstrain; that of the last one is known, so that elastic increments apply nothing."""
+        if self._last is None or not np.array_equal(self._last[0], eigenstrain):
+            self._last = eigenstrain, self._stress_of(eigenstrain)
+        return self._last[1]
+
+    def _stress_of(self, eigenstrain: FloatArray) -> FloatArray:
         if not eigenstrain.any():
             return np.zeros_like(eigenstrain)
         self.applications += 1

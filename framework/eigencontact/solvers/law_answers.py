@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError, NotConverged, PluginError
 
-__all__ = ["Answer", "Law", "answer_of", "place_of", "refuse"]
+__all__ = ["Answer", "AnsweringLaw", "Law", "answer_of", "cell_answer_of", "place_of", "refuse"]
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +35,17 @@ class Law(Protocol):
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
         """Stress, tangent and variables after."""
+        ...
+
+
+@runtime_checkable
+class AnsweringLaw(Protocol):
+    """Law that answers as cells; see `eigencontact.plugin.HasCellAnswer`."""
+
+    def cell_answer(
+        self, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
+    ) -> tuple[FloatArray, Mapping[str, FloatArray]]:
+        """Eigenstrain of the cells, and variables after."""
         ...
 
 
@@ -67,29 +79,42 @@ def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], st
     PluginError
         The law fails, or answers with other shapes, other variables or no numbers.
     """
-    where, count = f"constitutive law {law.key!r}", strain.shape[1]
-    try:
+    where, count = _words(law), strain.shape[1]
+    with _blamed(law):
         found = law.update(strain, before, step)
         stress, tangent = (_numbers(getattr(found, name), where, name) for name in ("stress", "tangent"))
         given = dict(found.variables)
-    except EigencontactError:
-        raise
-    except Exception as problem:
-        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
     _formed(stress, [(6, count)], where, "stress")
     _formed(tangent, [(6, 6, count), (6, 6)], where, "tangent")
-    if set(given) != set(law.variables):
-        raise PluginError(
-            f"{where} must return the variables that it declares, {sorted(law.variables)} (got {sorted(given)})"
-        )
-    variables = {name: _numbers(values, where, f"variable {name!r}") for name, values in given.items()}
-    for name, values in variables.items():
-        _formed(values, [(law.variables[name].components, count)], where, f"variable {name!r}")
+    variables = _declared(law, given, count)
     by_point = np.broadcast_to(tangent, (count, 6, 6)) if tangent.ndim == 2 else np.moveaxis(tangent, 2, 0)
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(stress).all(axis=0) & np.isfinite(tangent).all(axis=(0, 1)))
     for values in variables.values():
         finite &= np.isfinite(values).all(axis=0)
     return Answer(stress, by_point, variables, finite)
+
+
+def cell_answer_of(
+    law: Any, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Ask an `AnsweringLaw` for the eigenstrain of its cells, and what they would remember.
+
+    Raises
+    ------
+    PluginError
+        The law fails, or answers with other shapes, other variables or no finite numbers.
+    """
+    where, count = _words(law), foreign.shape[1]
+    with _blamed(law):
+        found, given = law.cell_answer(foreign, prestrain, around, before, step)
+        eigenstrain, given = _numbers(found, where, "eigenstrain"), dict(given)
+    _formed(eigenstrain, [(6, count)], where, "eigenstrain")
+    variables = _declared(law, given, count)
+    finite = np.isfinite(np.concatenate([eigenstrain, *variables.values()])).all(axis=0)
+    if not finite.all():
+        first = int(np.argmin(finite))
+        raise PluginError(f"{where} must answer with finite numbers (got others {place_of(first, step)})")
+    return eigenstrain, variables
 
 
 def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:
@@ -118,6 +143,34 @@ def place_of(point: int, step: Any) -> str:
     """Words for the place of a point."""
     x, y, z = (float(axis[point]) for axis in (step.x, step.y, step.z))
     return f"at x = {x:.6g} m, y = {y:.6g} m, z = {z:.6g} m"
+
+
+def _words(law: Any) -> str:
+    return f"constitutive law {law.key!r}"
+
+
+@contextmanager
+def _blamed(law: Any) -> Iterator[None]:
+    """What a law raises is its own fault, and said so."""
+    try:
+        yield
+    except EigencontactError:
+        raise
+    except Exception as problem:
+        raise PluginError(f"{_words(law)} failed with {type(problem).__name__}: {problem}") from problem
+
+
+def _declared(law: Any, given: dict[str, Any], count: int) -> dict[str, FloatArray]:
+    """Variables that a law returns, as it declares them."""
+    where = _words(law)
+    if set(given) != set(law.variables):
+        raise PluginError(
+            f"{where} must return the variables that it declares, {sorted(law.variables)} (got {sorted(given)})"
+        )
+    variables = {name: _numbers(values, where, f"variable {name!r}") for name, values in given.items()}
+    for name, values in variables.items():
+        _formed(values, [(law.variables[name].components, count)], where, f"variable {name!r}")
+    return variables
 
 
 def _numbers(values: Any, where: str, what: str) -> FloatArray:

@@ -2,14 +2,16 @@
 
 The stress of a cell is ``σ = σ_f + A e``: what the others cause, and its own eigenstrain e by the answer A of a cell
 alone. Its strain is ``M σ + e``, M the compliance of the matrix. The law must give σ for the strain less the
-prestrain: six equations for e in each cell, solved by Newton's method with the tangent of the law.
+prestrain: six equations for e in each cell, solved by Newton's method with the tangent of the law. A law that answers
+as cells do (`AnsweringLaw`) is asked for e itself, with the answer of a ball in place of A: the local step need not be
+exact, and the answer of a ball serves cells of any shape.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +19,27 @@ from numpy.typing import NDArray
 from eigencontact.core.material import Material
 from eigencontact.errors import NotConverged
 from eigencontact.solvers.cell_conditions import compliance
-from eigencontact.solvers.law_answers import Answer, Law, answer_of, place_of, refuse
+from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_of, cell_answer_of, place_of, refuse
 
-__all__ = ["LawCells", "Remembered"]
+__all__ = ["Around", "LawCells", "Remembered"]
 
 FloatArray = NDArray[np.float64]
 Remembered = dict[str, FloatArray]
+
+
+class Around(Protocol):
+    """The matrix around a cell; see `eigencontact.plugin.Surroundings`."""
+
+    @property
+    def shear_stiffness(self) -> float:
+        """Deviatoric stress that a unit of its own eigenstrain takes from a ball [Pa]."""
+        ...
+
+    @property
+    def bulk_stiffness(self) -> float:
+        """The same of the means."""
+        ...
+
 
 #: Newton steps of one sweep, halvings of one of them, and residual that is round-off, in parts of the stress.
 _STEPS, _HALVINGS, _ROUND_OFF = 40, 12, 1e-11
@@ -41,9 +58,18 @@ class LawCells:
         Stress in a cell by its own eigenstrain [Pa].
     groups : sequence of (law, cells)
         Flat indices of the cells of each law.
+    around : Surroundings, optional
+        The matrix as laws that answer as cells are told of it; without it no law is asked so.
     """
 
-    def __init__(self, matrix: Material, alone: FloatArray, groups: Sequence[tuple[Law, NDArray[np.intp]]]) -> None:
+    def __init__(
+        self,
+        matrix: Material,
+        alone: FloatArray,
+        groups: Sequence[tuple[Law, NDArray[np.intp]]],
+        around: Around | None = None,
+    ) -> None:
+        self._around = around
         self._body = _Body(alone, compliance(matrix), 2.0 * matrix.shear_modulus)
         self.cells = np.concatenate([cells for _, cells in groups]) if groups else np.zeros(0, dtype=np.intp)
         stops = np.cumsum([0, *(cells.size for _, cells in groups)])
@@ -78,11 +104,24 @@ class LawCells:
         foreign = stress - self._body.alone @ eigenstrain
         out, remembered = np.empty_like(eigenstrain), []
         for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
+            if self._around is not None and isinstance(law, AnsweringLaw):
+                ball = stress[:, cells] + self._ball(eigenstrain[:, cells])
+                out[:, cells], after = cell_answer_of(law, ball, prestrain[:, cells], self._around, known, step)
+                remembered.append(after)
+                continue
             question = _Question(self._body, law, foreign[:, cells], prestrain[:, cells], known, step)
             found = _solved(question, eigenstrain[:, cells])
             out[:, cells] = found.eigenstrain
             remembered.append(found.answer.variables)
         return out, remembered
+
+    def _ball(self, eigenstrain: FloatArray) -> FloatArray:
+        """Stress that its own eigenstrain takes from a ball [Pa]."""
+        assert self._around is not None
+        shear, bulk = self._around.shear_stiffness, self._around.bulk_stiffness
+        out = shear * eigenstrain
+        out[:3] += (bulk - shear) / 3.0 * eigenstrain[:3].sum(axis=0)
+        return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)

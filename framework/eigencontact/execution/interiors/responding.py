@@ -78,6 +78,7 @@ class Responding(Interior):
             rows = tuple("xyz".index(name) for name in self._centres)
             self._surface = solved_route(model, body, "displacement", surface_lattice(model.grid), rows)
         self._time, self._spent, self._residual = 0.0, 0.0, 0.0
+        self._lifted: tuple[FloatArray, FloatArray] | None = None
         self._progress: Progress | None = None
 
     @abstractmethod
@@ -103,7 +104,6 @@ class Responding(Interior):
         known = last.get(eigenstrain_name(self.body))
         self.eigenstrain = self._own if known is None else known.values
         self._spent, self._residual = 0.0, 0.0
-        self._lifted: tuple[FloatArray, FloatArray] | None = None
 
     def image(self, tractions: Fields, tolerance: float) -> tuple[FloatArray, float]:
         """See `Interior.image`."""
@@ -116,7 +116,7 @@ class Responding(Interior):
         """See `Interior.displacement`."""
         found: dict[str, FloatArray] = {}
         if self._means and set(directions) & set(self._means):
-            if self._lifted is None or self._lifted[0] is not self.eigenstrain:
+            if self._lifted is None or not np.array_equal(self._lifted[0], self.eigenstrain):
                 self._lifted = self.eigenstrain, self.mean_displacement(self.eigenstrain)
             rows = dict(zip((item.direction for item in self._tractions), self._lifted[1], strict=True))
             found = by_direction(self.body, self._means, np.array([rows[name] for name in self._means]))

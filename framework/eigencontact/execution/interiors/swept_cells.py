@@ -26,7 +26,7 @@ from eigencontact.execution.interiors.interior import Remembered
 from eigencontact.execution.material_cells import is_linear
 from eigencontact.model.model import Model
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.plugin import ConstitutiveLaw, LawStep, VariesInSpace
+from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings, VariesInSpace
 from eigencontact.results.records import HistoryRecord
 
 __all__ = ["SweptCells", "worth_sweeping"]
@@ -62,7 +62,9 @@ class SweptCells(Cells):
 
         super().start()
         self._laws = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
-        cells = LawCells(self._half_space.material, self._system.alone, self._laws)
+        matrix = self._half_space.material
+        around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
+        cells = LawCells(matrix, self._system.alone, self._laws, around)
         self._sweeps = CellSweeps(self._system, cells)
 
     def begin(self, increment: Increment, last: Remembered) -> None:
