@@ -157,6 +157,43 @@ def test_a_run_continues_from_what_is_stored(laws, tmp_path, monkeypatch):
         np.testing.assert_array_equal(again[name][-1], np.squeeze(whole.history[name].values), err_msg=name)
 
 
+FRICTION = {
+    "friction": {"type": "coulomb", "coefficient": 0.3},
+    "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}],
+}
+ELASTIC = {"young-modulus": E, "poisson-ratio": NU}
+LOADED = {
+    "normal": {},
+    "friction": FRICTION,
+    "body 2": {"body2": ELASTIC},
+    "prestrain alone": {"geometry": None, "steps": None, "grid": {"cells": 12, "spacing": [0.25 * A, 0.25 * A]}},
+}
+
+
+@pytest.mark.parametrize("case", LOADED)
+def test_a_law_that_happens_to_be_linear_gives_what_the_linear_law_gives(laws, case):
+    """Hooke's law with ν = 0, asked point by point, and by its factors; whole cells, as the block fills them."""
+    laws()
+    tables = {"tolerance": 1e-8, "window": 3.0, **LOADED[case]}
+    block = {"type": "cuboid", "center": [0.0, 0.0, 0.75 * A], "edges": [1.5 * A, 1.5 * A, A], "eigenstrain": 1e-3}
+    block |= {"body": 2 if case == "body 2" else 1}
+    asked = {"type": "stiffening", "shear-modulus": 0.2 * E, "growth": 0.0}
+    known = {"young-modulus": 0.4 * E, "poisson-ratio": 0.0}
+
+    def last(material):
+        built = scene(block | {"material": material}, **tables)
+        found = list(drive(ec.plan({name: table for name, table in built.items() if table is not None})))[-1]
+        return found.fields, found.history[f"equivalent_eigenstrain_{block['body']}"].values
+
+    (one, cells), (other, expected) = last(asked), last(known)
+    np.testing.assert_allclose(cells, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+    assert expected.any()
+    for name in ("pressure", "shear_x", "residual_displacement_z"):
+        if name in other:
+            size = np.abs(other[name]).max()
+            np.testing.assert_allclose(one[name], other[name], rtol=0, atol=2e-6 * size, err_msg=name)
+
+
 def test_laws_side_by_side_are_stored_in_one_field(laws):
     laws()
     other = STEEL | {"yield-stress": 10 * YIELD}
