@@ -127,10 +127,18 @@ def _turned(law: Any) -> tuple[Any, bool]:
             changes[item.name] = as_tuple(_TURN @ rotation_matrix(law.key, value))
         elif value is not None and DirectionMark() in _marks(hint):
             changes[item.name] = as_tuple((_TURN @ np.asarray(value, dtype=float).T).T)
-        elif is_dataclass(value) and not isinstance(value, type):
-            part, found = _turned(value)
+        else:
+            part, found = _turned_parts(value)
             changes |= {item.name: part} if found else {}
     return (replace(law, **changes), True) if changes else (law, False)
+
+
+def _turned_parts(value: Any) -> tuple[Any, bool]:
+    """Components that a law holds, one or several, turned, and whether there is one to turn."""
+    if isinstance(value, tuple):
+        parts = [_turned_parts(part) for part in value]
+        return tuple(part for part, _ in parts), any(found for _, found in parts)
+    return _turned(value) if is_dataclass(value) and not isinstance(value, type) else (value, False)
 
 
 def _marks(hint: Any) -> list[Any]:
