@@ -192,11 +192,12 @@ def _run_in(
 ) -> RunResult:
     from eigencontact.core.memory import peak_bytes, resident_bytes
     from eigencontact.execution.driver import drive
+    from eigencontact.planning.noticed import noticed
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
-    from eigencontact.results.summary import write_summary
+    from eigencontact.results.summary import run_history, write_summary
 
     info = run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
@@ -232,6 +233,7 @@ def _run_in(
         "versions": info.versions,
         "references": list(info.references),
         "kernels": [str(kernel) for kernel in planned.kernels],
+        "warnings": [caution.to_dict() for caution in noticed(planned, last, run_history(folder, last))],
         "total_seconds": perf_counter() - began,
     }
     summary_path = write_summary(folder, info, last, extra)

@@ -161,6 +161,8 @@ def _report(name: str, result: Any) -> None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
     console.print(numbers)
+    for caution in summary["warnings"]:
+        console.print(f"warning ({caution['code']}): {caution['words']}", markup=False, soft_wrap=True)
     folder = result.folder.resolve()
     console.print(f"\nin {folder}:", soft_wrap=True)
     files = Table.grid(padding=(0, 2))

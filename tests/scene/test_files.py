@@ -177,7 +177,7 @@ BUNDLED = {
         cube,
     ),
     "friction": (
-        {"geometry": SPHERE, "friction": {"type": "coulomb-map", "file": "data.npz"}, "steps": {"normal-load": 1e-3}},
+        {"geometry": SPHERE, "friction": {"type": "coulomb-map", "file": "data.npz"}, "steps": {"normal-load": 5e-2}},
         lambda path, value: np.savez(
             path, x=np.array([-1e-3, 1e-3]), y=np.array([-1e-3, 1e-3]), coefficient=np.full((2, 2), 0.1 * value)
         ),

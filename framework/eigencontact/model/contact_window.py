@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,12 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.model.bodies import without_layers
+from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.grids import given_grid
 from eigencontact.model.kernels import Bodies, PairCoefficients
+from eigencontact.model.resolution import refuse_coarse
 from eigencontact.model.separation import sum_separations
-from eigencontact.model.window import ContactEstimate, automatic_grid, estimate_contact
+from eigencontact.model.window import Separation, automatic_grid, close_estimate, estimate_contact
 from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import Scene, Step
@@ -24,6 +27,9 @@ from eigencontact.solvers.control import Control
 __all__ = ["ContactWindow", "contact_window"]
 
 FloatArray = NDArray[np.float64]
+
+#: Share of the window that a contact takes at least where a coarse solve over all of it shows its size.
+_PLAIN = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,11 +44,15 @@ class ContactWindow:
         Where they came from.
     box : (int, int)
         Cells along (y, x) that the contact will occupy, by estimate.
+    expected : ContactEstimate or None
+        The largest contact of the load history, on homogeneous bodies or layers, without what lies in them; None where
+        none is found.
     """
 
     grid: Grid
     reason: str
     box: tuple[int, int]
+    expected: ContactEstimate | None = None
 
 
 def contact_window(
@@ -52,12 +62,17 @@ def contact_window(
     normal = PairCoefficients(pressure, bodies, "z")
     grid, reason = _grid(scene, geometries, normal)
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
-    touched = _largest_contact(scene, grid, geometries, normal) or whole
+    found = _contacts(scene, grid, geometries, normal)
+    touched = reduce(ContactEstimate.join, [contact for contact, _, _ in found]) if found else whole
     box = (
         min(grid.ny, int(np.ceil(touched.extent[1] / grid.dy * 1.05)) + 4),
         min(grid.nx, int(np.ceil(touched.extent[0] / grid.dx * 1.05)) + 4),
     )
-    return ContactWindow(grid=grid, reason=reason, box=box)
+    expected = _expected(found, grid, normal)
+    measured = any(isinstance(geometry, HasNativeGrid) for geometry in geometries)
+    if expected is not None and not (measured or scene.numerics.allow_coarse):
+        refuse_coarse(expected, grid)
+    return ContactWindow(grid=grid, reason=reason, box=box, expected=expected)
 
 
 def _controls(scene: Scene) -> list[Control]:
@@ -121,11 +136,12 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
     return 2.0 * high
 
 
-def _largest_contact(
+def _contacts(
     scene: Scene, grid: Grid, geometries: tuple[Geometry, ...], normal: PairCoefficients
-) -> ContactEstimate | None:
+) -> list[tuple[ContactEstimate, Control, Separation]]:
+    """Contact at the end of each step, on coarse cells over the whole window, and what it is the contact of."""
     periodic = scene.numerics.boundary == "periodic"
-    found: ContactEstimate | None = None
+    found: list[tuple[ContactEstimate, Control, Separation]] = []
     for control, (x0, y0) in zip(_controls(scene), held_travel(scene.steps), strict=True):
 
         def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
@@ -133,5 +149,17 @@ def _largest_contact(
 
         estimate = estimate_contact(grid, separation, normal, control, periodic=periodic)
         if estimate is not None:
-            found = estimate if found is None else found.join(estimate)
+            found.append((estimate, control, separation))
     return found
+
+
+def _expected(
+    found: Sequence[tuple[ContactEstimate, Control, Separation]], grid: Grid, normal: PairCoefficients
+) -> ContactEstimate | None:
+    """The largest of the contacts; looked at closely where the window shows no more than some cells of it."""
+    if not found:
+        return None
+    contact, control, separation = max(found, key=lambda one: min(one[0].extent))
+    if max(share / side for share, side in zip(contact.extent, grid.size, strict=True)) > _PLAIN:
+        return contact
+    return close_estimate(grid, separation, normal, control) or contact

@@ -17,10 +17,12 @@ from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import bodies_of, influence_for
 from eigencontact.model.boxes import with_cells, with_lattices
 from eigencontact.model.close_up import resolved
+from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.coupling import Coupling, coupling_of
 from eigencontact.model.grids import given_grid, grid_around
 from eigencontact.model.kernels import Bodies
 from eigencontact.model.observing import Observing, observing
+from eigencontact.model.resolution import refuse_coarse_regions
 from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Source, build_sources
 from eigencontact.plugin import Component, FrictionLaw, Geometry, SurfaceInfluence
@@ -49,6 +51,8 @@ class Model:
         The window, and where it came from.
     contact_box : (int, int)
         Cells along (y, x) that the contact will occupy, by estimate; the window where there is none.
+    expected : ContactEstimate or None
+        The largest contact of the load history, by estimate; eigenstrain and inhomogeneities are not looked at.
     bodies : two of Material, LayeredMedium or None
         Elastic constants, the same everywhere or layered; None is rigid.
     geometries : tuple of Geometry
@@ -73,6 +77,7 @@ class Model:
     grid: Grid
     grid_reason: str
     contact_box: tuple[int, int]
+    expected: ContactEstimate | None
     bodies: Bodies
     geometries: tuple[Geometry, ...]
     observers: tuple[Observing, ...]
@@ -157,6 +162,8 @@ def build_model(scene: Scene, registry: Registry) -> Model:
     prescribed = with_lattices(prescribed, scene, grid)
     if scene.numerics.inclusion_resolution == "cells":
         inhomogeneities = with_cells(inhomogeneities, scene, grid)
+    if not scene.numerics.allow_coarse:
+        refuse_coarse_regions((*prescribed, *inhomogeneities))
     return Model(
         scene=scene,
         files=files,
@@ -164,6 +171,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         grid=grid,
         grid_reason=reason,
         contact_box=window.box if window else grid.shape,
+        expected=window.expected if window else None,
         bodies=bodies,
         geometries=geometries,
         observers=observing(scene, observed),

@@ -3,51 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import EigencontactError, PlanError, SceneError
+from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.sizes import cut_down, most, refuse_more
 from eigencontact.scene.schema import GridSpec
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalOptions, solve_normal
 from eigencontact.solvers.operator import Coefficients
 
-__all__ = ["ContactEstimate", "automatic_grid", "estimate_contact"]
+__all__ = ["Separation", "automatic_grid", "close_estimate", "estimate_contact"]
 
 FloatArray = NDArray[np.float64]
 Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
 _CELLS = 48
 _FINER = 144
-
-
-@dataclass(frozen=True, slots=True)
-class ContactEstimate:
-    """Bounding box of the contact in metres and the share of loaded cells in it."""
-
-    x0: float
-    x1: float
-    y0: float
-    y1: float
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        """Widths along x and y [m]."""
-        return self.x1 - self.x0, self.y1 - self.y0
-
-    def moved(self, by: tuple[float, float]) -> ContactEstimate:
-        """Estimate moved along x and y [m]."""
-        return ContactEstimate(self.x0 + by[0], self.x1 + by[0], self.y0 + by[1], self.y1 + by[1])
-
-    def join(self, other: ContactEstimate) -> ContactEstimate:
-        """Smallest estimate that holds both."""
-        return ContactEstimate(
-            min(self.x0, other.x0), max(self.x1, other.x1), min(self.y0, other.y0), max(self.y1, other.y1)
-        )
 
 
 def estimate_contact(
@@ -75,10 +50,21 @@ def estimate_contact(
     box = Box.around(pressure > 0)
     if box is None:
         return None
-    left, bottom = coarse.x[0] - 0.5 * coarse.dx, coarse.y[0] - 0.5 * coarse.dy
+    left, bottom = float(coarse.x[0]) - 0.5 * coarse.dx, float(coarse.y[0]) - 0.5 * coarse.dy
     return ContactEstimate(
-        left + box.x0 * coarse.dx, left + box.x1 * coarse.dx, bottom + box.y0 * coarse.dy, bottom + box.y1 * coarse.dy
+        left + box.x0 * coarse.dx,
+        left + box.x1 * coarse.dx,
+        bottom + box.y0 * coarse.dy,
+        bottom + box.y1 * coarse.dy,
+        float(pressure.max()),
     )
+
+
+def close_estimate(
+    grid: Grid, separation: Separation, coefficients: Coefficients, control: Control
+) -> ContactEstimate | None:
+    """Contact on cells of its own size, however large the window of `grid` is; None where nothing touches."""
+    return _settle(grid.center, separation, coefficients, control, max(grid.size))
 
 
 def automatic_grid(
@@ -107,7 +93,7 @@ def automatic_grid(
     found: ContactEstimate | None = None
     across = 0.0
     for control, travel in controls:
-        estimate = _settle(spec, separation, coefficients, control, start)
+        estimate = _settle(spec.center, separation, coefficients, control, start)
         if estimate is not None:
             across = max(across, min(estimate.extent))
             estimate = estimate.moved(travel)
@@ -140,11 +126,11 @@ def _refuse_many(cells: int, spec: GridSpec) -> None:
 
 
 def _settle(
-    spec: GridSpec, separation: Separation, coefficients: Coefficients, control: Control, start: float
+    place: tuple[float, float], separation: Separation, coefficients: Coefficients, control: Control, start: float
 ) -> ContactEstimate | None:
     """Contact of one control, on a window that it fills by a third to four fifths."""
     size = np.array([start, start])
-    center = np.array(spec.center, dtype=float)
+    center = np.array(place, dtype=float)
     for _ in range(60):
         cell = size / _CELLS
         grid = Grid(nx=_CELLS, ny=_CELLS, dx=cell[0], dy=cell[1], center=(float(center[0]), float(center[1])))

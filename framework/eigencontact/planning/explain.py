@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from eigencontact.core.memory import resident_bytes
 from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
+from eigencontact.planning.understood import contact_as_data, expected_lines, geometry_lines, largest_loads
 
 if TYPE_CHECKING:
     from eigencontact.execution.block import Block
@@ -27,12 +28,15 @@ def explain(plan: Plan) -> str:
     lines += [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         *([f"layers      {layers}"] if layers else []),
+        *geometry_lines(plan),
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {_numerics(plan)}",
         *([] if plan.friction is None else [f"friction    {plan.friction}"]),
-        f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}",
+        f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}{largest_loads(plan.scene)}",
+        *expected_lines(plan),
         "",
+        *([] if not plan.cautions else ["warnings", *(f"  {item.words} ({item.code})" for item in plan.cautions), ""]),
         *_inclusions(plan),
         "blocks, in order",
     ]
@@ -68,6 +72,8 @@ def as_data(plan: Plan) -> dict[str, object]:
             "reason": plan.grid_reason,
         },
         "steps": plan.steps,
+        "expected": None if plan.expected is None else contact_as_data(plan.expected, plan.grid),
+        "warnings": [item.to_dict() for item in plan.cautions],
         "inclusions": [
             {
                 "name": source.name,

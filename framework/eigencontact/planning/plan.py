@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from eigencontact.core.cautions import Caution
 from eigencontact.execution.block import Block, Cost, Part
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
@@ -31,10 +32,13 @@ class Plan(Model):
         In order of execution.
     left_out : sequence of LeftOut
         What is not modelled, and why.
+    cautions : sequence of Caution
+        What makes its numbers worth less than they look, as far as it is known before they are computed.
     """
 
     blocks: Sequence[Block]
     left_out: Sequence[LeftOut]
+    cautions: Sequence[Caution] = ()
 
     @property
     def parts(self) -> list[Part]:

@@ -13,6 +13,7 @@ from eigencontact.execution.mechanics import mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
 from eigencontact.model.sizes import MEMORY_SHARE
+from eigencontact.planning.foreseen import foreseen
 from eigencontact.planning.left_out import left_out
 from eigencontact.planning.order import in_order
 from eigencontact.planning.plan import Plan
@@ -36,7 +37,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     known = {item.name: getattr(model, item.name) for item in fields(model)}
     plan = Plan(**known, blocks=in_order(blocks), left_out=())
     _check_memory(plan)
-    return replace(plan, left_out=left_out(model))
+    return replace(plan, left_out=left_out(model), cautions=foreseen(model))
 
 
 def _mechanics(model: Model) -> Iterator[Block]:

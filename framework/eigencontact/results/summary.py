@@ -16,7 +16,7 @@ from eigencontact.results.store import RESULTS, STEPS
 if TYPE_CHECKING:
     from eigencontact.results.records import RunInfo, StepRecord
 
-__all__ = ["write_summary"]
+__all__ = ["run_history", "write_summary"]
 
 #: Scalars of the last step that stand at the top level; null where a run has none.
 _LAST = (
@@ -76,7 +76,8 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
         ``iterations``, ``convolutions``, ``tangential_convolutions``, ``substeps`` and ``solve_seconds`` are sums over
         all steps.
     extra : mapping
-        More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``files`` (names relative
+        More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``warnings`` (what
+        makes the numbers worth less than they look: code, words, error), ``files`` (names relative
         to the folder; what ``--overwrite`` later may remove).
 
     Returns
@@ -89,9 +90,7 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
     ResultsError
         When it cannot be stored.
     """
-    own = {"step": record.index, "time": record.time, **record.scalars, **record.observed}
-    history = [row for row in _stored_history(folder) if row["step"] != record.index] + [own]
-    history.sort(key=lambda row: float(row["step"]))
+    history = run_history(folder, record)
     summary: dict[str, Any] = {
         "title": info.title,
         "name": info.name,
@@ -108,6 +107,7 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
     summary |= {
         "peak_memory_bytes": None,
         "contact_modulus": info.contact_modulus,
+        "warnings": [],
         "observed": dict(record.observed),
         "history": history,
         "units": {name: SCALARS[name].unit for name in (*_LAST, *_SUMMED)}
@@ -122,6 +122,13 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
     with replacing(path, "the summary") as sink:
         sink.write((json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n").encode())
     return path
+
+
+def run_history(folder: Path, record: StepRecord) -> list[dict[str, Any]]:
+    """Scalars of every stored step of a run in a folder, the last one as it is in memory; in order."""
+    own = {"step": record.index, "time": record.time, **record.scalars, **record.observed}
+    history = [row for row in _stored_history(folder) if row["step"] != record.index] + [own]
+    return sorted(history, key=lambda row: float(row["step"]))
 
 
 def _stored_history(folder: Path) -> list[dict[str, Any]]:

@@ -162,6 +162,8 @@ class Numerics(Table):
     its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with
     each other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
     the shear); ``"full"``, all.
+
+    ``allow_coarse`` accepts cells that cannot show a contact or a region inside a body; results then carry a warning.
     """
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
@@ -175,6 +177,7 @@ class Numerics(Table):
     max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
     threads: Annotated[int, AfterValidator(in_range(1, 1024, "threads"))] | None = None
     allow_contact_at_edge: bool = False
+    allow_coarse: bool = False
 
 
 class StressRequest(Table):

@@ -1,0 +1,35 @@
+"""What a run or a plan says of its own worth: plain sentences with a code and, where it is known, a number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Caution"]
+
+
+@dataclass(frozen=True, slots=True)
+class Caution:
+    """Something that makes numbers worth less than they look.
+
+    Attributes
+    ----------
+    code : str
+        Kind, for programs: ``"contact-cells"``.
+    words : str
+        One sentence for people, with its numbers.
+    error : float or None
+        Estimate of the relative error that it means, for what `words` name; None where there is none.
+
+    Examples
+    --------
+    >>> Caution("contact-cells", "the contact has 4 cells a radius", 0.015).to_dict()
+    {'code': 'contact-cells', 'words': 'the contact has 4 cells a radius', 'error': 0.015}
+    """
+
+    code: str
+    words: str
+    error: float | None = None
+
+    def to_dict(self) -> dict[str, object]:
+        """As plain data for JSON."""
+        return {"code": self.code, "words": self.words, "error": self.error}

@@ -1,0 +1,38 @@
+"""How large a contact will be, as a coarse solve tells it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["ContactEstimate"]
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEstimate:
+    """Bounding box of the contact [m], and its largest pressure [Pa]."""
+
+    x0: float
+    x1: float
+    y0: float
+    y1: float
+    peak: float = 0.0
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Widths along x and y [m]."""
+        return self.x1 - self.x0, self.y1 - self.y0
+
+    def moved(self, by: tuple[float, float]) -> ContactEstimate:
+        """Estimate moved along x and y [m]."""
+        x, y = by
+        return ContactEstimate(self.x0 + x, self.x1 + x, self.y0 + y, self.y1 + y, self.peak)
+
+    def join(self, other: ContactEstimate) -> ContactEstimate:
+        """Smallest estimate that holds both."""
+        return ContactEstimate(
+            min(self.x0, other.x0),
+            max(self.x1, other.x1),
+            min(self.y0, other.y0),
+            max(self.y1, other.y1),
+            max(self.peak, other.peak),
+        )

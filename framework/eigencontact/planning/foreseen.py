@@ -1,0 +1,101 @@
+"""What a plan can say of the worth of its numbers before anything is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from eigencontact.core.cautions import Caution
+from eigencontact.core.material import contact_modulus
+from eigencontact.core.rigid_modes import TANGENTIAL_MODES
+from eigencontact.core.units import readable
+from eigencontact.model.bodies import without_layers
+from eigencontact.model.model import Model
+from eigencontact.model.resolution import FINE, cells_per_radius, percent, pressure_error
+from eigencontact.plugin import HasNativeGrid
+from eigencontact.scene.holding import held_steps
+from eigencontact.scene.schema import Step
+
+__all__ = ["coarse_contact", "foreseen", "measured"]
+
+#: Share of the contact modulus that a pressure may reach: strains of a tenth, slopes of a fifth.
+_STIFF = 0.2
+#: Increments in which a contact should grow where shear follows from pressure, and the error of its stick radius times
+#: their number: 0.707, 0.723, 0.728 and 0.732 of the contact radius in 5, 10, 20 and 40 (scene 'fretting-mode-2').
+_GROWTH, _PER_INCREMENT = 5, 0.18
+
+
+def foreseen(model: Model) -> tuple[Caution, ...]:
+    """Warnings that follow from a scene alone; each is one sentence with a code."""
+    return (*_of_the_contact(model), *_of_the_steps(model))
+
+
+def measured(model: Model) -> bool:
+    """Whether a surface is a measured one: its contact is made of spots of all sizes, and the estimates are of none."""
+    return any(isinstance(geometry, HasNativeGrid) for geometry in model.geometries)
+
+
+def coarse_contact(cells: float) -> Caution:
+    """Warning of a contact with few cells to a radius."""
+    error = pressure_error(cells)
+    words = (
+        f"the contact has {cells:.2g} cells to a radius, fewer than {FINE:g}: its largest pressure may be wrong by "
+        f"{percent(error)}, and area and edge are seen to a cell"
+    )
+    return Caution("contact-cells", words, error)
+
+
+def _of_the_contact(model: Model) -> Iterator[Caution]:
+    contact = model.expected
+    if contact is None or measured(model):
+        return
+    cells = cells_per_radius(contact, model.grid)
+    if cells < FINE * 0.95:
+        yield coarse_contact(cells)
+    modulus = contact_modulus(*without_layers(model.bodies))
+    if contact.peak > _STIFF * modulus:
+        words = (
+            f"a pressure of {readable(contact.peak, 'Pa')} is expected, {percent(contact.peak / modulus)} of the "
+            f"contact modulus {readable(modulus, 'Pa')}: strains are not small, as this "
+            "theory takes them to be; look at the units of load, radius and modulus"
+        )
+        yield Caution("small-strain", words)
+
+
+def _of_the_steps(model: Model) -> Iterator[Caution]:
+    if model.friction is None or model.coupling is None:
+        return
+    steps = held_steps(model.scene.steps)
+    first = model.scene.steps[0].increments
+    if model.coupling.joins_normal and first < _GROWTH and not measured(model):
+        error = _PER_INCREMENT / first
+        words = (
+            f"the contact grows in {first} increment{'s' if first > 1 else ''}, and what comes into contact within one "
+            f"sticks where it is: where pressure makes the surfaces slip, the radius that sticks may be wrong by "
+            f"{percent(error)}; give the first step more increments"
+        )
+        yield Caution("load-steps", words, error)
+    for number in _turns(steps):
+        if steps[number].increments == 1:
+            words = (
+                f"steps.{number} turns the motion along the surface in one increment: the way between its ends, and "
+                "the loop that it is part of, are not seen; give it more increments"
+            )
+            yield Caution("load-steps", words)
+            return
+
+
+def _turns(steps: Sequence[Step]) -> Iterator[int]:
+    """Steps whose loads or motions along the surface go back against the step before."""
+    names = [name for mode in TANGENTIAL_MODES for name in mode]
+    values = np.array([[getattr(step, name) or 0.0 for name in names] for step in steps])
+    moves = np.diff(values, axis=0, prepend=0.0)
+    for number in range(1, len(steps)):
+        if float((moves[number] * moves[number - 1]).sum()) < 0.0 and _same(steps[number - 1], steps[number], names):
+            yield number
+
+
+def _same(one: Step, other: Step, names: Sequence[str]) -> bool:
+    """Whether two steps prescribe the same of loads and motions."""
+    return all((getattr(one, name) is None) == (getattr(other, name) is None) for name in names)

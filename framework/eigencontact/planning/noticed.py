@@ -1,0 +1,139 @@
+"""What the results of a run say of their own worth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from eigencontact.core.cautions import Caution
+from eigencontact.core.grid import Box
+from eigencontact.core.units import readable
+from eigencontact.model.model import Model
+from eigencontact.model.resolution import FINE, percent
+from eigencontact.model.sources import Patch
+from eigencontact.planning.foreseen import coarse_contact, foreseen, measured
+from eigencontact.results.records import RegionRecord, StepRecord
+
+__all__ = ["noticed"]
+
+#: Share of the contact that slips: more than this all at once, from less than that, is a jump.
+_ALL, _SOME = 0.999, 0.5
+#: Cells within which a place counts as on an edge.
+_NEAR = 1.5
+
+Row = Mapping[str, float]
+
+
+def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Caution, ...]:
+    """Warnings of a finished run: those of its results, and those foreseen that the results do not replace.
+
+    Parameters
+    ----------
+    model : Model
+        Of the scene.
+    last : StepRecord
+        The last accepted step.
+    history : sequence of mapping
+        Scalars of every step, in order.
+    """
+    found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
+    known = {caution.code for caution in found}
+    earlier = [one for one in foreseen(model) if one.code not in known or one.code == "load-steps"]
+    return (*earlier, *found)
+
+
+def _contact(model: Model, last: StepRecord) -> Iterator[Caution]:
+    """Cells of the contact as it came out; a contact within a few of them may be of any size."""
+    box = Box.around(last.fields["pressure"] > 0) if "pressure" in last.fields else None
+    if box is None or measured(model):
+        return
+    loaded = np.count_nonzero(last.fields["pressure"] > 0)
+    high, wide = box.shape
+    cells = float(np.sqrt(loaded / np.pi * min(high, wide) / max(high, wide)))
+    if 2.0 <= cells < 0.95 * FINE:
+        yield coarse_contact(cells)
+
+
+def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
+    """Load steps that are too large for the way, and rings of slip that the cells do not see."""
+    if model.friction is None:
+        return
+    for before, after in pairwise(history):
+        if before["slip_fraction"] < _SOME and after["slip_fraction"] > _ALL and before["normal_load"] > 0:
+            words = (
+                f"in load step {after['step']:.0f} the contact goes from {percent(before['slip_fraction'])} of it "
+                "slipping to all of it at once: the work of friction on the way is not seen; give more increments"
+            )
+            yield Caution("load-steps", words)
+            break
+    moved = [row for row in history if row["tangential_load"] > 0 or row["torsion_moment"]]
+    rings = [row["slip_fraction"] * np.sqrt(row["contact_area_counted"] / np.pi) for row in moved]
+    width = max(rings, default=np.inf) / (2.0 * max(model.grid.dx, model.grid.dy))
+    if width < 1.0:
+        words = (
+            f"the ring that slips is {width:.2g} cells wide at most: stick radius, work of friction and loops are not "
+            "resolved; give finer cells"
+        )
+        yield Caution("slip-cells", words)
+
+
+def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
+    """Whether the largest von Mises stress lies where it converges slowly, or not at all."""
+    regions = [region for region in last.regions.values() if "von_mises" in region.fields]
+    if not regions:
+        return
+    region = max(regions, key=lambda one: float(one.fields["von_mises"].max()))
+    place = _place_of_largest(region)
+    where = ", ".join(readable(value, "m") for value in place)
+    grid = model.grid
+    edge = max(grid.dx, grid.dy)
+    if model.friction is not None and place[2] < 0.5 * edge and _at_the_edge(model, last, place):
+        words = (
+            f"the largest von Mises stress, at ({where}), lies at the edge of a contact with friction, where it "
+            "converges with the square root of the cells' size only; compare with finer cells"
+        )
+        yield Caution("slow-place", words)
+    for source in model.sources:
+        if source.body == region.body and not isinstance(source.shape, Patch) and _on_a_rim(source.shape, place, edge):
+            words = (
+                f"the largest von Mises stress, at ({where}), lies on an edge of {source.name!r}, where stress grows "
+                "without bound as points and cells come closer: its value is that of their distance"
+            )
+            yield Caution("slow-place", words)
+            return
+
+
+def _place_of_largest(region: RegionRecord) -> tuple[float, float, float]:
+    values = region.fields["von_mises"]
+    index = dict(zip(region.dims, np.unravel_index(int(np.argmax(values)), values.shape), strict=True))
+    x, y, z = (np.asarray(region.coords[name], dtype=float) for name in "xyz")
+    point = index.get("point")
+    at = [
+        axis[index[name] if point is None else point] if axis.ndim else axis
+        for name, axis in zip("xyz", (x, y, z), strict=True)
+    ]
+    return float(at[0]), float(at[1]), float(at[2])
+
+
+def _at_the_edge(model: Model, last: StepRecord, place: tuple[float, float, float]) -> bool:
+    """Whether cells within two of a place are both in contact and out of it."""
+    grid, loaded = model.grid, last.fields["pressure"] > 0
+    j, i = (
+        int(np.clip(round((at - axis[0]) / pitch), 0, axis.size - 1))
+        for at, axis, pitch in (
+            (place[1], grid.y, grid.dy),
+            (place[0], grid.x, grid.dx),
+        )
+    )
+    around = loaded[max(j - 2, 0) : j + 3, max(i - 2, 0) : i + 3]
+    return bool(around.any() and not around.all())
+
+
+def _on_a_rim(shape: object, place: tuple[float, float, float], edge: float) -> bool:
+    """Whether a place is on two faces of the bounds of a region at once, which bodies without edges never are."""
+    low, high = shape.bounds  # type: ignore[attr-defined]
+    near = [min(abs(at - lo), abs(at - hi)) < _NEAR * edge for at, lo, hi in zip(place, low, high, strict=True)]
+    within = all(lo - _NEAR * edge < at < hi + _NEAR * edge for at, lo, hi in zip(place, low, high, strict=True))
+    return within and sum(near) >= 2

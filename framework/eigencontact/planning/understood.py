@@ -1,0 +1,91 @@
+"""The sizes that a plan understood, in units in which a slip of units is seen."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, get_args, get_type_hints
+
+from eigencontact.core.grid import Grid
+from eigencontact.core.quantities import Unit
+from eigencontact.core.units import readable
+from eigencontact.model.contact_estimate import ContactEstimate
+from eigencontact.model.model import Model
+from eigencontact.model.resolution import cells_per_radius
+from eigencontact.scene.schema import Scene, Step
+
+__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "largest_loads", "sizes"]
+
+#: Sides of a contact that differ by less are those of a circle.
+_ROUND = 0.1
+
+
+def geometry_lines(model: Model) -> list[str]:
+    """Every geometry with its sizes."""
+    words = [f"{geometry.key}, {sizes(geometry)}" for geometry in model.geometries]
+    return [f"{'' if number else 'geometry':<12}{text}".rstrip(", ") for number, text in enumerate(words)]
+
+
+def sizes(component: Any) -> str:
+    """Fields of a component that have a unit, in readable ones; what is left out or zero is not said.
+
+    Examples
+    --------
+    >>> from eigencontact import make
+    >>> sizes(make("sphere", kind="geometry", radius=105e-6)), sizes(make("sphere", kind="geometry", radius=105))
+    ('radius 105 um', 'radius 105 m')
+    """
+    hints = get_type_hints(type(component), include_extras=True)
+    said = []
+    for item in fields(component):
+        unit, value = _unit(hints[item.name]), getattr(component, item.name)
+        numbers = value if isinstance(value, tuple) else (value,)
+        if unit and all(isinstance(number, int | float) for number in numbers) and any(numbers):
+            text = ", ".join(readable(number, unit) for number in numbers)
+            said.append(f"{item.name.replace('_', '-')} {text if len(numbers) == 1 else f'({text})'}")
+    return ", ".join(said)
+
+
+def largest_loads(scene: Scene) -> str:
+    """Largest of each load or motion of the history; nothing where there is none."""
+    said = []
+    for name, field in Step.model_fields.items():
+        values = [abs(value) for step in scene.steps if (value := getattr(step, name)) is not None]
+        unit = _unit(field.annotation)
+        if unit and any(values):
+            said.append(f"{name.replace('_', '-')} {readable(max(values), unit)}")
+    return f", at most {', '.join(said)}" if said else ""
+
+
+def expected_lines(model: Model) -> list[str]:
+    """What the contact will be, by estimate."""
+    contact = model.expected
+    if contact is None:
+        return []
+    wide, high = contact.extent
+    is_round = abs(wide - high) < _ROUND * max(wide, high)
+    size = f"radius {readable(0.25 * (wide + high), 'm')}" if is_round else f"sides {_sides(contact)}"
+    cells = cells_per_radius(contact, model.grid)
+    alone = ", without what lies in the bodies" if model.sources else ""
+    words = f"contact of {size}, pressure up to {readable(contact.peak, 'Pa')}, {cells:.3g} cells to a radius"
+    return [f"expected    {words} (an estimate{alone})"]
+
+
+def _sides(contact: ContactEstimate) -> str:
+    return " x ".join(readable(side, "m") for side in contact.extent)
+
+
+def contact_as_data(contact: ContactEstimate, grid: Grid) -> dict[str, object]:
+    """Expected contact as plain data [m, Pa]."""
+    return {
+        "extent": list(contact.extent),
+        "max_pressure": contact.peak,
+        "cells_per_radius": cells_per_radius(contact, grid),
+    }
+
+
+def _unit(hint: Any) -> str:
+    """Unit in an annotation; empty where there is none."""
+    if isinstance(hint, Unit):
+        return hint.symbol
+    parts = (*get_args(hint), *getattr(hint, "__metadata__", ()))
+    return next((symbol for symbol in map(_unit, parts) if symbol), "")

@@ -1,0 +1,132 @@
+"""What a plan says of its own worth: cells that show no contact are refused, few cells and slips of units told."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.errors import SceneError
+from eigencontact.model.resolution import pressure_error
+from eigencontact_verification.oracles.hertz import hertz_sphere
+
+BALL = {"type": "sphere", "radius": 105e-6}
+STEEL = {"young-modulus": 210e9, "poisson-ratio": 0.3}
+A, P0, _ = hertz_sphere(0.65, 105e-6, 210e9 / (1 - 0.3**2))
+COARSE = "numerics.allow-coarse=true"
+
+
+def hertz(cells, size, *changes):
+    return ec.load_scene("hertz", ["stress=[]", f"grid={{cells={cells}, size=[{size!r}, {size!r}]}}", *changes])
+
+
+def codes(cautions):
+    return [caution.code for caution in cautions]
+
+
+def test_a_contact_that_cells_cannot_show_is_refused_with_its_error():
+    with pytest.raises(SceneError) as refusal:
+        ec.plan(hertz(12, 1e-3))
+    words = str(refusal.value)
+    assert "grid must have at least 2 cells to a radius of the contact (got 0.073: cells of 83.333 um for an" in words
+    assert "the largest pressure may be wrong by 100 %" in words
+    assert 'grid = "auto", or numerics.allow-coarse = true' in words
+
+
+def test_it_is_solved_where_the_scene_allows_it_and_says_so():
+    planned = ec.plan(hertz(12, 1e-3, COARSE))
+    assert codes(planned.cautions) == ["contact-cells"]
+    summary = ec.run(planned).summary
+    assert summary["max_pressure"] < 0.05 * P0
+    (warning,) = summary["warnings"]
+    assert warning["code"] == "contact-cells"
+    assert warning["error"] == close(1.0, rel=1e-12)
+    assert "0.073 cells to a radius" in warning["words"]
+
+
+def test_an_automatic_grid_is_never_that_coarse():
+    with pytest.raises(SceneError, match=r"at least 2 cells to a radius of the contact \(got 1: "):
+        ec.plan(ec.load_scene("hertz", ["grid.cells-per-contact-radius=1"]))
+
+
+def test_a_contact_far_from_the_middle_of_a_wide_window_is_seen_as_small():
+    """The coarse look over the window sees one of 48 cells; a close look tells the radius."""
+    away = "geometry.center=[3e-4, -1e-4]"
+    expected = ec.plan(hertz(400, 1e-3, away, COARSE)).expected
+    assert 0.5 * expected.extent[0] == close(A, rel=0.02)
+    assert expected.peak == close(P0, rel=0.02)
+    with pytest.raises(SceneError, match="at least 2 cells"):
+        ec.plan(hertz(200, 1e-3, away))
+    assert codes(ec.plan(hertz(400, 1e-3, away)).cautions) == ["contact-cells"]
+    assert codes(ec.plan(hertz(1400, 1e-3, away)).cautions) == []
+
+
+@pytest.mark.parametrize(
+    "radius", [3, pytest.param(5, marks=pytest.mark.slow), pytest.param(12, marks=pytest.mark.slow)]
+)
+def test_the_estimated_error_bounds_that_of_hertz(radius):
+    """At places all over a cell; the bound is within a factor of two of the worst."""
+    h, worst = A / radius, 0.0
+    cells = 2 * int(1.5 * radius) + 6
+    for x, y in ((0.0, 0.0), (0.5, 0.5), (0.5, 0.0), (0.2, -0.3), (0.1, 0.4), (0.3, 0.35)):
+        scene = hertz(cells, cells * h, f"geometry.center=[{x * h!r}, {y * h!r}]", "output.pictures=false")
+        worst = max(worst, abs(ec.run(scene).summary["max_pressure"] / P0 - 1.0))
+    assert worst < pressure_error(radius) < 2.0 * worst
+
+
+@pytest.mark.parametrize(
+    "more", [{"eigenstrain": 1e-3, "type": "cylinder", "length": 8e-6, "axis": "x"}, {"material": {"void": True}}]
+)
+def test_a_region_narrower_than_a_cell_is_refused(more):
+    """Between the centres of cells it would fill none."""
+    region = {"type": "sphere", "center": [0, 0, 3e-6], "radius": 0.4e-6, **more}
+    scene = {"body1": STEEL, "inclusions": [region], "grid": {"cells": 16, "size": [16e-6, 16e-6]}}
+    with pytest.raises(SceneError, match=r"must have at least 1 cell across its narrowest extent \(got 0.8 of 1 um"):
+        ec.plan(scene)
+    ec.plan({**scene, "numerics": {"allow-coarse": True}})
+
+
+def test_the_sizes_understood_are_said_in_units_that_show_a_slip():
+    words = ec.plan("hertz").explain()
+    assert "geometry    sphere, radius 105 um\n" in words
+    assert "load        1 step, at most normal-load 650 mN\n" in words
+    assert "expected    contact of radius 6." in words
+    assert "pressure up to 8." in words
+    assert "GPa, 65.3 cells to a radius" in words
+    assert "window      21.596 um x" in words
+    assert "warnings" not in words
+    slipped = ec.plan(ec.load_scene("hertz", ["geometry.radius=105"])).explain()
+    assert "sphere, radius 105 m\n" in slipped
+    assert "kPa" in slipped.split("expected")[1]
+    data = ec.plan("hertz").to_dict()
+    assert data["warnings"] == []
+    assert data["expected"]["max_pressure"] == close(P0, rel=0.02)
+
+
+def test_a_contact_of_two_sides_says_both():
+    assert "expected    contact of sides 45." in ec.plan("hertz-ellipse").explain()
+
+
+def test_strains_that_are_not_small_are_told():
+    planned = ec.plan(ec.load_scene("hertz", ["stress=[]", "steps.normal-load=650", "grid.cells-per-contact-radius=8"]))
+    assert codes(planned.cautions) == ["small-strain"]
+    assert "look at the units of load" in planned.explain().split("warnings")[1]
+    assert planned.to_dict()["warnings"][0]["code"] == "small-strain"
+
+
+def test_few_increments_are_told_where_shear_follows_from_pressure():
+    few = ec.plan(ec.load_scene("fretting-mode-2", ["steps.increments=2"]))
+    (caution,) = few.cautions
+    assert caution.code == "load-steps"
+    assert caution.error == close(0.09, rel=1e-12)
+    assert ec.plan("fretting-mode-2").cautions == ()
+
+
+def test_a_load_that_turns_within_one_increment_is_told():
+    few = ec.plan(ec.load_scene("fretting-mode-1", [f"steps.{n}.increments=1" for n in (1, 2)]))
+    assert [c.words[:37] for c in few.cautions if "turns" in c.words] == ["steps.2 turns the motion along the su"]
+
+
+@pytest.mark.parametrize("name", ["hertz", "hertz-ellipse", "gross-slip", "void-near-surface", "rough-surface"])
+def test_bundled_scenes_are_free_of_warnings(name):
+    assert ec.plan(name).cautions == ()
+    assert np.isfinite(ec.plan(name).expected.peak)
