@@ -114,7 +114,10 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
 
     described = {
         name: {
-            "shape": region.shape, "body": region.body, "dims": list(region.dims), "fields": list(region.fields),
+            "shape": region.shape,
+            "body": region.body,
+            "dims": list(region.dims),
+            "fields": list(region.fields),
             "note": region.note,
         }
         for name, region in record.regions.items()
