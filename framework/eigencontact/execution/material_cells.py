@@ -13,7 +13,8 @@ from eigencontact.errors import require
 from eigencontact.execution.cell_strain import Place, fractions_in, place_in, values_of
 from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
-from eigencontact.model.sources import Inhomogeneity, Source
+from eigencontact.model.overlaps import bounds_meet
+from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import ConstitutiveLaw, LinearLaw, VariesInSpace
 
 __all__ = ["LinearContent", "MaterialCells", "is_linear"]
@@ -112,7 +113,7 @@ class MaterialCells:
         """Part of the box that an inhomogeneity takes, and its share of those cells, without what later ones take."""
         source = self._sources[member]
         assert source.lattice is not None
-        later = [other.shape for other in self._sources[member + 1 :] if _meet(source, other)]
+        later = [other.shape for other in self._sources[member + 1 :] if bounds_meet(source, other)]
         fractions = fractions_in(source, _Without(source.shape, later) if later else source.shape, self._grid)
         if not later:
             rule = f"fine enough to find {source.name!r}"
@@ -166,12 +167,6 @@ class _Without:
         for other in self.later:
             inside = inside & ~other.contains(x, y, z)
         return inside
-
-
-def _meet(one: Source, other: Source) -> bool:
-    """Whether the bounds of two regions overlap."""
-    pairs = zip(*one.shape.bounds, *other.shape.bounds, strict=True)
-    return all(low < stop and start < high for low, high, start, stop in pairs)
 
 
 def _add(shares: FloatArray, names: IntArray, share: FloatArray, number: int) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from eigencontact.core.memory import resident_bytes
 from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
+from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.planning.understood import contact_as_data, expected_lines, geometry_lines, largest_loads
 
 if TYPE_CHECKING:
@@ -179,6 +180,8 @@ def _inclusions(plan: Plan) -> list[str]:
         edges = " x ".join(readable(edge, "m") for edge in box.lattice.edges[::-1])
         lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}")
         lines += _alike(sources)
+    if next(overlapping(plan.sources), None) is not None:
+        lines.append(f"  where they overlap: {WHAT_COUNTS}")
     return [*lines, ""]
 
 

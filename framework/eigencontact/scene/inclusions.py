@@ -37,7 +37,8 @@ class Inclusion(_Component):
     """A region of a body with an eigenstrain (stress-free strain), elastic constants of its own, or both.
 
     With a `material` the region is an inhomogeneity: what it does follows from the stress that acts on it. Where
-    inhomogeneities overlap the later table wins.
+    inhomogeneities overlap the later table counts, with its prestrain. Prescribed eigenstrains that overlap add up; in
+    an inhomogeneity they add to its prestrain.
 
     ``type`` names the inclusion shape; its fields (center, radius, edges ...) stand beside it. Coordinates are those of
     the scene with z into `body`, the surface at z = 0.

@@ -20,6 +20,7 @@ from eigencontact.execution.sampling import sampling_seconds
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model
+from eigencontact.model.overlaps import overlapping
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import LinearLaw
@@ -43,13 +44,18 @@ class Wholes(Responding):
     Raises
     ------
     SceneError
-        A shape without closed form, or a law or a prestrain that is not uniform and linear.
+        A shape without closed form, a law or a prestrain that is not uniform and linear, or inclusions that overlap.
     """
 
     def __init__(self, model: Model, body: int, directions: str) -> None:
         super().__init__(model, body, directions, None)
         for source in self.sources:
             _refuse(source)
+        for first, second in overlapping(self.sources):
+            raise SceneError(
+                f"{second.where} ({second.name!r}) must not overlap with {first.name!r} for "
+                "numerics.inclusion-resolution = 'whole' (got ground that both hold); set it to 'cells'"
+            )
         self._grid = model.grid
         self._kernels = [StressCoefficients(model.influences[t.name], model.half_space(body)) for t in model.tractions]
         self._others = [source for source in model.prescribed if source.body == body]
