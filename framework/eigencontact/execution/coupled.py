@@ -160,6 +160,7 @@ class Coupled:
 
     def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
         for interior in self._interiors:
+            interior.refuse()
             for name, value in interior.scalars().items():
                 known = scalars.get(name, 0.0)
                 scalars[name] = max(known, value) if name.endswith("residual") else known + value
@@ -180,6 +181,8 @@ class Coupled:
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
         loosest, part = (_LOOSEST, _SHARE) if answering else (_LOOSEST_SWEPT, _SHARE_SWEPT)
+        if swept and all(interior.tries_elastic for interior in swept):
+            loosest = self._least
         # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
         offset = self._stacked(whole, names)
         share, best, last, loaded = 0.0, np.inf, np.inf, None
@@ -208,6 +211,7 @@ class Coupled:
                 return self._solved(answer, scalars)
             if not np.isfinite(residual):
                 break
+            loosest = _LOOSEST if answering else _LOOSEST_SWEPT
             if residual <= self._tolerance and not answering:
                 continue  # what was swept stays: only the contact has to be solved to the tolerance
             # Bodies can be softened where every displacement by the tractions can be offset.

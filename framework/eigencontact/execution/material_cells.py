@@ -109,6 +109,15 @@ class MaterialCells:
             if not is_linear(law)
         ]
 
+    def rim(self) -> NDArray[np.bool_]:
+        """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound."""
+        out = np.zeros(self.shape, dtype=bool)
+        for source in self._sources:
+            if source.guessed and source.lattice is not None:
+                part = out[place_in(self._box, source.lattice)]
+                part[-1] = part[:, [0, -1]] = part[:, :, [0, -1]] = True
+        return out
+
     def _share(self, member: int) -> tuple[Place, FloatArray]:
         """Part of the box that an inhomogeneity takes, and its share of those cells, without what later ones take."""
         source = self._sources[member]

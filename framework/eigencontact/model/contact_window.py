@@ -24,7 +24,7 @@ from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import Scene, Step
 from eigencontact.solvers.control import Control
 
-__all__ = ["ContactWindow", "contact_window"]
+__all__ = ["ContactWindow", "contact_window", "contacts_of_steps"]
 
 FloatArray = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def contact_window(
     normal = PairCoefficients(pressure, bodies, "z")
     grid, reason = _grid(scene, geometries, normal)
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
-    found = _contacts(scene, grid, geometries, normal)
+    found = contacts_of_steps(scene, grid, geometries, normal)
     touched = reduce(ContactEstimate.join, [contact for contact, _, _ in found]) if found else whole
     box = (
         min(grid.ny, int(np.ceil(touched.extent[1] / grid.dy * 1.05)) + 4),
@@ -136,7 +136,7 @@ def _first_window(separation: Any, normal: PairCoefficients, control: Control) -
     return 2.0 * high
 
 
-def _contacts(
+def contacts_of_steps(
     scene: Scene, grid: Grid, geometries: tuple[Geometry, ...], normal: PairCoefficients
 ) -> list[tuple[ContactEstimate, Control, Separation]]:
     """Contact at the end of each step, on coarse cells over the whole window, and what it is the contact of."""

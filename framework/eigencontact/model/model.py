@@ -159,6 +159,12 @@ def build_model(scene: Scene, registry: Registry) -> Model:
     given = given_grid(scene.grid) if window is None else window.grid
     prescribed, inhomogeneities = build_sources(scene, registry, given, bodies)
     grid, reason = (window.grid, window.reason) if window else _grid_of_regions(given, (*prescribed, *inhomogeneities))
+    if scene.body1.law is not None or scene.body2.law is not None:
+        from eigencontact.model.yielding import yielding_bodies
+
+        # First, so that inhomogeneities win where they lie in what yields.
+        own = yielding_bodies(scene, registry, bodies, geometries, influences, friction, grid)
+        inhomogeneities = (*own, *inhomogeneities)
     prescribed = with_lattices(prescribed, scene, grid)
     if scene.numerics.inclusion_resolution == "cells":
         inhomogeneities = with_cells(inhomogeneities, scene, grid)

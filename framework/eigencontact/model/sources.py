@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import EigenstrainPatch, eigenstrain_table
 from eigencontact.scene.schema import Scene
 
-__all__ = ["Inhomogeneity", "Lattice", "Patch", "Source", "build_sources"]
+__all__ = ["Inhomogeneity", "Lattice", "Patch", "Source", "build_law", "build_sources"]
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -141,9 +141,16 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Inhomogeneity(Source):
-    """A region with a constitutive law of its own; `field` is then its prestrain."""
+    """A region with a constitutive law of its own; `field` is then its prestrain.
+
+    Attributes
+    ----------
+    guessed : bool
+        Class attribute; whether its bounds were chosen such that its law is elastic beyond them.
+    """
 
     law: ConstitutiveLaw
+    guessed: ClassVar[bool] = False
 
     @property
     def material(self) -> str | None:
@@ -181,7 +188,7 @@ def build_sources(
     for number, item in enumerate(scene.inclusions):
         where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
-        law: Any = None if item.material is None else _law(registry, item.material, f"{where}.material")
+        law: Any = None if item.material is None else build_law(registry, item.material, f"{where}.material")
         body = bodies[item.body - 1]
         if isinstance(law, OfBody) and isinstance(body, Material):
             law = law.of_body(body.young_modulus, body.poisson_ratio)
@@ -239,7 +246,7 @@ def _field(registry: Registry, table: Mapping[str, Any], where: str) -> Eigenstr
     return field
 
 
-def _law(registry: Registry, table: Mapping[str, Any], where: str) -> ConstitutiveLaw:
+def build_law(registry: Registry, table: Mapping[str, Any], where: str) -> ConstitutiveLaw:
     """Law of a table; a law names itself in its errors, its place in the scene is put before it."""
     try:
         law: ConstitutiveLaw = build_component(registry, "constitutive-law", table, where)

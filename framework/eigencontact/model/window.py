@@ -16,13 +16,37 @@ from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalOptions, solve_normal
 from eigencontact.solvers.operator import Coefficients
 
-__all__ = ["Separation", "automatic_grid", "close_estimate", "estimate_contact"]
+__all__ = ["Separation", "automatic_grid", "close_estimate", "coarse_contact", "estimate_contact"]
 
 FloatArray = NDArray[np.float64]
 Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
 _CELLS = 48
 _FINER = 144
+
+
+def coarse_contact(
+    grid: Grid,
+    separation: Separation,
+    coefficients: Coefficients,
+    control: Control,
+    *,
+    periodic: bool,
+    cells: int = _CELLS,
+) -> tuple[Grid, FloatArray] | None:
+    """At most `cells` each way over the window of `grid`, and pressure [Pa] in them; None where it is not found."""
+    width, height = grid.size
+    nx, ny = min(grid.nx, cells), min(grid.ny, cells)
+    coarse = Grid(nx=nx, ny=ny, dx=width / nx, dy=height / ny, center=grid.center)
+    y, x = coarse.axes()
+    h = np.broadcast_to(np.asarray(separation(x, y), dtype=float), coarse.shape)
+    options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
+    try:
+        return coarse, solve_normal(coarse, h, coefficients, control, options).pressure
+    except SceneError:  # a body that is refused, not a contact that is not found
+        raise
+    except EigencontactError:
+        return None
 
 
 def estimate_contact(
@@ -35,21 +59,11 @@ def estimate_contact(
     cells: int = _CELLS,
 ) -> ContactEstimate | None:
     """Contact on at most `cells` each way over the window of `grid`; None where nothing touches or it fails."""
-    width, height = grid.size
-    nx, ny = min(grid.nx, cells), min(grid.ny, cells)
-    coarse = Grid(nx=nx, ny=ny, dx=width / nx, dy=height / ny, center=grid.center)
-    y, x = coarse.axes()
-    h = np.broadcast_to(np.asarray(separation(x, y), dtype=float), coarse.shape)
-    options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
-    try:
-        pressure = solve_normal(coarse, h, coefficients, control, options).pressure
-    except SceneError:  # a body that is refused, not a contact that is not found
-        raise
-    except EigencontactError:
+    found = coarse_contact(grid, separation, coefficients, control, periodic=periodic, cells=cells)
+    box = None if found is None else Box.around(found[1] > 0)
+    if found is None or box is None:
         return None
-    box = Box.around(pressure > 0)
-    if box is None:
-        return None
+    coarse, pressure = found
     left, bottom = float(coarse.x[0]) - 0.5 * coarse.dx, float(coarse.y[0]) - 0.5 * coarse.dy
     return ContactEstimate(
         left + box.x0 * coarse.dx,

@@ -210,12 +210,23 @@ class Surroundings:
     @property
     def shear_give(self) -> float:
         """1/κ - 1/2G [1/Pa]."""
-        return 1.0 / self.shear_stiffness - (1.0 + self.poisson_ratio) / self.young_modulus
+        return 1.0 / self.shear_stiffness - self.shear_compliance
 
     @property
     def bulk_give(self) -> float:
         """1/κ_v - 1/3K [1/Pa]."""
-        return 1.0 / self.bulk_stiffness - (1.0 - 2.0 * self.poisson_ratio) / self.young_modulus
+        return 1.0 / self.bulk_stiffness - self.bulk_compliance
+
+    @property
+    def shear_compliance(self) -> float:
+        """1/2G [1/Pa]."""
+        return 0.5 / (self.young_modulus / (2.0 * (1.0 + self.poisson_ratio)))
+
+    @property
+    def bulk_compliance(self) -> float:
+        """1/3K [1/Pa]; zero where the material is incompressible."""
+        E, nu = self.young_modulus, self.poisson_ratio
+        return 1.0 / (3.0 * (E / (3.0 * (1.0 - 2.0 * nu)))) if nu < 0.5 else 0.0
 
 
 @runtime_checkable

@@ -41,20 +41,23 @@ def _medium_table(value: Any) -> Any:
 class Body(Table):
     """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
 
-    ``medium`` is the table of a layered medium; its ``type`` names the plugin.
+    ``medium`` is the table of a layered medium, ``law`` that of the constitutive law which an elastic body obeys under
+    the contact (its constants are those of the body); their ``type`` names the plugin.
     """
 
     rigid: bool = False
     young_modulus: Annotated[Stress, AfterValidator(positive("Pa"))] | None = None
     poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
     medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("layered-medium")] = None
+    law: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("constitutive-law")] = None
 
     @model_validator(mode="after")
     def _complete(self) -> Body:
+        if self.rigid and self.law is not None:
+            raise ValueError("rigid without a law, or elastic: leave out rigid or law")
         if self.medium is not None:
-            others = [
-                name for name in ("rigid", "young_modulus", "poisson_ratio") if getattr(self, name) not in (None, False)
-            ]
+            own = ("rigid", "young_modulus", "poisson_ratio", "law")
+            others = [name for name in own if getattr(self, name) not in (None, False)]
             if others:
                 raise ValueError(f"a medium alone: leave out medium or {', '.join(others)}".replace("_", "-"))
             return self
@@ -157,6 +160,8 @@ class Numerics(Table):
     ``inclusion_resolution`` says how an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own,
     or as a ``"whole"`` with one uniform eigenstrain (cheap; shapes with potentials, away from the surface and each
     other). ``inclusion_pitch`` is the height of those cells [m]; by default it follows the grid and the shapes.
+    ``law_room`` is the room around the part of a body in which its law may be more than elastic, in sizes of that part:
+    the cells fill both.
 
     ``coupling`` says which displacements follow from which tractions in a contact with friction: ``"none"``, each along
     its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with
@@ -170,6 +175,7 @@ class Numerics(Table):
     inclusion_cells: Annotated[int, AfterValidator(at_least(1))] = 16
     inclusion_resolution: Literal["cells", "whole"] = "cells"
     inclusion_pitch: PositiveLength | None = None
+    law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
     coupling: Literal["none", "partial", "one-way", "full"] = "full"
     precision: Literal["double", "single"] = "double"

@@ -176,10 +176,13 @@ class J2(ConstitutiveLaw):
         drive = self._drive(_DEVIATOR @ (foreign / shear - prestrain), around.shear_give, before)
         now = self._return.state(drive, self._return.increments(drive))
         deviator, after = self._after(drive, now, before)
-        lost = 1.0 / (3.0 * self._constants[1] * now.sound) + around.bulk_give
-        pressed = (mean / bulk - _UNIT @ prestrain / 3.0) / lost
-        away = _DEVIATOR @ foreign - deviator
-        return away / shear + (mean - pressed) / bulk * _UNIT[:, None], after
+        soft = 1.0 / (3.0 * self._constants[1] * now.sound)
+        pressed = (mean / bulk - _UNIT @ prestrain / 3.0) / (soft + around.bulk_give)
+        # Eigenstrain: what flowed, and what the stress strains this material more than the one around. It is zero,
+        # without rounding, where nothing flowed and the constants are those of the body.
+        further = 0.5 / (self._constants[0] * now.sound) - around.shear_compliance
+        away = after["plastic_strain"] + further * deviator + (soft - around.bulk_compliance) * pressed * _UNIT[:, None]
+        return away + prestrain, after
 
     def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray]) -> Drive:
         back = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]

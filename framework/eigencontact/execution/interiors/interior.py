@@ -71,6 +71,20 @@ class Interior(Part):
         """What must be stored of the present state, for the next increment and for other regions."""
         return {}
 
+    @property
+    def tries_elastic(self) -> bool:
+        """Whether an increment often leaves the unknown as it is: the contact is then solved to the end at once."""
+        return False
+
+    def refuse(self) -> None:
+        """Refuse a state that the interior cannot stand for, though it converged.
+
+        Raises
+        ------
+        DomainTooSmall
+            Cells that were to stay elastic did not.
+        """
+
     def scalars(self) -> dict[str, float]:
         """Numbers of the work since `begin`; those of several interiors are summed, residuals compared."""
         return {}

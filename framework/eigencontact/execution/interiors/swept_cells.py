@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.elasticity import shear_ratios
+from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.cells import Cells
@@ -62,6 +63,7 @@ class SweptCells(Cells):
 
         super().start()
         self._laws = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
+        self._rim = self._content.rim().ravel()
         matrix = self._half_space.material
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
         cells = LawCells(matrix, self._system.alone, self._laws, around)
@@ -116,6 +118,26 @@ class SweptCells(Cells):
         self._after, self._residual = found.remembered, found.residual
         self._spent += self._sweeps.applications - before
         return found.image, found.residual
+
+    @property
+    def tries_elastic(self) -> bool:
+        """See `Interior.tries_elastic`."""
+        return self._sweeping and not self._linear
+
+    def refuse(self) -> None:
+        """See `Interior.refuse`: the law of a body must be elastic in the outermost of its cells."""
+        if not self._rim.any():
+            return
+        for (law, cells), variables in zip(self._laws, self._after, strict=True):
+            moved = np.any([values.any(axis=0) for values in variables.values()], axis=0) & self._rim[cells]
+            if moved.any():
+                x, y, z = (float(axis[cells][moved][0]) for axis in self._places)
+                room = self._numerics.law_room
+                raise DomainTooSmall(
+                    f"numerics.law-room must leave the outermost cells of body {self.body} elastic (got {room:g}; "
+                    f"{law.key!r} is not at {int(moved.sum())} of them at step {self._time:g}, one of them at "
+                    f"x = {x:.3g} m, y = {y:.3g} m, z = {z:.3g} m); try {2.0 * max(room, 0.25):g}"
+                )
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""
