@@ -89,7 +89,7 @@ def yielding_bodies(
         law = build_law(registry, table, where)
         if isinstance(law, OfBody):
             law = law.of_body(material.young_modulus, material.poisson_ratio)
-        _refuse(law, scene, where)
+        _refuse(law, material, scene, where)
         patch = _box_where(law, material, scene, bodies, geometries, influences, friction, grid)
         if patch is not None:
             field = build_component(registry, "eigenstrain-field", {"type": "uniform", "value": 0.0}, where)
@@ -100,7 +100,7 @@ def yielding_bodies(
     return tuple(found)
 
 
-def _refuse(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
+def _refuse(law: ConstitutiveLaw, material: Material, scene: Scene, where: str) -> None:
     """Refuse laws and scenes that a body cannot have."""
     rule = "of a material that yields or degrades: one that is elastic has young-modulus and poisson-ratio"
     require(not isinstance(law, LinearLaw | VariesInSpace), where, "type", law.key, rule)
@@ -108,6 +108,9 @@ def _refuse(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
         raise SceneError(
             f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
         )
+    small = 1e-9 * material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
+    rule = f"of a law that begins with the constants of body {where[4]}: leave out its own"
+    require(not _differs(law, compliance(material), small, 0.0).any(), where, "type", law.key, rule)
     whole = scene.numerics.inclusion_resolution == "whole"
     require(not whole, where, "type", law.key, 'of a scene with numerics.inclusion-resolution = "cells"')
 

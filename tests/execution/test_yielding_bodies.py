@@ -1,0 +1,153 @@
+"""Bodies with a law: elastic to the bit below yield, references of cases.md above it, cycles, friction, refusals."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.errors import DomainTooSmall, SceneError
+from stopping import Stop, Stopper
+
+STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
+SWIFT = {"type": "j2", "hardening": {"type": "swift", "B": "1240 MPa", "C": 30, "n": 0.085}}
+LOAD, UNLOAD = {"normal_load": "0.65 N"}, {"normal_load": "0 N"}
+
+
+def perfect(stress, **more):
+    return {"type": "j2", "hardening": {"type": "perfect", "yield-stress": stress}, **more}
+
+
+def scene(law=None, law2=None, steps=(LOAD,), cells=16, **more):
+    """Sphere on a plane, HZ-1; a body without law is rigid if the other has one."""
+    body1 = {**STEEL, **({"law": law} if law else {})} if law or not law2 else {"rigid": True}
+    body2 = {**STEEL, "law": law2} if law2 else {"rigid": True}
+    return ec.Scene(
+        body1=body1,
+        body2=body2,
+        geometry={"type": "sphere", "radius": "105 um"},
+        grid={"cells": [cells, cells], "size": ["22 um", "22 um"]},
+        steps=list(steps),
+        output={"pictures": False},
+        **more,
+    )
+
+
+@pytest.fixture(scope="module")
+def elastic():
+    return ec.run(scene(steps=[LOAD, {"normal_load": "0.1 N"}])).dataset
+
+
+@pytest.mark.parametrize("stress", ["9 GPa", "5.45 GPa"])
+def test_a_body_that_never_yields_is_an_elastic_one_to_the_bit(elastic, stress):
+    """Hertz: the largest von Mises stress is .62 p0 = 5.25 GPa; a box is only made where that comes near the limit."""
+    found = ec.run(scene(perfect(stress), steps=[LOAD, {"normal_load": "0.1 N"}])).dataset
+    assert ("equivalent_plastic_strain_1" in found) == (stress == "5.45 GPa")
+    for name in ("pressure", "displacement_z", "approach"):
+        np.testing.assert_array_equal(found[name], elastic[name])
+
+
+@pytest.fixture(scope="module")
+def cycled():
+    return ec.run(scene(perfect("3 GPa"), steps=[LOAD, UNLOAD] * 2 + [LOAD])).dataset
+
+
+def test_further_cycles_to_the_same_load_are_elastic(cycled):
+    """EP-16; unloading applies the operator at most once, for what the last sweep left."""
+    depth = cycled["approach"].values
+    assert depth[0] > 1.5 * depth[1] > 0.0
+    np.testing.assert_allclose(depth[[2, 4]], depth[0], rtol=1e-6)
+    np.testing.assert_allclose(depth[3], depth[1], rtol=1e-5)
+    assert np.all(cycled["inclusion_iterations"][1:] <= 1)
+
+
+def test_bodies_may_be_exchanged(cycled):
+    """EP-20: the same pressure and displacement, and the strain in the other body."""
+    other = ec.run(scene(None, perfect("3 GPa"))).dataset
+    first = cycled.isel(step=0)
+    np.testing.assert_array_equal(other["pressure"][0], first["pressure"])
+    assert float(other["max_sink"][0]) == close(float(first["max_sink"]), rel=1e-12)
+    assert "equivalent_plastic_strain_2" in other
+    assert "equivalent_plastic_strain_1" not in other
+
+
+def test_two_identical_bodies_behave_each_as_one_under_a_rigid_sphere_of_twice_the_radius():
+    """EP-19: the total depth is twice that of one body under the gap r²/4R."""
+    law = perfect("2 GPa")
+    grid = {"cells": [16, 16], "size": ["22 um", "22 um"]}
+    both = {"body1": {**STEEL, "law": law}, "body2": {**STEEL, "law": law}, "grid": grid, "output": {"pictures": False}}
+    pair = ec.run(ec.Scene(**both, geometry={"type": "sphere", "radius": "100 um"}, steps=[LOAD])).dataset
+    single = {"body1": {**STEEL, "law": law}, "grid": grid, "output": {"pictures": False}}
+    one = ec.run(ec.Scene(**single, geometry={"type": "sphere", "radius": "200 um"}, steps=[LOAD])).dataset
+    assert float(pair["approach"][0]) == close(2.0 * float(one["approach"][0]), rel=1e-5)
+    np.testing.assert_allclose(pair["pressure"], one["pressure"], atol=1e-4 * float(one["pressure"].max()))
+    strains = [pair[f"equivalent_plastic_strain_{body}"].values for body in (1, 2)]
+    np.testing.assert_allclose(strains[0], strains[1], atol=1e-5 * strains[0].max())
+
+
+@pytest.mark.parametrize("coupling", ["none", "full"])
+def test_yield_and_friction(coupling):
+    """Both at once: bounds hold, and a body that yields keeps displacements along all directions when unloaded."""
+    steps = [LOAD, {"tangential_load_x": "0.1 N"}, {"tangential_load_x": "0 N", "normal_load": "0 N"}]
+    friction = {"type": "coulomb", "coefficient": 0.3}
+    found = ec.run(scene(perfect("3 GPa"), steps=steps, friction=friction, numerics={"coupling": coupling})).dataset
+    shear = np.hypot(found["shear_x"], found["shear_y"] if coupling == "full" else 0.0)
+    assert np.all(shear <= 0.3 * found["pressure"] * (1 + 1e-9) + 1.0)
+    assert float(found["tangential_load_x"][1]) == close(0.1, rel=1e-5)
+    names = "xyz" if coupling == "full" else "z"
+    left = {name: float(abs(found[f"residual_displacement_{name}"][-1]).max()) for name in names}
+    assert left["z"] > 3e-8
+    assert min(left.values()) > 1e-9
+
+
+def test_resume_continues_to_the_bit(tmp_path):
+    steps = [LOAD, UNLOAD, {"normal_load": "0.8 N"}]
+    whole = ec.run(scene(SWIFT, steps=steps)).dataset
+    with pytest.raises(Stop):
+        ec.run(scene(SWIFT, steps=steps), tmp_path / "part", watcher=Stopper(2))
+    continued = ec.run(scene(SWIFT, steps=steps), tmp_path / "part", resume=True).dataset
+    np.testing.assert_array_equal(continued["pressure"], whole["pressure"])
+    np.testing.assert_array_equal(continued["plastic_strain_1"], whole["plastic_strain_1"])
+
+
+def test_a_box_that_yields_at_its_rim_is_refused():
+    with pytest.raises(DomainTooSmall, match=r"law-room must leave the outermost cells of body 1 elastic .* try 0.5"):
+        ec.run(scene(perfect("1.5 GPa"), numerics={"law_room": 0.0}))
+
+
+@pytest.mark.parametrize(
+    ("law", "more", "message"),
+    [
+        ({"type": "isotropic", "young-modulus": 1e9, "poisson-ratio": 0.3}, {}, "body1.law.type must be of a material"),
+        (perfect("1 GPa", **{"young-modulus": "9 GPa"}), {}, r"begins with the constants of body 1"),
+        ({"type": "j3"}, {}, r"body1.law.*'j2'"),
+        (perfect("1 GPa"), {"numerics": {"inclusion_resolution": "whole"}}, r"inclusion-resolution = \"cells\""),
+    ],
+)
+def test_laws_that_a_body_cannot_have_are_refused(law, more, message):
+    with pytest.raises(ec.EigencontactError, match=message):
+        ec.explain(scene(law, **more))
+
+
+def test_a_law_without_contact_or_in_a_rigid_or_layered_body_is_refused():
+    ball = {"type": "sphere", "radius": "1 um", "center": [0, 0, "2 um"], "eigenstrain": 1e-3}
+    with pytest.raises(SceneError, match=r"body1.law must be left out without a contact"):
+        ec.explain(ec.Scene(body1={**STEEL, "law": SWIFT}, inclusions=ball))
+    with pytest.raises(SceneError, match=r"leave out rigid or law"):
+        ec.Scene(body1={"rigid": True, "law": SWIFT}, body2=STEEL, geometry={"type": "sphere", "radius": 1}, steps=LOAD)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cells", "rims"), [(8, 0.05), (12, 0.03)])
+def test_indentation_of_the_reference(cells, rims):
+    """EP-1 of cases.md: depth 372.15 nm, print 81.6 nm (from below, first order), peak strain 1.707 %."""
+    steps = [{**LOAD, "increments": 10}, {**UNLOAD, "increments": 3}]
+    body = {"body1": {**STEEL, "law": SWIFT}, "geometry": {"type": "sphere", "radius": "105 um"}}
+    grid = {"cells_per_contact_radius": cells, "margin": 1.6}
+    found = ec.run(ec.Scene(**body, grid=grid, steps=steps, output={"pictures": False})).dataset
+    assert float(found["approach"].max()) == close(372.15e-9, abs=0.6e-9)
+    assert float(found["max_sink"][-1]) == close(81.6e-9, rel=rims)
+    assert float(found["equivalent_plastic_strain_1"].max()) == close(0.01707, rel=0.02)
+    spent = found["inclusion_iterations"].values
+    assert spent.sum() <= 80
+    assert np.all(spent[:10] <= 8)
+    assert spent[10:].sum() <= 2
