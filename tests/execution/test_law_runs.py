@@ -241,7 +241,11 @@ def test_a_region_whose_law_fills_no_cell_is_refused_by_name(laws):
     laws()
     film = {"type": "cuboid", "center": [0.0, 0.0, 0.5 * A], "edges": [A, A, 0.1 * A]}
     with pytest.raises(SceneError, match="cells must be fine enough for 'film' to fill half of a cell"):
-        ec.run(scene(film | {"name": "film", "material": STEEL}, numerics={"inclusion-pitch": 0.3 * A}))
+        ec.run(
+            scene(
+                film | {"name": "film", "material": STEEL}, numerics={"inclusion-pitch": 0.3 * A, "allow-coarse": True}
+            )
+        )
 
 
 @pytest.mark.parametrize(

@@ -216,12 +216,13 @@ def test_every_bundled_field_called_file_is_a_data_file():
     from eigencontact.core.quantities import FileMark
 
     named = {
-        (entry.key, item.name): FileMark() in _marks(get_type_hints(entry.component, include_extras=True)[item.name])
+        (entry.kind, entry.key, item.name): FileMark()
+        in _marks(get_type_hints(entry.component, include_extras=True)[item.name])
         for entry in installed_plugins()
         for item in fields(entry.component)
         if "file" in item.name and item.name != "profile"
     }
-    assert len(named) == 6
+    assert len(named) == 8
     assert all(named.values()), named
 
 
