@@ -12,6 +12,7 @@ from scipy.integrate import dblquad
 from close import close
 from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, trade
 from eigencontact_verification.benchmarks.__main__ import main, parser
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
 from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge, love_influence
@@ -297,6 +298,51 @@ def test_interpreter_that_does_not_start(fake, tmp_path):
     assert "interpreter does not start" in sample["reason"]
 
 
+@pytest.mark.parametrize(
+    ("budget", "always", "wanted"),
+    [(60.0, 0, "set call floor call floor"), (-1.0, 0, "set"), (-1.0, 1, "set call floor")],
+)
+def test_calls_alternate_with_floors_until_the_time_is_over(budget, always, wanted):
+    order = []
+
+    def floor():
+        order.append("floor")
+        return [2.0, 4.0, 9.0]
+
+    def call():
+        order.append("call")
+        return len(order)
+
+    trial = Trial(
+        setup=lambda: order.append("set"),
+        call=call,
+        floors=lambda: {"bare": floor},
+        judge=lambda answer: {"answer": answer},
+        always=always,
+    )
+    sample = trial.run(Task(benchmark="hertz", code="", n=1, warm=2, budget=budget))
+    assert order[:3] == ["set", "call", "floor"]
+    assert ["set", *order[3:]] == wanted.split()
+    assert (sample["answer"], sample["bare_s"]) == (2, 4.0)
+    assert len(sample["again_s"]) == order.count("call") - 1
+
+
+def test_row_has_medians_of_times_largest_errors_and_last_counts():
+    benchmark = Benchmark(name="", help="", measure=lambda *_: {}, columns=(), floors=("bare",), worst=("error",))
+    samples = [
+        {"first_s": first, "first_cpu_s": 2 * first, "again_s": again, "bare_s": 0.5, "peak_bytes": peak, **found}
+        for first, again, peak, found in (
+            (3.0, [1.0, 2.0], None, {"error": 0.3, "count": 7}),
+            (1.0, [], 20, {"error": 0.1, "count": 8}),
+            (8.0, [4.0], 10, {"error": 0.2, "count": 9}),
+        )
+    ]
+    row = benchmark.summarise(Task(benchmark="", code="one", n=4), samples)
+    assert (row["first_s"], row["first_min_s"], row["again_s"], row["again_min_s"]) == (3.0, 1.0, 2.0, 1.0)
+    assert (row["first_per_bare"], row["again_per_bare"], row["cores"]) == (6.0, 5.5, 2.0)
+    assert (row["peak_bytes"], row["error"], row["count"], row["processes"]) == (20, 0.3, 9, 3)
+
+
 # --- the campaign -------------------------------------------------------------------------------------------------
 
 SAMPLE = {"status": "ok", "first_s": 0.1, "first_cpu_s": 0.1, "again_s": [0.05], "peak_bytes": 10, "settings": "none"}
@@ -403,7 +449,7 @@ def test_stress_in_layers_is_measured_beside_that_in_the_bare_body(case):
     asked = Task(benchmark="layers", code="eigencontact", n=12, depths=3, case=case, warm=1)
     sample = perform(asked)
     assert sample["status"] == "ok", sample
-    row = layers.summarise(asked, [sample, sample])
+    row = layers.BENCHMARK.summarise(asked, [sample, sample])
     assert row["depths"] == (64 if case.startswith("line") else 3)
     assert min(row[name] for name in ("coated_step_s", "bare_step_s", "first", "again")) > 0
 
@@ -489,10 +535,10 @@ def test_eigenstrain_is_measured_and_judged(case, precision):
     task = Task(benchmark="eigenstrain", code="eigencontact", n=8, case=case, warm=2, precision=precision)
     sample = perform(task)
     assert sample["status"] == "ok", sample
-    assert len(sample["again_s"]) == len(sample["transforms_1_s"]) == 2
+    assert (len(sample["again_s"]), len(sample["transforms_1_s"])) == (2, 3)
     low, high = (0.0, 1e-11) if precision == "double" else (1e-9, 1e-5)
     assert low < sample["error"] < high
-    row = eigenstrain.summarise(task, [sample, sample])
+    row = eigenstrain.BENCHMARK.summarise(task, [sample, sample])
     assert row["again_per_transforms_1"] == min(sample["again_s"]) / min(sample["transforms_1_s"])
     assert row["kernels"] == (58 if case == "stress" else 144)
 
@@ -517,7 +563,7 @@ def test_a_cloud_is_measured_and_judged(case):
     task = Task(benchmark="cloud", code="eigencontact", n=5, case=case)
     sample = cloud.measure(cloud.METHODS["eigencontact"], task, points=(12, 10, 6))
     assert sample["error"] < 1e-12
-    row = cloud.summarise(task, [sample, sample])
+    row = cloud.BENCHMARK.summarise(task, [sample, sample])
     assert row["points"] == 720
     assert row["ns_per_pair"] > 0
 
@@ -536,6 +582,6 @@ def test_the_trade_is_measured_judged_and_drawn(tmp_path):
         task = Task(benchmark="trade", code=name, n=1)
         sample = trade.measure(trade.METHODS[name], task)
         assert low <= sample["error"] <= high
-        rows.append(trade.summarise(task, [sample]))
+        rows.append(trade.BENCHMARK.summarise(task, [sample]))
     trade.draw(rows, tmp_path / "trade.png")
     assert (tmp_path / "trade.png").stat().st_size > 10_000

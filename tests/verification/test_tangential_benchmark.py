@@ -86,7 +86,7 @@ def test_one_process_measures_ours(monkeypatch):
     assert sample["status"] == "ok"
     assert sample["residual"] < 1e-6
     assert sample["cycle_applications"] > sample["applications"] > 5
-    row = tangential.summarise(task, [sample])
+    row = tangential.BENCHMARK.summarise(task, [sample])
     assert row["again_per_application"] > 1
     assert row["stick_radius"] == close(0.5 ** (1 / 3), abs=0.05)
 

@@ -12,18 +12,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import (
-    cloud,
-    eigenstrain,
-    fidelity,
-    hertz,
-    inhomogeneity,
-    layers,
-    tangential,
-    trade,
-)
-from eigencontact_verification.benchmarks.campaign import BENCHMARKS, Campaign, run_campaign
-from eigencontact_verification.benchmarks.codes import CODES, OURS, PEERS
+from eigencontact_verification.benchmarks.campaign import Campaign, run_campaign
+from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
+from eigencontact_verification.benchmarks.codes import CODES
 from eigencontact_verification.benchmarks.machine import describe, facts
 from eigencontact_verification.benchmarks.process import run_fresh
 from eigencontact_verification.benchmarks.table import replace_section, table
@@ -31,6 +22,8 @@ from eigencontact_verification.benchmarks.task import Sample, Task
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from eigencontact_verification.benchmarks.benchmark import Benchmark
 
 __all__ = ["main", "parser"]
 
@@ -50,7 +43,7 @@ def _count(text: str) -> int:
 
 
 def _code(text: str) -> str:
-    names = {**CODES, **fidelity.METHODS, **trade.METHODS, **tangential.METHODS}
+    names = {*CODES, *(name for one in BENCHMARKS.values() for name in one.methods or ())}
     if ":" not in text and text not in names:
         known = ", ".join(sorted(names))
         raise argparse.ArgumentTypeError(f"must be one of {known} or package.module:OBJECT (got {text})")
@@ -87,51 +80,28 @@ def parser() -> argparse.ArgumentParser:
     add("--json", type=Path, metavar="FILE", help="write raw samples and rows")
     add("--markdown", type=Path, metavar="FILE", help="replace the table between its markers")
     add("--section", help="name in the markers; by default that of the benchmark")
-    one = commands.add_parser("hertz", parents=[common], help="frictionless Hertz against one bare convolution")
-    one.add_argument("--sizes", type=_count, nargs="+", default=[256, 512, 1024, 2048], metavar="N")
-    one.add_argument("--peers", action="store_true", help=f"also {', '.join(PEERS)}, where installed")
-    two = commands.add_parser("stress", parents=[common], help="sub-surface stress against its bare FFTs")
-    two.add_argument("--size", type=_count, default=256, metavar="N")
-    two.add_argument("--depths", type=_count, default=32)
-    three = commands.add_parser("fidelity", parents=[common], help="lower fidelities of the half-space and their price")
-    three.add_argument("--size", type=_count, default=32, metavar="N")
-    three.add_argument("--cases", nargs="+", choices=list(fidelity.CASES), default=list(fidelity.CASES), metavar="CASE")
-    four = commands.add_parser("eigenstrain", parents=[common], help="eigenstrain in a volume against its bare FFTs")
-    four.add_argument("--sizes", type=_count, nargs="+", default=[16, 32, 64, 128], metavar="N")
-    four.add_argument("--cases", nargs="+", choices=list(eigenstrain.CASES), default=list(eigenstrain.CASES))
-    five = commands.add_parser("cloud", parents=[common], help="hundreds of inclusions off the grid")
-    five.add_argument("--sizes", type=_count, nargs="+", default=cloud.SIZES, metavar="INCLUSIONS")
-    five.add_argument("--cases", nargs="+", choices=list(cloud.CASES), default=list(cloud.CASES))
-    six = commands.add_parser("trade", parents=[common], help="finite elements against the semi-analytical ways")
-    six.add_argument("--picture", type=Path, metavar="FILE", help="draw error against time and memory")
-    six.set_defaults(size=1)
-    seven = commands.add_parser("tangential", parents=[common], help="partial slip against one bare application")
-    seven.add_argument("--sizes", type=_count, nargs="+", default=[64, 128, 256, 512], metavar="N")
-    seven.add_argument("--cases", nargs="+", choices=list(tangential.CASES), default=list(tangential.CASES))
-    seven.add_argument("--peers", action="store_true", help=f"also {', '.join(tangential.PEERS)}, where installed")
-    eight = commands.add_parser("inhomogeneity", parents=[common], help="clusters, coatings, stiffness ratios")
-    eight.add_argument("--size", type=_count, default=inhomogeneity.COATED_CELLS, metavar="N", help="of coated-sphere")
-    eight.add_argument(
-        "--cases", nargs="+", choices=list(inhomogeneity.CASES), default=list(inhomogeneity.CASES), metavar="CASE"
-    )
-    nine = commands.add_parser("layers", parents=[common], help="stress in a coated body against the bare one")
-    nine.add_argument("--size", type=_count, default=256, metavar="N")
-    nine.add_argument("--depths", type=_count, default=32)
-    nine.add_argument("--cases", nargs="+", choices=list(layers.CASES), default=list(layers.CASES), metavar="CASE")
+    for one in BENCHMARKS.values():
+        add = commands.add_parser(one.name, parents=[common], help=one.help).add_argument
+        if len(one.sizes) > 1:
+            add("--sizes", type=_count, nargs="+", default=list(one.sizes), metavar=one.unit)
+        elif one.sizes:
+            add("--size", type=_count, default=one.sizes[0], metavar=one.unit)
+        if one.depths:
+            add("--depths", type=_count, default=one.depths)
+        if len(one.cases) > 1:
+            add("--cases", nargs="+", choices=one.cases, default=one.cases, metavar="CASE", help="; ".join(one.cases))
+        if one.peers:
+            add("--peers", action="store_true", help=f"also {', '.join(one.peers)}, where installed")
+        if one.draw:
+            add("--picture", type=Path, metavar="FILE", help="draw error against time and memory")
     return top
 
 
-def _report(out: Campaign, benchmark: str, machine: str, *, brief: bool) -> str:
+def _report(out: Campaign, benchmark: Benchmark, machine: str, *, brief: bool) -> str:
     """Table, notes, settings and machine, as Markdown."""
-    columns = [column for column in BENCHMARKS[benchmark][0] if column.brief or not brief]
+    columns = [column for column in benchmark.columns if column.brief or not brief]
     parts = [table(out.rows, columns)] if out.rows else []
-    remarks = [*out.notes]
-    if benchmark == "hertz":
-        remarks = hertz.scaling(out.rows) + remarks
-    elif benchmark == "eigenstrain":
-        remarks = eigenstrain.scaling(out.rows) + remarks
-    elif benchmark == "tangential":
-        remarks = tangential.growth(out.rows) + remarks
+    remarks = benchmark.remarks(out.rows) + out.notes
     remarks += [f"{code} {text}" for code, text in out.settings.items()]
     parts.append("\n".join(f"- {remark}" for remark in remarks))
     parts.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {machine}.")
@@ -141,12 +111,9 @@ def _report(out: Campaign, benchmark: str, machine: str, *, brief: bool) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one benchmark; return 1 if nothing could be measured, 2 for files that cannot be written."""
     options = parser().parse_args(arguments)
-    ways = {"fidelity": fidelity.METHODS, "trade": trade.METHODS}.get(options.benchmark)
-    friction = options.benchmark == "tangential"
-    ours, peers = (tangential.OURS, tangential.PEERS) if friction else (OURS, PEERS)
-    with_peers = getattr(options, "peers", False)
-    codes = options.codes or (list(ways) if ways else [*ours, *(peers if with_peers else ())])
-    sizes = options.sizes if "sizes" in options else [options.size]
+    benchmark, chosen = BENCHMARKS[options.benchmark], vars(options)
+    codes = options.codes or [*benchmark.ours, *(benchmark.peers if chosen.get("peers") else ())]
+    sizes = chosen.get("sizes") or [chosen.get("size", 1)]
     elsewhere = dict(options.interpreter)
     machine = facts()
 
@@ -154,16 +121,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return run_fresh(task, limit, elsewhere.get(task.code))
 
     template = Task(
-        benchmark=options.benchmark,
+        benchmark=benchmark.name,
         code="",
         n=0,
         threads=options.threads,
         precision=options.precision,
         warm=options.warm,
-        depths=getattr(options, "depths", 0),
+        depths=chosen.get("depths", 0),
     )
     out = Campaign()
-    for case in getattr(options, "cases", [""]):
+    for case in chosen.get("cases", benchmark.cases):
         found = run_campaign(
             replace(template, case=case),
             codes=codes,
@@ -177,11 +144,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         out.samples += found.samples
         out.notes += [f"{case}: {note}" if case else note for note in found.notes]
         out.settings |= found.settings
-    print(_report(out, options.benchmark, describe(machine), brief=False))
+    print(_report(out, benchmark, describe(machine), brief=False))
     try:
         if options.json:
             content = {
-                "benchmark": options.benchmark,
+                "benchmark": benchmark.name,
                 "machine": machine,
                 "rows": out.rows,
                 "samples": out.samples,
@@ -189,11 +156,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "settings": out.settings,
             }
             options.json.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-        if getattr(options, "picture", None) and out.rows:
-            trade.draw(out.rows, options.picture)
+        if benchmark.draw and options.picture and out.rows:
+            benchmark.draw(out.rows, options.picture)
         if options.markdown and out.rows:
-            text = _report(out, options.benchmark, describe(machine), brief=True)
-            replace_section(options.markdown, options.section or options.benchmark, text)
+            text = _report(out, benchmark, describe(machine), brief=True)
+            replace_section(options.markdown, options.section or benchmark.name, text)
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 2

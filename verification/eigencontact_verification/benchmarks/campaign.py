@@ -6,38 +6,15 @@ import time
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.benchmarks import (
-    cloud,
-    eigenstrain,
-    fidelity,
-    hertz,
-    inhomogeneity,
-    layers,
-    stress,
-    tangential,
-    trade,
-)
+from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from eigencontact_verification.benchmarks.table import Column, Row
+    from eigencontact_verification.benchmarks.table import Row
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["BENCHMARKS", "Campaign", "run_campaign"]
-
-#: Columns of the table and what makes a row of one code and size, by benchmark.
-BENCHMARKS: dict[str, tuple[Sequence[Column], Callable[[Task, list[Sample]], Row]]] = {
-    "hertz": (hertz.COLUMNS, hertz.summarise),
-    "stress": (stress.COLUMNS, stress.summarise),
-    "fidelity": (fidelity.COLUMNS, fidelity.summarise),
-    "eigenstrain": (eigenstrain.COLUMNS, eigenstrain.summarise),
-    "cloud": (cloud.COLUMNS, cloud.summarise),
-    "trade": (trade.COLUMNS, trade.summarise),
-    "tangential": (tangential.COLUMNS, tangential.summarise),
-    "inhomogeneity": (inhomogeneity.COLUMNS, inhomogeneity.summarise),
-    "layers": (layers.COLUMNS, layers.summarise),
-}
+__all__ = ["Campaign", "run_campaign"]
 
 
 @dataclass(kw_only=True, slots=True)
@@ -90,7 +67,7 @@ def run_campaign(
         Told what happens next.
     """
     out, stopped = Campaign(), set[str]()
-    summarise = BENCHMARKS[template.benchmark][1]
+    summarise = BENCHMARKS[template.benchmark].summarise
     for n in sorted(sizes):
         running = [code for code in codes if code not in stopped]
         kept: dict[str, list[Sample]] = {code: [] for code in running}

@@ -6,28 +6,25 @@ is the sum over the inclusions one by one, by their own potentials, at some of t
 
 from __future__ import annotations
 
-from statistics import median
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.memory import PeakMemory
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.benchmarks.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["CASES", "COLUMNS", "METHODS", "POINTS", "SIZES", "lattice", "measure", "summarise"]
+__all__ = ["BENCHMARK", "CASES", "METHODS", "POINTS", "lattice", "measure"]
 
 FloatArray = NDArray[np.float64]
 
 #: Shapes of the inclusions.
 CASES = ("spheres", "ellipsoids")
-#: Numbers of inclusions.
-SIZES = [50, 500]
 #: Field points along x, y and z.
 POINTS = (128, 128, 64)
 MATERIAL: dict[str, Any] = {"young_modulus": 210e9, "poisson_ratio": 0.3}
@@ -80,51 +77,37 @@ def measure(code: Code, task: Task, points: tuple[int, int, int] = POINTS) -> Sa
 
     shapes, strains = _inclusions(task.case, task.n, points)
     at = lattice(points)
-    memory = PeakMemory()
-    found, seconds, _ = timed(lambda: inclusion_field(shapes, strains, at, quantity="stress", **MATERIAL))
-    peak = memory.peak()
-    chosen = np.random.default_rng(1).choice(len(at), min(_JUDGED, len(at)), replace=False)
-    wanted = np.zeros((chosen.size, 3, 3))
-    for shape, strain in zip(shapes, strains, strict=True):
-        wanted += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
-    return {
-        "status": "ok",
-        "seconds": seconds,
-        "peak_bytes": peak,
-        "peak_reset": memory.reset,
-        "points": len(at),
-        "error": float(np.abs(found[chosen] - wanted).max() / np.abs(wanted).max()),
-    }
+
+    def judge(found: FloatArray) -> dict[str, Any]:
+        chosen = np.random.default_rng(1).choice(len(at), min(_JUDGED, len(at)), replace=False)
+        wanted = np.zeros((chosen.size, 3, 3))
+        for shape, strain in zip(shapes, strains, strict=True):
+            wanted += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
+        return {"points": len(at), "error": float(np.abs(found[chosen] - wanted).max() / np.abs(wanted).max())}
+
+    call = partial(inclusion_field, shapes, strains, at, quantity="stress", **MATERIAL)
+    return Trial(call=call, judge=judge).run(task, warm=0)
 
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one shape and number."""
-    seconds = [s["seconds"] for s in samples]
-    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
-    pairs = task.n * samples[-1]["points"]
-    return {
-        "case": task.case,
-        "code": task.code,
-        "n": task.n,
-        "points": samples[-1]["points"],
-        "threads": task.threads,
-        "processes": len(samples),
-        "seconds": median(seconds),
-        "min_s": min(seconds),
-        "ns_per_pair": 1e9 * min(seconds) / pairs,
-        "peak_bytes": max(peaks) if peaks else None,
-        "error": max(s["error"] for s in samples),
-    }
-
-
-COLUMNS = (
-    Column("inclusions", "n", "d"),
-    Column("shape", "case"),
-    Column("points", "points", "d"),
-    Column("stress, all set-up included [s]", "seconds", ".3g"),
-    Column("min [s]", "min_s", ".3g", brief=False),
-    Column("ns / inclusion and point", "ns_per_pair", ".3g"),
-    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
-    Column("difference from the sum one by one", "error", ".1e"),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="cloud",
+    help="hundreds of inclusions off the grid",
+    measure=measure,
+    worst=("error",),
+    derive=lambda task, row: {"ns_per_pair": 1e9 * row["first_min_s"] / (task.n * row["points"])},
+    methods=METHODS,
+    cases=CASES,
+    sizes=(50, 500),
+    unit="INCLUSIONS",
+    columns=(
+        Column("inclusions", "n", "d"),
+        Column("shape", "case"),
+        Column("points", "points", "d"),
+        Column("stress, all set-up included [s]", "first_s", ".3g"),
+        Column("min [s]", "first_min_s", ".3g", brief=False),
+        Column("ns / inclusion and point", "ns_per_pair", ".3g"),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("difference from the sum one by one", "error", ".1e"),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from eigencontact.core.material import Material
 
-__all__ = ["CODES", "OURS", "PEERS", "Code", "Solution", "find_code"]
+__all__ = ["CODES", "PEERS", "Code", "Solution", "find_code"]
 
 FloatArray = NDArray[np.float64]
 
@@ -184,7 +184,6 @@ def solve_aspher_nested(n: int, threads: int, precision: str) -> Solution:  # no
     return _from_aspher(result, n)
 
 
-OURS = ("eigencontact",)
 PEERS = ("tamaas", "aspher", "aspher-nested", "contactmechanics")
 CODES = {
     code.name: code

@@ -9,19 +9,16 @@ The judge of what comes out is the closed form of one cell, at points spread ove
 
 from __future__ import annotations
 
-import time
 from functools import cache
 from math import log2
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, once, one_and_all
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.memory import PeakMemory
 from eigencontact_verification.benchmarks.table import Column, Row
 
 if TYPE_CHECKING:
@@ -29,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["CASES", "COLUMNS", "METHODS", "bare_transforms", "measure", "scaling", "summarise"]
+__all__ = ["BENCHMARK", "CASES", "METHODS", "bare_transforms", "measure", "scaling"]
 
 FloatArray = NDArray[np.float64]
 
@@ -134,76 +131,40 @@ def cell_error(task: Task, operator: Any) -> float:
     return float(np.abs(values - wanted).max() / np.abs(wanted).max())
 
 
-@cache
-def _eigenstrain(n: int) -> FloatArray:
-    return np.random.default_rng(0).standard_normal((6, n, n, n))
-
-
 def measure(code: Code, task: Task) -> Sample:
     """Set up, apply, apply again in turn with the bare transforms."""
     code.load()
-    strain = _eigenstrain(task.n).astype(np.float64 if task.precision == "double" else np.float32)
-    began = time.perf_counter()
-    memory = PeakMemory()
-    operator, set_up, _ = timed(lambda: _operator(task))
-    first = timed(lambda: operator.apply(strain))[1]
-    peak = memory.peak()
-    workers = sorted({1, task.threads})
-    bare = {w: bare_transforms(task, w) for w in workers}
-    floors: dict[int, list[float]] = {w: [] for w in workers}
-    again: list[float] = []
-    for turn in range(max(1, task.warm)):
-        if turn and time.perf_counter() - began > 0.7 * task.budget:
-            break
-        again.append(timed(lambda: operator.apply(strain))[1])
-        for w in workers:
-            floors[w].append(timed(bare[w])[1])
-    return {
-        "status": "ok",
-        "setup_s": set_up,
-        "first_s": first,
-        "again_s": again,
-        "peak_bytes": peak,
-        "peak_reset": memory.reset,
-        "held_bytes": operator.nbytes,
-        "kernels": operator.kernels,
-        "transforms_1_s": floors[1],
-        "transforms_threads_s": floors[task.threads],
-        "error": cell_error(task, operator),
-    }
+    real = np.float64 if task.precision == "double" else np.float32
+    strain = np.random.default_rng(0).standard_normal((6, *(task.n,) * 3)).astype(real)
+    operator = cache(lambda: _operator(task))
+
+    def judged(_: FloatArray) -> dict[str, Any]:
+        found = operator()
+        return {"held_bytes": found.nbytes, "kernels": found.kernels, "error": cell_error(task, found)}
+
+    return Trial(
+        setup=operator,
+        call=lambda: operator().apply(strain),
+        floors=lambda: one_and_all("transforms", task.threads, lambda w: once(bare_transforms(task, w))),
+        floor=list,
+        always=1,
+        judge=judged,
+    ).run(task)
 
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one case and size."""
-    again = [t for s in samples for t in s["again_s"]]
-    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
-    set_up = [s["setup_s"] for s in samples]
+def _per_cell(task: Task, row: Row) -> Row:
+    """Ratios to the floors, least over least, and what a cell costs."""
     points = task.n**3 * log2(task.n) if task.n > 1 else 1.0
-    row: Row = {
+    found: Row = {
         "case": CASES[task.case],
-        "code": task.code,
-        "n": task.n,
-        "threads": task.threads,
-        "precision": task.precision,
-        "processes": len(samples),
-        "setup_s": median(set_up),
-        "setup_min_s": min(set_up),
-        "first_s": median(s["first_s"] for s in samples),
-        "again_s": median(again),
-        "again_min_s": min(again),
-        "peak_bytes": max(peaks) if peaks else None,
-        "held_bytes": max(s["held_bytes"] for s in samples),
-        "kernels": samples[-1]["kernels"],
-        "error": max(s["error"] for s in samples),
-        "again_ns_per_point_log": 1e9 * min(again) / points,
-        "setup_ns_per_point_log": 1e9 * min(set_up) / points,
-        "peak_bytes_per_point": max(peaks) / task.n**3 if peaks else None,
+        "again_ns_per_point_log": 1e9 * row["again_min_s"] / points,
+        "setup_ns_per_point_log": 1e9 * row["setup_min_s"] / points,
+        "peak_bytes_per_point": row["peak_bytes"] / task.n**3 if row["peak_bytes"] else None,
     }
     for name in ("transforms_1", "transforms_threads"):
-        floor = min(t for s in samples for t in s[f"{name}_s"])
-        row[f"{name}_s"] = floor
-        row[f"again_per_{name}"] = min(again) / floor
-    return row
+        floor = row[f"{name}_min_s"]
+        found |= {f"{name}_s": floor, f"again_per_{name}": row["again_min_s"] / floor}
+    return found
 
 
 def scaling(rows: list[Row], bound: float = 1.5) -> list[str]:
@@ -226,23 +187,34 @@ def scaling(rows: list[Row], bound: float = 1.5) -> list[str]:
     return said
 
 
-COLUMNS = (
-    Column("N", "n", "d"),
-    Column("eigenstrain to", "case"),
-    Column("precision", "precision", brief=False),
-    Column("set-up [s]", "setup_s", ".3g"),
-    Column("min [s]", "setup_min_s", ".3g", brief=False),
-    Column("first [s]", "first_s", ".3g"),
-    Column("again [s]", "again_s", ".3g"),
-    Column("min [s]", "again_min_s", ".3g", brief=False),
-    Column("bare FFTs [s]", "transforms_1_s", ".3g", brief=False),
-    Column("bare FFTs, threads [s]", "transforms_threads_s", ".3g", brief=False),
-    Column("again / FFTs", "again_per_transforms_1", ".3g"),
-    Column("again / FFTs, threads", "again_per_transforms_threads", ".3g"),
-    Column("error of a cell", "error", ".1e"),
-    Column("kernels", "kernels", "d"),
-    Column("held [MB]", "held_bytes", ".0f", scale=1e-6),
-    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
-    Column("ns / N³ log2 N", "again_ns_per_point_log", ".3g"),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="eigenstrain",
+    help="eigenstrain in a volume against its bare FFTs",
+    measure=measure,
+    worst=("held_bytes", "error"),
+    derive=_per_cell,
+    remarks=scaling,
+    methods=METHODS,
+    cases=tuple(CASES),
+    sizes=(16, 32, 64, 128),
+    columns=(
+        Column("N", "n", "d"),
+        Column("eigenstrain to", "case"),
+        Column("precision", "precision", brief=False),
+        Column("set-up [s]", "setup_s", ".3g"),
+        Column("min [s]", "setup_min_s", ".3g", brief=False),
+        Column("first [s]", "first_s", ".3g"),
+        Column("again [s]", "again_s", ".3g"),
+        Column("min [s]", "again_min_s", ".3g", brief=False),
+        Column("bare FFTs [s]", "transforms_1_s", ".3g", brief=False),
+        Column("bare FFTs, threads [s]", "transforms_threads_s", ".3g", brief=False),
+        Column("again / FFTs", "again_per_transforms_1", ".3g"),
+        Column("again / FFTs, threads", "again_per_transforms_threads", ".3g"),
+        Column("error of a cell", "error", ".1e"),
+        Column("kernels", "kernels", "d"),
+        Column("held [MB]", "held_bytes", ".0f", scale=1e-6),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("ns / N³ log2 N", "again_ns_per_point_log", ".3g"),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

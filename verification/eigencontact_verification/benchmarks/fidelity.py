@@ -9,24 +9,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from statistics import median
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.memory import PeakMemory
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.benchmarks.table import Column
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["BUILDERS", "CASES", "COLUMNS", "DEPTHS", "METHODS", "Case", "Problem", "measure", "reference", "summarise"]
+__all__ = ["BENCHMARK", "BUILDERS", "CASES", "DEPTHS", "ERRORS", "METHODS", "Case", "Problem", "measure", "reference"]
 
 FloatArray = NDArray[np.float64]
 
@@ -199,9 +197,7 @@ METHODS = {
         name=name,
         distribution="eigencontact",
         modules=_MODULES,
-        settings=_SETTINGS.get(
-            name, f"PeriodicHalfSpace, {2 * ALIASES + 1} x {2 * ALIASES + 1} waves for each of the grid"
-        ),
+        settings=_SETTINGS.get(name, _WAVES),
     )
     for name in BUILDERS
 }
@@ -250,31 +246,20 @@ def measure(code: Code, task: Task) -> Sample:
     case, build = CASES[task.case], BUILDERS[code.name]
     problem = Problem(case=case, n=task.n, threads=task.threads)
     eigenstrain = DIRECTION[:, None, None, None] * case.amplitude(task.n)
-    memory = PeakMemory()
+    apply = cache(lambda: build(problem, "stress"))
 
-    def whole() -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        apply = build(problem, "stress")
-        return apply(eigenstrain), apply
+    def judge(stress: FloatArray) -> dict[str, Any]:
+        errors = {
+            f"stress_{depth:g}": _error(stress[:, int(depth - 0.5)], reference(case, "stress", depth, task.n))
+            for depth in DEPTHS
+        }
+        wanted = reference(case, "displacement", 0.0, task.n)[2]
+        found = build(problem, "displacement")(eigenstrain)[2, 0]
+        errors["u_z"] = _error(found, wanted)
+        errors["u_z_shape"] = float(np.abs(found - found.mean() - wanted + wanted.mean()).max() / np.abs(wanted).max())
+        return errors
 
-    (stress, apply), first, _ = timed(whole)
-    peak = memory.peak()
-    again = [timed(lambda: apply(eigenstrain))[1] for _ in range(task.warm)]
-    errors = {}
-    for depth in DEPTHS:
-        wanted = reference(case, "stress", depth, task.n)
-        errors[f"stress_{depth:g}"] = _error(stress[:, int(depth - 0.5)], wanted)
-    wanted = reference(case, "displacement", 0.0, task.n)[2]
-    found = build(problem, "displacement")(eigenstrain)[2, 0]
-    errors["u_z"] = _error(found, wanted)
-    errors["u_z_shape"] = float(np.abs(found - found.mean() - wanted + wanted.mean()).max() / np.abs(wanted).max())
-    return {
-        "status": "ok",
-        "first_s": first,
-        "again_s": again,
-        "peak_bytes": peak,
-        "peak_reset": memory.reset,
-        "errors": errors,
-    }
+    return Trial(call=lambda: apply()(eigenstrain), judge=judge).run(task)
 
 
 def _error(found: FloatArray, wanted: FloatArray) -> float:
@@ -283,32 +268,27 @@ def _error(found: FloatArray, wanted: FloatArray) -> float:
     return float(np.abs(found - wanted).max() / np.abs(wanted).max())
 
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one case and method; medians over processes, the worst error."""
-    again = [t for s in samples for t in s["again_s"]]
-    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
-    return {
-        "case": task.case,
-        "code": task.code,
-        "n": task.n,
-        "threads": task.threads,
-        "processes": len(samples),
-        "first_s": median(s["first_s"] for s in samples),
-        "again_s": median(again) if again else None,
-        "peak_bytes": max(peaks) if peaks else None,
-        **{name: max(s["errors"][name] for s in samples) for name in samples[0]["errors"]},
-    }
-
-
-COLUMNS = (
-    Column("N", "n", "d", brief=False),
-    Column("eigenstrain", "case"),
-    Column("half-space", "code"),
-    Column("u_z", "u_z", ".1e"),
-    Column("u_z less its mean", "u_z_shape", ".1e"),
-    *(Column(f"stress, z = {depth:g} h", f"stress_{depth:g}", ".1e") for depth in DEPTHS),
-    Column("first [s]", "first_s", ".2g"),
-    Column("again [s]", "again_s", ".2g"),
-    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
-    Column("processes", "processes", "d", brief=False),
+#: Values of a sample that are errors.
+ERRORS = ("u_z", "u_z_shape", *(f"stress_{depth:g}" for depth in DEPTHS))
+BENCHMARK = Benchmark(
+    name="fidelity",
+    help="lower fidelities of the half-space and their price",
+    measure=measure,
+    worst=ERRORS,
+    methods=METHODS,
+    ours=tuple(METHODS),
+    cases=tuple(CASES),
+    sizes=(32,),
+    columns=(
+        Column("N", "n", "d", brief=False),
+        Column("eigenstrain", "case"),
+        Column("half-space", "code"),
+        Column("u_z", "u_z", ".1e"),
+        Column("u_z less its mean", "u_z_shape", ".1e"),
+        *(Column(f"stress, z = {depth:g} h", f"stress_{depth:g}", ".1e") for depth in DEPTHS),
+        Column("first [s]", "first_s", ".2g"),
+        Column("again [s]", "again_s", ".2g"),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

@@ -9,20 +9,21 @@ stiff as the matrix, and compares an iteration with one application of the bare 
 
 from __future__ import annotations
 
+from functools import cache
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.clock import timed
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.memory import PeakMemory
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.benchmarks.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["CASES", "COLUMNS", "METHODS", "RATIOS", "measure", "summarise"]
+__all__ = ["BENCHMARK", "CASES", "METHODS", "RATIOS", "measure"]
 
 #: Stiffness of the balls by that of the matrix.
 RATIOS = (0.0, 0.1, 0.5, 2.0, 10.0, 100.0, 1e6)
@@ -35,8 +36,7 @@ METHODS = {
         settings="tolerance 1e-6, double precision, exact half-space",
     )
 }
-#: Cells along one side of the coated sphere; of the cluster along (z, y, x), and their edge.
-COATED_CELLS = 256
+#: Cells of the cluster along (z, y, x), and their edge.
 _BOX, _EDGE = (31, 86, 86), 1.0
 #: Balls in cells: radius, distance, number along x and y and along z. Those of the bundled scene.
 _RADIUS, _SPACING, _ALONG, _DEEP = 3.0, 8.0, 11, 4
@@ -55,19 +55,15 @@ def measure(code: Code, task: Task) -> Sample:
 def _cluster(task: Task) -> Sample:
     import eigencontact as ec
 
-    memory = PeakMemory()
     changes = ["output.pictures=false", f"numerics.threads={task.threads}"]
-    result, seconds, _ = timed(lambda: ec.run(ec.load_scene("inclusion-cluster", changes)))
-    last = {name: float(result.dataset[name][-1]) for name in ("inclusion_iterations", "coupling_iterations")}
-    result.dataset.close()
-    return {
-        "status": "ok",
-        "cells": int(np.prod(_BOX)),
-        "seconds": seconds,
-        "peak_bytes": memory.peak(),
-        "iterations": int(last["inclusion_iterations"]),
-        "rounds": int(last["coupling_iterations"]),
-    }
+
+    def judge(result: Any) -> dict[str, Any]:
+        last = {name: int(result.dataset[name][-1]) for name in ("inclusion_iterations", "coupling_iterations")}
+        result.dataset.close()
+        rounds, iterations = last["coupling_iterations"], last["inclusion_iterations"]
+        return {"cells": int(np.prod(_BOX)), "iterations": iterations, "rounds": rounds}
+
+    return Trial(call=lambda: ec.run(ec.load_scene("inclusion-cluster", changes)), judge=judge).run(task, warm=0)
 
 
 def _coated(task: Task) -> Sample:
@@ -105,7 +101,7 @@ def _coated(task: Task) -> Sample:
         "status": "ok",
         "cells": task.n**2,
         "setup_s": first["coated"] - coated,
-        "seconds": coated,
+        "first_s": coated,
         "against": coated / bare,
         "applications": counts["coated"],
         "bare_applications": counts["bare"],
@@ -122,11 +118,11 @@ def _ratio(task: Task, ratio: float) -> Sample:
 
     matrix = Material(young_modulus=1.0, poisson_ratio=0.3)
     inside = _balls()
-    memory = PeakMemory()
     cells = Cells(first=(0.0, 0.0, 0.5 * _EDGE), pitch=(_EDGE,) * 3, shape=_BOX)
     cell = Cuboid(center=(0.0, 0.0, 0.5), edges=(1.0, 1.0, 1.0))
 
-    def build() -> Any:
+    @cache
+    def system() -> InhomogeneousCells:
         operator = MeanVolumeField(
             cell,
             cells,
@@ -137,26 +133,24 @@ def _ratio(task: Task, ratio: float) -> Sample:
         )
         return InhomogeneousCells(operator, matrix, [Isotropic(young_modulus=ratio, poisson_ratio=0.3)], inside)
 
-    system, setup, _ = timed(build)
     load = np.zeros((6, *_BOX))
     z = cells.centres(2)[:, None, None]
     load[2], load[0], load[1] = -1.0, -0.6 * np.exp(-z / 15.0), -0.6 * np.exp(-z / 15.0)  # about as under a contact
-    found, seconds, _ = timed(lambda: system.solve(load, tolerance=1e-6))
-    strain, bare = found.eigenstrain, list[float]()
-    for _ in range(3):
-        bare.append(timed(lambda: system.operator.apply(strain))[1])
-    report = found.report
-    return {
-        "status": "ok",
-        "cells": int(np.prod(_BOX)),
-        "inside": int(np.count_nonzero(inside)),
-        "setup_s": setup,
-        "seconds": seconds,
-        "iterations": report.iterations,
-        "residual": report.residual,
-        "per_application": seconds / report.applications / median(bare),
-        "peak_bytes": memory.peak(),
-    }
+
+    def judge(found: Any) -> dict[str, Any]:
+        report = found.report
+        return {
+            "cells": int(np.prod(_BOX)),
+            "inside": int(np.count_nonzero(inside)),
+            "iterations": report.iterations,
+            "residual": report.residual,
+            "solver_applications": report.applications,
+            "bare_s": median(timed(lambda: system().operator.apply(found.eigenstrain))[1] for _ in range(3)),
+        }
+
+    trial = Trial(setup=system, call=lambda: system().solve(load, tolerance=1e-6), judge=judge)
+    found = trial.run(task, warm=0)
+    return found | {"per_application": found["first_s"] / found["solver_applications"] / found["bare_s"]}
 
 
 def _balls() -> Any:
@@ -179,28 +173,26 @@ def _balls() -> Any:
     ).astype(int)
 
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one case."""
-    row: Row = {"case": task.case, "code": task.code, "n": task.n, "processes": len(samples)}
-    for name in ("setup_s", "seconds", "against", "per_application"):
-        values = [s[name] for s in samples if s.get(name) is not None]
-        row[name] = median(values) if values else None
-    peaks = [s["peak_bytes"] for s in samples if s.get("peak_bytes") is not None]
-    row["peak_bytes"] = max(peaks) if peaks else None
-    last = samples[-1]
-    return row | {name: last.get(name) for name in ("cells", "inside", "iterations", "rounds", "applications")}
-
-
-COLUMNS = (
-    Column("case", "case"),
-    Column("cells", "cells", "d"),
-    Column("inhomogeneous", "inside", "d"),
-    Column("set-up [s]", "setup_s", ".2g"),
-    Column("solve [s]", "seconds", ".3g"),
-    Column("rounds with the contact", "rounds", "d"),
-    Column("Krylov iterations", "iterations", "d"),
-    Column("iteration / bare operator", "per_application", ".2f"),
-    Column("solve / homogeneous solve", "against", ".2f"),
-    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="inhomogeneity",
+    help="clusters, coatings, stiffness ratios",
+    measure=measure,
+    medians=("against", "per_application"),
+    methods=METHODS,
+    cases=CASES,
+    sizes=(256,),
+    unit="CELLS-OF-COATED-SPHERE",
+    columns=(
+        Column("case", "case"),
+        Column("cells", "cells", "d"),
+        Column("inhomogeneous", "inside", "d"),
+        Column("set-up [s]", "setup_s", ".2g"),
+        Column("solve [s]", "first_s", ".3g"),
+        Column("rounds with the contact", "rounds", "d"),
+        Column("Krylov iterations", "iterations", "d"),
+        Column("iteration / bare operator", "per_application", ".2f"),
+        Column("solve / homogeneous solve", "against", ".2f"),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.benchmarks.benchmark import Benchmark
 from eigencontact_verification.benchmarks.clock import timed
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.benchmarks.table import Column, Row
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["CASES", "COLUMNS", "METHODS", "measure", "summarise"]
+__all__ = ["BENCHMARK", "CASES", "METHODS", "measure"]
 
 FloatArray = NDArray[np.float64]
 
@@ -101,28 +102,32 @@ def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatAr
     return apply, loads
 
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one case; medians over processes."""
-    row: Row = {"case": task.case, "code": task.code, "n": task.n, "depths": task.depths, "processes": len(samples)}
-    for name in ("coated_setup_s", "coated_step_s", "bare_setup_s", "bare_step_s"):
-        row[name] = median(s[name] for s in samples)
+def _ratios(task: Task, row: Row) -> Row:
+    """First and further steps against those of the bare body."""
     first = {name: row[f"{name}_setup_s"] + row[f"{name}_step_s"] for name in ("coated", "bare")}
-    row["first"] = first["coated"] / first["bare"]
-    row["again"] = row["coated_step_s"] / row["bare_step_s"]
-    if task.case.startswith("line"):
-        row["depths"] = _POINTS
-    return row
+    found = {"first": first["coated"] / first["bare"], "again": row["coated_step_s"] / row["bare_step_s"]}
+    return found | ({"depths": _POINTS} if task.case.startswith("line") else {})
 
 
-COLUMNS = (
-    Column("case", "case"),
-    Column("N", "n", "d"),
-    Column("depths", "depths", "d"),
-    Column("set-up, coated [s]", "coated_setup_s", ".2g"),
-    Column("set-up, bare [s]", "bare_setup_s", ".2g"),
-    Column("step, coated [s]", "coated_step_s", ".2g"),
-    Column("step, bare [s]", "bare_step_s", ".2g"),
-    Column("first step / bare", "first", ".2f"),
-    Column("further steps / bare", "again", ".2f"),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="layers",
+    help="stress in a coated body against the bare one",
+    measure=measure,
+    derive=_ratios,
+    methods=METHODS,
+    cases=CASES,
+    sizes=(256,),
+    depths=32,
+    columns=(
+        Column("case", "case"),
+        Column("N", "n", "d"),
+        Column("depths", "depths", "d"),
+        Column("set-up, coated [s]", "coated_setup_s", ".2g"),
+        Column("set-up, bare [s]", "bare_setup_s", ".2g"),
+        Column("step, coated [s]", "coated_step_s", ".2g"),
+        Column("step, bare [s]", "bare_step_s", ".2g"),
+        Column("first step / bare", "first", ".2f"),
+        Column("further steps / bare", "again", ".2f"),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

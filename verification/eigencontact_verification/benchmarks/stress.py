@@ -5,35 +5,22 @@ The floor is one forward and ``6 * depths`` inverse real transforms of the zero-
 
 from __future__ import annotations
 
-import time
-from statistics import median
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, once, one_and_all
 from eigencontact_verification.benchmarks.measure import HertzProblem
-from eigencontact_verification.benchmarks.memory import PeakMemory
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.benchmarks.table import Column
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from eigencontact_verification.benchmarks.codes import Code
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = [
-    "COLUMNS",
-    "POISSON_RATIO",
-    "axis_error",
-    "axis_stress",
-    "bare_transforms",
-    "depths_of",
-    "measure",
-    "summarise",
-]
+__all__ = ["BENCHMARK", "POISSON_RATIO", "axis_error", "axis_stress", "bare_transforms", "depths_of", "measure"]
 
 FloatArray = NDArray[np.float64]
 
@@ -80,88 +67,43 @@ def bare_transforms(pressure: FloatArray, depths: int, workers: int) -> None:
 
 
 def measure(code: Code, task: Task) -> Sample:
-    """Build the operator and apply it, then apply it again, alternating with bare transforms."""
+    """Build the operator and apply it, then apply it again in turn with bare transforms."""
     if code.stress is None:
         raise ImportError("takes no part in this benchmark")
-    build, began = code.stress, time.perf_counter()
     code.load()
-    problem, z = HertzProblem(n=task.n), depths_of(task.depths)
-    pressure = problem.pressure
-    memory = PeakMemory()
-
-    def whole() -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        apply = build(task.n, z, task.threads, task.precision)
-        return apply(pressure), apply
-
-    (stress, apply), first, cpu = timed(whole)
-    peak = memory.peak()
-    error = axis_error(stress, z)
-    del stress
-    workers = sorted({1, task.threads})
-    floors: dict[int, list[float]] = {w: [] for w in workers}
-    again: list[float] = []
-    for k in range(1 + task.warm):
-        if k and time.perf_counter() - began > 0.5 * task.budget:
-            break
-        if k:
-            again.append(timed(lambda: apply(pressure))[1])
-        for w in workers:
-            floors[w].append(timed(lambda: bare_transforms(pressure, task.depths, w))[1])  # noqa: B023
-    return {
-        "status": "ok",
-        "first_s": first,
-        "first_cpu_s": cpu,
-        "again_s": again,
-        "peak_bytes": peak,
-        "peak_reset": memory.reset,
-        "transforms_1_s": median(floors[1]),
-        "transforms_threads_s": median(floors[task.threads]),
-        "axis_error": error,
-    }
+    z, pressure = depths_of(task.depths), HertzProblem(n=task.n).pressure
+    operator = cache(partial(code.stress, task.n, z, task.threads, task.precision))
+    return Trial(
+        call=lambda: operator()(pressure),
+        floors=lambda: one_and_all(
+            "transforms", task.threads, lambda w: once(lambda: bare_transforms(pressure, task.depths, w))
+        ),
+        judge=lambda stress: {"axis_error": axis_error(stress, z)},
+    ).run(task)
 
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one code and size; medians over processes."""
-    first = [s["first_s"] for s in samples]
-    again = [t for s in samples for t in s["again_s"]]
-    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
-    row: Row = {
-        "code": task.code,
-        "n": task.n,
-        "depths": task.depths,
-        "threads": task.threads,
-        "precision": task.precision,
-        "processes": len(samples),
-        "first_s": median(first),
-        "first_min_s": min(first),
-        "again_s": median(again) if again else None,
-        "again_min_s": min(again) if again else None,
-        "cores": median(s["first_cpu_s"] / s["first_s"] for s in samples),
-        "peak_bytes": max(peaks) if peaks else None,
-        "axis_error": samples[-1]["axis_error"],
-    }
-    for name in ("transforms_1", "transforms_threads"):
-        row[f"{name}_s"] = median(s[f"{name}_s"] for s in samples)
-        row[f"first_per_{name}"] = median(s["first_s"] / s[f"{name}_s"] for s in samples)
-        ratios = [median(s["again_s"]) / s[f"{name}_s"] for s in samples if s["again_s"]]
-        row[f"again_per_{name}"] = median(ratios) if ratios else None
-    return row
-
-
-COLUMNS = (
-    Column("N", "n", "d"),
-    Column("depths", "depths", "d"),
-    Column("code", "code"),
-    Column("first call [s]", "first_s", ".3g"),
-    Column("min [s]", "first_min_s", ".3g", brief=False),
-    Column("again [s]", "again_s", ".3g"),
-    Column("bare FFTs [s]", "transforms_1_s", ".3g", brief=False),
-    Column("first / FFTs", "first_per_transforms_1", ".3g"),
-    Column("again / FFTs", "again_per_transforms_1", ".3g"),
-    Column("first / FFTs, threads", "first_per_transforms_threads", ".3g", brief=False),
-    Column("again / FFTs, threads", "again_per_transforms_threads", ".3g"),
-    Column("error on the axis / p0", "axis_error", ".1e"),
-    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
-    Column("cores", "cores", ".1f", brief=False),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="stress",
+    help="sub-surface stress against its bare FFTs",
+    measure=measure,
+    floors=("transforms_1", "transforms_threads"),
+    sizes=(256,),
+    depths=32,
+    columns=(
+        Column("N", "n", "d"),
+        Column("depths", "depths", "d"),
+        Column("code", "code"),
+        Column("first call [s]", "first_s", ".3g"),
+        Column("min [s]", "first_min_s", ".3g", brief=False),
+        Column("again [s]", "again_s", ".3g"),
+        Column("bare FFTs [s]", "transforms_1_s", ".3g", brief=False),
+        Column("first / FFTs", "first_per_transforms_1", ".3g"),
+        Column("again / FFTs", "again_per_transforms_1", ".3g"),
+        Column("first / FFTs, threads", "first_per_transforms_threads", ".3g", brief=False),
+        Column("again / FFTs, threads", "again_per_transforms_threads", ".3g"),
+        Column("error on the axis / p0", "axis_error", ".1e"),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("cores", "cores", ".1f", brief=False),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

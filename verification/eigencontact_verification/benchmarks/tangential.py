@@ -8,23 +8,24 @@ A loop of forty load steps is timed where a code keeps the history.
 from __future__ import annotations
 
 import importlib
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from statistics import median
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.clock import sample, timed
+from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.benchmarks.sliding import ShearConvolution, SlidingProblem, judge_sliding
 from eigencontact_verification.benchmarks.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["CASES", "COLUMNS", "METHODS", "OURS", "PEERS", "ShearCode", "Sheared", "growth", "measure", "summarise"]
+__all__ = ["BENCHMARK", "CASES", "METHODS", "PEERS", "ShearCode", "Sheared", "growth", "measure"]
 
 FloatArray = NDArray[np.float64]
 
@@ -53,27 +54,16 @@ class Prepared:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ShearCode:
-    """One code, or one way of using it; see `eigencontact_verification.benchmarks.codes.Code`.
+class ShearCode(Code):
+    """One code, or one way of using it.
 
     Attributes
     ----------
-    name, distribution, modules, settings
-        As there.
     prepare : callable
         ``prepare(problem, threads) -> Prepared``, everything that can be done before the tangential load is known.
     """
 
-    name: str
-    distribution: str
-    modules: tuple[str, ...]
-    settings: str
     prepare: Callable[[SlidingProblem, int], Prepared]
-
-    def load(self) -> None:
-        """Import what the code needs; ImportError says that it is absent."""
-        for name in self.modules:
-            importlib.import_module(name)
 
 
 def prepare_eigencontact(problem: SlidingProblem, threads: int) -> Prepared:
@@ -169,66 +159,29 @@ def prepare_aspher(problem: SlidingProblem, threads: int) -> Prepared:  # noqa: 
 
 
 def measure(code: ShearCode, task: Task) -> Sample:
-    """Prepare, solve once cold and `task.warm` times more, alternating with bare applications, in this process.
+    """Prepare, solve, and solve again in turn with bare applications; then the cycle.
 
     Raises
     ------
     ImportError
         If the code is absent.
     """
-    began = time.perf_counter()
     code.load()
     problem = SlidingProblem(n=task.n, poisson_ratio=CASES[task.case])
-    prepared, setup, _ = timed(lambda: code.prepare(problem, task.threads))
-    answer, first, cpu = timed(prepared.solve)
-    judgement = judge_sliding(problem, answer.pressure, answer.shear)
-    application, field = ShearConvolution(problem), np.stack([problem.shear, problem.shear])
-    floor, again = sample(lambda: application(field, task.threads)), list[float]()
-    while len(again) < task.warm and time.perf_counter() - began + 2 * first < task.budget:
-        again.append(timed(prepared.solve)[1])
-        floor += sample(lambda: application(field, task.threads))
-    cycle: dict[str, float] = {}
-    if prepared.cycle is not None and task.n == CYCLE_SIZE:
-        count, seconds, _ = timed(lambda: prepared.cycle(CYCLE_STEPS))  # type: ignore[misc]
-        cycle = {"cycle_s": seconds, "cycle_applications": count}
-    return {
-        "status": "ok",
-        "setup_s": setup,
-        "first_s": first,
-        "first_cpu_s": cpu,
-        "again_s": again,
-        "application_s": median(floor),
-        "iterations": answer.iterations,
-        "applications": answer.applications,
-        **cycle,
-        **asdict(judgement),
-    }
+    prepared = cache(lambda: code.prepare(problem, task.threads))
 
+    def floors() -> Mapping[str, Callable[[], list[float]]]:
+        application, field = ShearConvolution(problem), np.stack([problem.shear, problem.shear])
+        return {"application": lambda: sample(lambda: application(field, task.threads))}
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row of the table from the processes of one code, size and case; medians over processes."""
-    again = [t for s in samples for t in s["again_s"]]
-    cycles = [s["cycle_s"] for s in samples if "cycle_s" in s]
-    last = samples[-1]
-    kept = ("iterations", "applications", "residual", "load_error", "shear_error", "stick_radius")
-    return {
-        "case": task.case,
-        "code": task.code,
-        "n": task.n,
-        "threads": task.threads,
-        "processes": len(samples),
-        "setup_s": median(s["setup_s"] for s in samples),
-        "first_s": median(s["first_s"] for s in samples),
-        "again_s": median(again) if again else None,
-        "application_s": median(s["application_s"] for s in samples),
-        "again_per_application": (
-            median(median(s["again_s"]) / s["application_s"] for s in samples if s["again_s"]) if again else None
-        ),
-        "cores": median(s["first_cpu_s"] / s["first_s"] for s in samples),
-        "cycle_s": median(cycles) if cycles else None,
-        "cycle_applications": last.get("cycle_applications"),
-        **{key: last[key] for key in kept},
-    }
+    def judge(answer: Sheared) -> dict[str, Any]:
+        found: dict[str, Any] = {"iterations": answer.iterations, "applications": answer.applications}
+        cycle = prepared().cycle
+        if cycle is not None and task.n == CYCLE_SIZE:
+            found["cycle_applications"], found["cycle_s"], _ = timed(lambda: cycle(CYCLE_STEPS))
+        return found | asdict(judge_sliding(problem, answer.pressure, answer.shear))
+
+    return Trial(setup=prepared, call=lambda: prepared().solve(), floors=floors, judge=judge).run(task)
 
 
 def growth(rows: list[Row]) -> list[str]:
@@ -247,12 +200,11 @@ def growth(rows: list[Row]) -> list[str]:
             f"{case}, {code}: a cycle of {CYCLE_STEPS} load steps, |Q| up to 0.9 of friction, at N = {row['n']} takes"
             f" {row['cycle_s']:.2g} s and {row['cycle_applications']} applications"
             for row in mine
-            if row["cycle_s"] is not None
+            if row.get("cycle_s") is not None
         ]
     return said
 
 
-OURS = ("eigencontact",)
 PEERS = ("tamaas-condat", "tamaas-polonsky-keer", "tamaas-kato", "aspher")
 METHODS = {
     code.name: code
@@ -291,20 +243,31 @@ METHODS = {
     )
 }
 
-COLUMNS = (
-    Column("case", "case"),
-    Column("N", "n", "d"),
-    Column("code", "code"),
-    Column("set-up [s]", "setup_s", ".2g"),
-    Column("first solve [s]", "first_s", ".3g"),
-    Column("again [s]", "again_s", ".3g"),
-    Column("applications", "applications", "d"),
-    Column("iterations", "iterations", "d"),
-    Column("again / bare application", "again_per_application", ".3g"),
-    Column("residual", "residual", ".1e"),
-    Column("q error, L2", "shear_error", ".1e"),
-    Column("c/a", "stick_radius", ".4f"),
-    Column("load error", "load_error", "+.0e"),
-    Column("cores", "cores", ".1f", brief=False),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="tangential",
+    help="partial slip against one bare application",
+    measure=measure,
+    floors=("application",),
+    remarks=growth,
+    methods=METHODS,
+    peers=PEERS,
+    cases=tuple(CASES),
+    sizes=(64, 128, 256, 512),
+    columns=(
+        Column("case", "case"),
+        Column("N", "n", "d"),
+        Column("code", "code"),
+        Column("set-up [s]", "setup_s", ".2g"),
+        Column("first solve [s]", "first_s", ".3g"),
+        Column("again [s]", "again_s", ".3g"),
+        Column("applications", "applications", "d"),
+        Column("iterations", "iterations", "d"),
+        Column("again / bare application", "again_per_application", ".3g"),
+        Column("residual", "residual", ".1e"),
+        Column("q error, L2", "shear_error", ".1e"),
+        Column("c/a", "stick_radius", ".4f"),
+        Column("load error", "load_error", "+.0e"),
+        Column("cores", "cores", ".1f", brief=False),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

@@ -10,16 +10,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks import fidelity
-from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.memory import PeakMemory
 from eigencontact_verification.benchmarks.table import Column, Row
 
 if TYPE_CHECKING:
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.benchmarks.task import Sample, Task
 
-__all__ = ["COLUMNS", "METHODS", "MODELS", "POINTWISE", "draw", "measure", "points", "summarise", "truth"]
+__all__ = ["BENCHMARK", "METHODS", "MODELS", "POINTWISE", "draw", "measure", "points", "truth"]
 
 FloatArray = NDArray[np.float64]
 
@@ -139,34 +137,14 @@ def _way(name: str) -> Callable[[Task], tuple[FloatArray, int]]:
 def measure(code: Code, task: Task) -> Sample:
     """Solve once in a fresh process, set-up included, and judge."""
     code.load()
-    memory = PeakMemory()
-    (found, unknowns), seconds, _ = timed(lambda: _way(code.name)(task))
-    peak = memory.peak()
-    wanted = truth()
-    if found.shape != wanted.shape or not np.isfinite(found).all():
-        raise ValueError(f"field must be finite and of shape {wanted.shape} (got shape {found.shape})")
-    return {
-        "status": "ok",
-        "seconds": seconds,
-        "peak_bytes": peak,
-        "peak_reset": memory.reset,
-        "unknowns": unknowns,
-        "error": float(np.abs(found - wanted).max() / np.abs(wanted).max()),
-    }
 
+    def judge(answer: tuple[FloatArray, int]) -> dict[str, Any]:
+        (found, unknowns), wanted = answer, truth()
+        if found.shape != wanted.shape or not np.isfinite(found).all():
+            raise ValueError(f"field must be finite and of shape {wanted.shape} (got shape {found.shape})")
+        return {"unknowns": unknowns, "error": float(np.abs(found - wanted).max() / np.abs(wanted).max())}
 
-def summarise(task: Task, samples: list[Sample]) -> Row:
-    """One row from the processes of one way."""
-    peaks = [s["peak_bytes"] for s in samples if s["peak_bytes"] is not None]
-    return {
-        "code": task.code,
-        "threads": task.threads,
-        "processes": len(samples),
-        "unknowns": samples[-1]["unknowns"],
-        "error": max(s["error"] for s in samples),
-        "seconds": median(s["seconds"] for s in samples),
-        "peak_bytes": max(peaks) if peaks else None,
-    }
+    return Trial(call=lambda: _way(code.name)(task), judge=judge).run(task, warm=0)
 
 
 def draw(rows: list[Row], path: Path) -> None:
@@ -179,7 +157,7 @@ def draw(rows: list[Row], path: Path) -> None:
         panels: Any = figure.subplots(1, 2, sharey=True)
         for axes, (key, scale, label) in zip(
             panels,
-            (("seconds", 1.0, "Time, set-up included [s]"), ("peak_bytes", 1e-6, "Peak memory [MB]")),
+            (("first_s", 1.0, "Time, set-up included [s]"), ("peak_bytes", 1e-6, "Peak memory [MB]")),
             strict=True,
         ):
             for colour, marker, family in zip(COLOURS[1:], "s^", families, strict=False):
@@ -197,11 +175,20 @@ def draw(rows: list[Row], path: Path) -> None:
         save(figure, path)
 
 
-COLUMNS = (
-    Column("way", "code"),
-    Column("unknowns or cells", "unknowns", "d"),
-    Column("error", "error", ".1e"),
-    Column("time, set-up included [s]", "seconds", ".2g"),
-    Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
-    Column("processes", "processes", "d", brief=False),
+BENCHMARK = Benchmark(
+    name="trade",
+    help="finite elements against the semi-analytical ways",
+    measure=measure,
+    worst=("error",),
+    methods=METHODS,
+    ours=tuple(METHODS),
+    draw=draw,
+    columns=(
+        Column("way", "code"),
+        Column("unknowns or cells", "unknowns", "d"),
+        Column("error", "error", ".1e"),
+        Column("time, set-up included [s]", "first_s", ".2g"),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("processes", "processes", "d", brief=False),
+    ),
 )

@@ -8,58 +8,21 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.benchmarks import (
-    cloud,
-    eigenstrain,
-    fidelity,
-    hertz,
-    inhomogeneity,
-    layers,
-    stress,
-    tangential,
-    trade,
-)
+from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 from eigencontact_verification.benchmarks.codes import find_code
 from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-__all__ = ["MEASURES", "METHODS", "main", "perform"]
-
-MEASURES: dict[str, Callable[[Any, Task], Sample]] = {
-    "hertz": hertz.measure,
-    "stress": stress.measure,
-    "fidelity": fidelity.measure,
-    "eigenstrain": eigenstrain.measure,
-    "cloud": cloud.measure,
-    "trade": trade.measure,
-    "tangential": tangential.measure,
-    "inhomogeneity": inhomogeneity.measure,
-    "layers": layers.measure,
-}
-
-#: Ways of computing of benchmarks that do not compare codes, or compare what few of them do.
-METHODS: dict[str, Mapping[str, Any]] = {
-    "fidelity": fidelity.METHODS,
-    "eigenstrain": eigenstrain.METHODS,
-    "cloud": cloud.METHODS,
-    "trade": trade.METHODS,
-    "tangential": tangential.METHODS,
-    "inhomogeneity": inhomogeneity.METHODS,
-    "layers": layers.METHODS,
-}
+__all__ = ["main", "perform"]
 
 
 def perform(task: Task) -> Sample:
     """Measure, and turn every failure into words: one code's fault must not end the run of the others."""
     try:
-        methods = METHODS.get(task.benchmark)
-        code = methods[task.code] if methods else find_code(task.code)
-        found = MEASURES[task.benchmark](code, task)
+        benchmark = BENCHMARKS[task.benchmark]
+        code = benchmark.methods[task.code] if benchmark.methods else find_code(task.code)
+        found = benchmark.measure(code, task)
     except ImportError as error:
         return {"status": "absent", "reason": str(error)}
     except Exception as error:  # noqa: BLE001 - a peer may raise anything

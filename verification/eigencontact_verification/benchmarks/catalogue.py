@@ -1,0 +1,21 @@
+"""All benchmarks, by name."""
+
+from __future__ import annotations
+
+from eigencontact_verification.benchmarks import (
+    cloud,
+    eigenstrain,
+    fidelity,
+    hertz,
+    inhomogeneity,
+    layers,
+    stress,
+    tangential,
+    trade,
+)
+from eigencontact_verification.benchmarks.benchmark import Benchmark
+
+__all__ = ["BENCHMARKS"]
+
+_MODULES = (hertz, stress, fidelity, eigenstrain, cloud, trade, tangential, inhomogeneity, layers)
+BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}
