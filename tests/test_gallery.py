@@ -60,12 +60,16 @@ def read(folder):
 
 
 def test_every_bundled_contact_is_tested():
-    """The others are in test_gallery_eigenstrain.py, _friction.py, _inhomogeneities.py and _layers.py."""
+    """The others are in test_gallery_eigenstrain.py, _friction.py, _inhomogeneities.py, _layers.py and _plastic.py."""
     scenes = {name: ec.load_scene(name) for name in bundled_names()}
     smooth = [
         name
         for name, scene in scenes.items()
-        if scene.geometry and scene.friction is None and scene.body1.medium is None and not scene.inclusions
+        if scene.geometry
+        and scene.friction is None
+        and scene.body1.medium is None
+        and not scene.inclusions
+        and scene.body1.law is None
     ]
     assert smooth == sorted(COARSER) == sorted(PINS)
 

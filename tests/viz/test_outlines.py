@@ -66,6 +66,7 @@ def test_what_lifts_the_surface():
     data, _ = dataset()
     assert cause(data) == "eigenstrain"
     assert cause(data.assign(inclusion_residual=("step", [1e-7]))) == "the inclusions"
+    assert cause(data.assign(inclusion_residual=("step", [1e-7]), plastic_strain_1=0.0)) == "plastic strain"
 
 
 @pytest.mark.parametrize("spike", [1.0, 50.0])

@@ -156,6 +156,9 @@ def main(arguments: list[str] | None = None) -> int:
     reference, wrong = json.loads(REFERENCE.read_text(encoding="utf-8")), 0
     print(f"against commit {reference['commit']}; relative differences above {SAME:.0e}")
     for name, changes in chosen:
+        if name not in reference["scenes"]:
+            print(f"new      {name}")
+            continue
         differing = compare(measured(name, changes), reference["scenes"][name])
         bad = [(variable, change) for variable, change in differing if change > _allowed(name, variable)[0]]
         wrong += len(bad)

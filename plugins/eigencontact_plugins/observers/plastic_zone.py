@@ -1,0 +1,98 @@
+"""Observer of where a body has yielded, and how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+
+from eigencontact.plugin import Observer, StepView, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+__all__ = ["PlasticZone"]
+
+_UNITS = {
+    "max_strain": "1",
+    "x": "m",
+    "y": "m",
+    "depth": "m",
+    "volume": "m^3",
+    "deepest": "m",
+    "shallowest": "m",
+    "radius": "m",
+    "max_damage": "1",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlasticZone(Observer):
+    """The cells of a body that remember plastic strain.
+
+    Parameters
+    ----------
+    threshold : float
+        Equivalent plastic strain beyond which a cell counts as plastic [-], zero or positive.
+    body : {1, 2}
+        The body that is looked at.
+
+    Notes
+    -----
+    The numbers are ``max_strain`` at ``x``, ``y``, ``depth`` (centre of its cell); of all plastic cells the ``volume``,
+    the depths ``shallowest`` and ``deepest`` of their faces and the largest distance of a centre from the z axis,
+    ``radius``; and ``max_damage``. All are 0 where nothing has yielded.
+    """
+
+    key: ClassVar[str] = "plastic-zone"
+
+    threshold: float = 1e-9
+    body: Literal[1, 2] = 1
+
+    def __post_init__(self) -> None:
+        good = 0 <= self.threshold < np.inf
+        require(good, self.key, "threshold", self.threshold, "zero or positive, and finite [-]")
+
+    @property
+    def remembered(self) -> Sequence[str]:  # type: ignore[override]
+        """See `Observer`."""
+        return (f"equivalent_plastic_strain_{self.body}",)
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """See `Observer.units`."""
+        return _UNITS
+
+    def observe(self, step: StepView) -> Mapping[str, float]:
+        """Numbers of the plastic zone; see the notes of the class."""
+        known = step.history[f"equivalent_plastic_strain_{self.body}"]
+        damage = step.history.get(f"damage_{self.body}")
+        strain = known.values[0]
+        out = dict.fromkeys(_UNITS, 0.0)
+        if damage is not None:
+            out["max_damage"] = float(damage.values.max())
+        plastic = strain > self.threshold
+        if not plastic.any():
+            return out
+        z, y, x = (known.coords[name] for name in "zyx")
+        # One layer begins at the surface; its centre is half of its height.
+        dz, dy, dx = (float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in (z, y, x))
+        k, j, i = np.unravel_index(int(strain.argmax()), strain.shape)
+        layers, rows, columns = np.nonzero(plastic)
+        return out | {
+            "max_strain": float(strain.max()),
+            "x": float(x[i]),
+            "y": float(y[j]),
+            "depth": float(z[k]),
+            "volume": float(plastic.sum()) * dx * dy * dz,
+            "shallowest": float(z[layers.min()]) - 0.5 * dz,
+            "deepest": float(z[layers.max()]) + 0.5 * dz,
+            "radius": float(np.hypot(x[columns], y[rows]).max()),
+        }
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Observer]]:
+    """Register the observer of plastic zones."""
+    return [PlasticZone]
