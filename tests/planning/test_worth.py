@@ -126,7 +126,14 @@ def test_a_load_that_turns_within_one_increment_is_told():
     assert [c.words[:37] for c in few.cautions if "turns" in c.words] == ["steps.2 turns the motion along the su"]
 
 
-@pytest.mark.parametrize("name", ["hertz", "hertz-ellipse", "gross-slip", "void-near-surface", "rough-surface"])
+@pytest.mark.parametrize(
+    "name", ["hertz", "hertz-ellipse", "gross-slip", "two-inclusions", "inclusion-cluster", "rough-surface"]
+)
 def test_bundled_scenes_are_free_of_warnings(name):
     assert ec.plan(name).cautions == ()
     assert np.isfinite(ec.plan(name).expected.peak)
+
+
+def test_the_void_of_the_gallery_has_two_cells_above_it_and_says_so():
+    (caution,) = ec.plan("void-near-surface").cautions
+    assert caution.words.startswith("'void' has 2 cells between its top and the surface")

@@ -9,6 +9,8 @@ from eigencontact.core.memory import resident_bytes
 from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
+from eigencontact.model.resolution import percent
+from eigencontact.planning.foreseen import worst_above
 from eigencontact.planning.understood import contact_as_data, expected_lines, geometry_lines, largest_loads
 
 if TYPE_CHECKING:
@@ -178,7 +180,9 @@ def _inclusions(plan: Plan) -> list[str]:
 
         box = box_of_inhomogeneities(sources)
         edges = " x ".join(readable(edge, "m") for edge in box.lattice.edges[::-1])
-        lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}")
+        worst = worst_above(plan, body)
+        above = "" if worst is None else f"; pressure above them within some {percent(worst.error)}"
+        lines.append(f"inhomogeneities of body {body}, {_counted(sources)} in {box.words} of {edges}{above}")
         lines += _alike(sources)
     if next(overlapping(plan.sources), None) is not None:
         lines.append(f"  where they overlap: {WHAT_COUNTS}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,23 +13,36 @@ from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.core.units import readable
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.model import Model
-from eigencontact.model.resolution import FINE, cells_per_radius, percent, pressure_error
+from eigencontact.model.resolution import (
+    FINE,
+    cells_above,
+    cells_across,
+    cells_per_radius,
+    error_above,
+    percent,
+    pressure_error,
+)
+from eigencontact.model.sources import Inhomogeneity, Patch
 from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 
-__all__ = ["coarse_contact", "foreseen", "measured"]
+__all__ = ["PROMISE", "coarse_contact", "foreseen", "measured", "worst_above"]
 
 #: Share of the contact modulus that a pressure may reach: strains of a tenth, slopes of a fifth.
 _STIFF = 0.2
 #: Increments in which a contact should grow where shear follows from pressure, and the error of its stick radius times
 #: their number: 0.707, 0.723, 0.728 and 0.732 of the contact radius in 5, 10, 20 and 40 (scene 'fretting-mode-2').
 _GROWTH, _PER_INCREMENT = 5, 0.18
+#: Error of the pressure above an inhomogeneity that is not warned of, and cells across a region.
+PROMISE, _ACROSS = 0.02, 4
+#: Part of a cell below which a region touches the surface.
+_FLUSH = 1e-3
 
 
 def foreseen(model: Model) -> tuple[Caution, ...]:
     """Warnings that follow from a scene alone; each is one sentence with a code."""
-    return (*_of_the_contact(model), *_of_the_steps(model))
+    return (*_of_the_contact(model), *_of_the_regions(model), *_of_the_steps(model))
 
 
 def measured(model: Model) -> bool:
@@ -61,6 +75,64 @@ def _of_the_contact(model: Model) -> Iterator[Caution]:
             "theory takes them to be; look at the units of load, radius and modulus"
         )
         yield Caution("small-strain", words)
+
+
+@dataclass(frozen=True, slots=True)
+class Above:
+    """An inhomogeneity as the pressure above it sees it."""
+
+    source: Inhomogeneity
+    cells: float
+    ratios: tuple[float, float]
+
+    @property
+    def error(self) -> float:
+        """Estimated error of that pressure."""
+        return error_above(self.cells, *self.ratios)
+
+
+def worst_above(model: Model, body: int) -> Above | None:
+    """The inhomogeneity of a body whose cells spoil the pressure above it most.
+
+    None without a contact, and where every one touches the surface, is not cut into cells, or has no linear law: what
+    the estimate was measured on.
+    """
+    sources = [source for source in model.inhomogeneities if source.body == body and source.lattice is not None]
+    if not (sources and model.geometries):
+        return None
+    from eigencontact.execution.interiors.swept_cells import stiffness_ratios
+    from eigencontact.execution.material_cells import is_linear
+
+    known: dict[int, tuple[float, float]] = {}
+    found = []
+    for source in sources:
+        height = source.shape.bounds[0][2]
+        if source.lattice is None or height < _FLUSH * source.lattice.edges[0] or not is_linear(source.law):
+            continue
+        ratios = known.setdefault(id(source.law), stiffness_ratios(model, source.law, sources))
+        found.append(Above(source, float(height / max(source.lattice.edges)), ratios))
+    return max(found, key=lambda one: one.error, default=None)
+
+
+def _of_the_regions(model: Model) -> Iterator[Caution]:
+    """Regions inside the bodies with few cells."""
+    for body in (1, 2):
+        worst = worst_above(model, body)
+        if worst is not None and worst.error > PROMISE:
+            words = (
+                f"{worst.source.name!r} has {worst.cells:.2g} cells between its top and the surface: the pressure "
+                f"above it may be wrong by {percent(worst.error)} of itself, or of that without it if larger; "
+                f"{percent(PROMISE)} takes {cells_above(PROMISE, *worst.ratios):.2g} cells"
+            )
+            yield Caution("inclusion-cells", words, worst.error)
+    few = [(cells_across(source), source.name) for source in model.sources if not isinstance(source.shape, Patch)]
+    cells, name = min(few, default=(np.inf, ""))
+    if cells < _ACROSS * (1.0 - 1e-6):
+        words = (
+            f"{name!r} has {cells:.2g} cells across its narrowest extent, fewer than {_ACROSS}: it acts by its "
+            "volume, and stress in it is seen by its mean alone"
+        )
+        yield Caution("inclusion-cells", words)
 
 
 def _of_the_steps(model: Model) -> Iterator[Caution]:

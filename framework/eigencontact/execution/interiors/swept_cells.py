@@ -30,7 +30,7 @@ from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings, VariesInSpace
 from eigencontact.results.records import HistoryRecord
 
-__all__ = ["SweptCells", "worth_sweeping"]
+__all__ = ["SweptCells", "stiffness_ratios", "worth_sweeping"]
 
 FloatArray = NDArray[np.float64]
 
@@ -161,9 +161,14 @@ def worth_sweeping(model: Model, sources: Sequence[Inhomogeneity]) -> bool:
     if not all(map(is_linear, laws)):
         return True
     low, high = _MODERATE
-    matrix = model.half_space(sources[0].body).shear_modulus
-    ratios = [shear_ratios(_somewhere(law, sources), matrix) for law in laws]  # type: ignore[arg-type]
+    ratios = [stiffness_ratios(model, law, sources) for law in laws]
     return bool(model.tractions) and all(low <= least and most <= high for least, most in ratios)
+
+
+def stiffness_ratios(model: Model, law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> tuple[float, float]:
+    """Least and largest ratio of the shear moduli of a linear law, in regions of one body, to that of the body."""
+    matrix = model.half_space(sources[0].body).shear_modulus
+    return shear_ratios(_somewhere(law, sources), matrix)  # type: ignore[arg-type]
 
 
 def _somewhere(law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> ConstitutiveLaw:
