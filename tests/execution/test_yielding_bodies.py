@@ -5,7 +5,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.errors import DomainTooSmall, SceneError
+from eigencontact.errors import SceneError
 from stopping import Stop, Stopper
 
 STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
@@ -109,9 +109,47 @@ def test_resume_continues_to_the_bit(tmp_path):
     np.testing.assert_array_equal(continued["plastic_strain_1"], whole["plastic_strain_1"])
 
 
-def test_a_box_that_yields_at_its_rim_is_refused():
-    with pytest.raises(DomainTooSmall, match=r"law-room must leave the outermost cells of body 1 elastic .* try 0.5"):
-        ec.run(scene(perfect("1.5 GPa"), numerics={"law_room": 0.0}))
+GROWING = {"steps": [{"normal_load": "0.3 N"}, LOAD, UNLOAD], "numerics": {"law_room": 0.0}}
+LINE = {"name": "axis", "shape": "line", "start": [0, 0, "1 um"], "end": [0, 0, "15 um"], "count": 9}
+
+
+@pytest.fixture(scope="module")
+def grown(tmp_path_factory):
+    """A body whose cells do not suffice at first, in a folder."""
+    folder = tmp_path_factory.mktemp("grown")
+    table = scene(perfect("1.5 GPa"), stress=[LINE], **GROWING).resolved()
+    every = ec.Scene(**{**table, "output": {"pictures": False, "history": "all"}})
+    return every, ec.run(every, folder), folder
+
+
+def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it(grown):
+    """State moves to the larger box; the same run with much room at first."""
+    _, found, _ = grown
+    roomy = ec.run(scene(perfect("1.5 GPa"), stress=[LINE], steps=GROWING["steps"], numerics={"law_room": 1.0})).dataset
+    data = found.dataset
+    for name in ("approach", "max_sink"):
+        np.testing.assert_allclose(data[name], roomy[name], rtol=1e-5)
+    np.testing.assert_allclose(data["pressure"], roomy["pressure"], atol=1e-5 * float(roomy["pressure"].max()))
+    np.testing.assert_allclose(data["axis_stress"], roomy["axis_stress"], atol=1e-4 * 1.5e9)
+    strain = data["equivalent_plastic_strain_1"]
+    rims = [strain[-1, -1], strain[-1, :, 0], strain[-1, :, -1], strain[-1, :, :, 0], strain[-1, :, :, -1]]
+    assert max(float(abs(rim).max()) for rim in rims) == 0.0
+    assert float(strain[0].max()) > 1e-3  # of the smaller box, in its place
+
+
+def test_another_region_of_a_body_that_has_grown(grown):
+    _, found, folder = grown
+    again = ec.region(folder, {**LINE, "name": "later"}, step=2)
+    np.testing.assert_allclose(again["later_stress"].squeeze(), found.dataset["axis_stress"][1], rtol=1e-12, atol=1e-3)
+
+
+def test_resume_after_growth_continues_to_the_bit(grown, tmp_path):
+    every, found, _ = grown
+    with pytest.raises(Stop):
+        ec.run(every, tmp_path, watcher=Stopper(2))
+    continued = ec.run(every, tmp_path, resume=True).dataset
+    np.testing.assert_array_equal(continued["pressure"], found.dataset["pressure"])
+    np.testing.assert_array_equal(continued["plastic_strain_1"], found.dataset["plastic_strain_1"])
 
 
 @pytest.mark.parametrize(

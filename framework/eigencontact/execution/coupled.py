@@ -160,7 +160,7 @@ class Coupled:
 
     def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
         for interior in self._interiors:
-            interior.refuse()
+            interior.check()
             for name, value in interior.scalars().items():
                 known = scalars.get(name, 0.0)
                 scalars[name] = max(known, value) if name.endswith("residual") else known + value

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +15,7 @@ from eigencontact.execution.interiors.responding import places_solved, solved_ro
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import HalfSpace, Route
 from eigencontact.execution.step import Step
+from eigencontact.model.growth import lattice_of
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
@@ -31,6 +35,7 @@ class EigenstrainField:
 
     def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
         body, where = request.body, lattice.words
+        self._model, self._body, self._lattice = model, body, lattice
         self._name = eigenstrain_name(body)
         prescribed = [source for source in model.prescribed if source.body == body]
         solved = [source for source in model.inhomogeneities if source.body == body]
@@ -57,20 +62,43 @@ class EigenstrainField:
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
         found = {quantity: field.at(step.time) for quantity, field in self._prescribed.items()}
-        for quantity, route in self._solved.items():
-            values = route.field(self._remembered(step))
+        for quantity, route in self._routes(step).items():
+            values = route.field(step.history[self._name].values)
             found[quantity] = found[quantity] + values if quantity in found else values
         return found
 
-    def _remembered(self, step: Step) -> FloatArray:
-        """Eigenstrain of the inhomogeneities, in the cells that the scene stands for."""
-        known = step.history[self._name]
-        same = known.coords.keys() == self._cells.keys() and all(
-            np.array_equal(known.coords[axis], values) for axis, values in self._cells.items()
+    def _routes(self, step: Step) -> dict[str, Route]:
+        """Routes from the cells that the step remembers: those of the scene, or more where a body's box has grown."""
+        if not self._solved:
+            return self._solved
+        known = step.history[self._name].coords
+        if not _same(known, self._cells):
+            self._model = self._grown(step, known)
+            self._cells = places_solved(self._model, self._body)
+            self._solved = {
+                quantity: solved_route(self._model, self._body, quantity, self._lattice) for quantity in self._solved
+            }
+        return self._solved
+
+    def _grown(self, step: Step, known: Mapping[str, FloatArray]) -> Model:
+        sources = [source for source in self._model.inhomogeneities if source.body == self._body and source.guessed]
+        lattice = sources[0].lattice if sources else None
+        if lattice is not None and known:
+            stored = lattice_of(known, lattice.edges, self._model.grid)
+            # The lattice of the scene again, as a box may be larger in an earlier look than in this one.
+            plain = replace(sources[0], lattice=stored)
+            others = tuple(plain if source is sources[0] else source for source in self._model.inhomogeneities)
+            model = replace(self._model, inhomogeneities=others)
+            if _same(known, places_solved(model, self._body)):
+                return model
+        raise ResultsError(
+            f"{self._name} of step {step.index} must be in the cells that the scene stands for now (got others); "
+            "run the scene again"
         )
-        if not same:
-            raise ResultsError(
-                f"{self._name} of step {step.index} must be in the cells that the scene stands for now (got others); "
-                "run the scene again"
-            )
-        return known.values
+
+
+def _same(one: Mapping[str, FloatArray], other: Mapping[str, FloatArray]) -> bool:
+    return one.keys() == other.keys() and all(
+        len(one[axis]) == len(values) and np.allclose(one[axis], values, rtol=0.0, atol=1e-9 * np.abs(values).max())
+        for axis, values in other.items()
+    )

@@ -13,7 +13,7 @@ from eigencontact.execution.block import Block, Cost, Part
 from eigencontact.execution.contact import Contact, ContactAnswer
 from eigencontact.execution.coupled import Coupled, Solved
 from eigencontact.execution.increment import Increment
-from eigencontact.execution.interiors.interior import Interior
+from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.step import Step
 from eigencontact.model.model import Model
 from eigencontact.scene.schema import Numerics
@@ -45,7 +45,7 @@ class Mechanics(Block):
     def __init__(
         self, contact: Contact | None, interiors: Sequence[Interior], grid: Grid, numerics: Numerics, directions: str
     ) -> None:
-        self._contact, self._interiors, self._grid, self._numerics = contact, tuple(interiors), grid, numerics
+        self._contact, self._interiors, self._grid, self._numerics = contact, list(interiors), grid, numerics
         self._directions = directions if interiors else ""
         self._coupled = Coupled(contact, self._interiors, numerics, self._directions, grid.shape)
         parts: list[Part] = [*([] if contact is None else [contact]), *interiors]
@@ -72,12 +72,8 @@ class Mechanics(Block):
 
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
-        began, increment = perf_counter(), Increment.of(step)
-        before = self._before(step, increment)
-        memory = None
-        if self._contact is not None:
-            memory = self._contact.recall(step.previous, before.displacement)
-        found = self._solved(increment, memory, before, 0)
+        began = perf_counter()
+        found = self._with_enough_cells(step)
         last = found[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
         step.history |= last.remembered
@@ -97,6 +93,22 @@ class Mechanics(Block):
             sunk = last.displacement["z"]
             step.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
             step.scalars["max_sink"] = max(0.0, float(sunk.max()))
+
+    def _with_enough_cells(self, step: Step) -> list[Solved]:
+        """The increments that the step is solved in, on interiors that grow until they suffice."""
+        while True:
+            try:
+                increment = Increment.of(step)
+                before = self._before(step, increment)
+                memory = None
+                if self._contact is not None:
+                    memory = self._contact.recall(step.previous, before.displacement)
+                return self._solved(increment, memory, before, 0)
+            except Outgrown as short:
+                short.larger.start()
+                self._interiors[self._interiors.index(short.interior)] = short.larger
+                shape = self._grid.shape
+                self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, shape)
 
     def _store(self, step: Step, contact: Contact, answers: Sequence[ContactAnswer]) -> None:
         """Fields and scalars of the contact; at the edge of the window it is refused."""

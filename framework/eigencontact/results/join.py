@@ -34,6 +34,7 @@ class _Column:
     attrs: dict[str, Any]
     steps: int
     count: int = 0
+    values: Any = None
 
     @property
     def stepped(self) -> bool:
@@ -64,7 +65,7 @@ def join_steps(target: Path, steps: Sequence[Path], histories: Sequence[Path] = 
 
     columns, attrs = _columns(steps)
     if histories:
-        columns |= _columns(histories)[0]
+        columns |= _columns(histories[-1:], len(histories))[0]  # the cells of a body only grow
     with replacing(target, "results") as sink:
         with h5netcdf.File(sink, "w") as out:
             sizes = {dim: n for c in columns.values() for dim, n in zip(c.dims, c.shape, strict=True)}
@@ -74,8 +75,10 @@ def join_steps(target: Path, steps: Sequence[Path], histories: Sequence[Path] = 
             out.attrs.update(attrs)
         sink.check()
         with open_hdf5(sink, "r+") as out:  # plain HDF5 fills ten times faster
-            for at, path in (*enumerate(steps), *enumerate(histories)):
+            for at, path in enumerate(steps):
                 _fill(out, at, path, columns)
+            for at, path in enumerate(histories):
+                _fill(out, at, path, columns, last=at == len(histories) - 1)
 
 
 @contextmanager
@@ -91,17 +94,34 @@ def _step(path: Path) -> Iterator[Any]:
         ) from error
 
 
-def _fill(out: Any, at: int, path: Path, columns: dict[str, _Column]) -> None:
-    """Copy one step into its place, and what does not change from the first."""
+def _fill(out: Any, at: int, path: Path, columns: dict[str, _Column], *, last: bool | None = None) -> None:
+    """Copy one step into its place, and what does not change: from the first, or if said from the last."""
     with _step(path) as file:
         for name, values in file.items():
-            if columns[name].stepped:
+            column = columns[name]
+            if not column.stepped:
+                if at == 0 if last is None else last:
+                    out[name][...] = values[...]
+            elif values.shape[1:] == column.shape[1:]:
                 out[name][at] = values[0]
-            elif at == 0:
-                out[name][...] = values[...]
+            else:
+                out[name][(at, *_part(file, column, columns))] = values[0]
 
 
-def _columns(steps: Sequence[Path]) -> tuple[dict[str, _Column], dict[str, Any]]:
+def _part(file: Any, column: _Column, columns: dict[str, _Column]) -> tuple[slice, ...]:
+    """Where the fewer cells of an earlier step lie among those of the last; the others are zero: at rest."""
+    parts = []
+    for dim in column.dims[1:]:
+        if dim not in file or file[dim].dtype.kind == "O":
+            parts.append(slice(None))
+            continue
+        first, whole = file[dim][0], columns[dim].values
+        start = int(np.argmin(np.abs(whole - first)))
+        parts.append(slice(start, start + len(file[dim])))
+    return tuple(parts)
+
+
+def _columns(steps: Sequence[Path], count: int | None = None) -> tuple[dict[str, _Column], dict[str, Any]]:
     """Everything that occurs in the steps, and the attributes of the last one."""
     columns: dict[str, _Column] = {}
     regions: set[str] = set()
@@ -113,10 +133,13 @@ def _columns(steps: Sequence[Path]) -> tuple[dict[str, _Column], dict[str, Any]]
             for name, v in file.items():
                 if name not in columns:
                     own = dict(v.attrs)
-                    columns[name] = _Column(tuple(str(own.pop("dims")).split()), v.shape, v.dtype, own, len(steps))
+                    dims = tuple(str(own.pop("dims")).split())
+                    columns[name] = _Column(dims, v.shape, v.dtype, own, count or len(steps))
+                    if dims == (name,):
+                        columns[name].values = v[...]
                 if columns[name].shape != v.shape:
                     regions.add(f"{name} {v.shape}")
-                columns[name].count += 1
+                columns[name].count += 1 if count is None else count
     if len(regions) != 1:
         raise ResultsError(
             f"sub-surface points must be the same in all steps (got {len(regions)} different sets); "

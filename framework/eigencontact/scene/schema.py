@@ -161,7 +161,7 @@ class Numerics(Table):
     or as a ``"whole"`` with one uniform eigenstrain (cheap; shapes with potentials, away from the surface and each
     other). ``inclusion_pitch`` is the height of those cells [m]; by default it follows the grid and the shapes.
     ``law_room`` is the room around the part of a body in which its law may be more than elastic, in sizes of that part:
-    the cells fill both.
+    the cells fill both, and become more where that proves too little.
 
     ``coupling`` says which displacements follow from which tractions in a contact with friction: ``"none"``, each along
     its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with

@@ -14,10 +14,24 @@ from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.results.records import HistoryRecord
 
-__all__ = ["Interior", "by_direction", "eigenstrain_name", "loads"]
+__all__ = ["Interior", "Outgrown", "by_direction", "eigenstrain_name", "loads"]
 
 FloatArray = NDArray[np.float64]
 Remembered = Mapping[str, HistoryRecord]
+
+
+class Outgrown(Exception):
+    """An interior needs more cells than it has.
+
+    Attributes
+    ----------
+    interior, larger : Interior
+        The one that does not suffice, and another to take its place, not yet started.
+    """
+
+    def __init__(self, interior: Interior, larger: Interior) -> None:
+        super().__init__(f"interior of body {interior.body} has too few cells")
+        self.interior, self.larger = interior, larger
 
 
 class Interior(Part):
@@ -42,7 +56,13 @@ class Interior(Part):
 
     @abstractmethod
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """Take up the state of the last accepted increment, as it was stored; at rest `last` is empty."""
+        """Take up the state of the last accepted increment, as it was stored; at rest `last` is empty.
+
+        Raises
+        ------
+        Outgrown
+            The state fills more cells than this interior has.
+        """
 
     @property
     def unknown(self) -> FloatArray:
@@ -76,13 +96,13 @@ class Interior(Part):
         """Whether an increment often leaves the unknown as it is: the contact is then solved to the end at once."""
         return False
 
-    def refuse(self) -> None:
-        """Refuse a state that the interior cannot stand for, though it converged.
+    def check(self) -> None:
+        """Look whether the interior can stand for the state that it converged to.
 
         Raises
         ------
-        DomainTooSmall
-            Cells that were to stay elastic did not.
+        Outgrown
+            Outermost cells, which were to stay elastic, did not.
         """
 
     def scalars(self) -> dict[str, float]:

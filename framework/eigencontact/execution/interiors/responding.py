@@ -60,7 +60,7 @@ class Responding(Interior):
 
     def __init__(self, model: Model, body: int, directions: str, points: RegionLattice | None) -> None:
         self.body, self.name = body, "inhomogeneities" if body == 1 else f"inhomogeneities-{body}"
-        self._directions, self._numerics = directions, model.numerics
+        self._model, self._directions, self._numerics = model, directions, model.numerics
         self._half_space = HalfSpace.of(model, body)
         self.sources: tuple[Inhomogeneity, ...] = tuple(s for s in model.inhomogeneities if s.body == body)
         self.remembers = frozenset({eigenstrain_name(body)})
@@ -102,8 +102,12 @@ class Responding(Interior):
         self._time, self._progress = increment.times[1], increment.progress
         self._own = self.prestrain(self._time)
         known = last.get(eigenstrain_name(self.body))
-        self.eigenstrain = self._own if known is None else known.values
+        self.eigenstrain = self._own if known is None else self.fitted(known)
         self._spent, self._residual = 0.0, 0.0
+
+    def fitted(self, known: HistoryRecord) -> FloatArray:
+        """What was stored, on the cells of this interior."""
+        return known.values
 
     def image(self, tractions: Fields, tolerance: float) -> tuple[FloatArray, float]:
         """See `Interior.image`."""

@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.elasticity import shear_ratios
-from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.cells import Cells
-from eigencontact.execution.interiors.interior import Remembered
+from eigencontact.execution.interiors.interior import Outgrown, Remembered
 from eigencontact.execution.material_cells import is_linear
+from eigencontact.model.growth import enlarged, lattice_of, with_lattice
 from eigencontact.model.model import Model
-from eigencontact.model.sources import Inhomogeneity
+from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings, VariesInSpace
 from eigencontact.results.records import HistoryRecord
 
@@ -88,7 +88,7 @@ class SweptCells(Cells):
         for name, variable in law.variables.items():
             known = last.get(f"{name}_{self.body}")
             shape = (variable.components, cells.size)
-            found[name] = np.zeros(shape) if known is None else known.values.reshape(shape[0], -1)[:, cells]
+            found[name] = np.zeros(shape) if known is None else self.fitted(known).reshape(shape[0], -1)[:, cells]
         return found
 
     @property
@@ -124,20 +124,34 @@ class SweptCells(Cells):
         """See `Interior.tries_elastic`."""
         return self._sweeping and not self._linear
 
-    def refuse(self) -> None:
-        """See `Interior.refuse`: the law of a body must be elastic in the outermost of its cells."""
+    def check(self) -> None:
+        """See `Interior.check`: the law of a body must be elastic in the outermost of its cells."""
         if not self._rim.any():
             return
-        for (law, cells), variables in zip(self._laws, self._after, strict=True):
-            moved = np.any([values.any(axis=0) for values in variables.values()], axis=0) & self._rim[cells]
-            if moved.any():
-                x, y, z = (float(axis[cells][moved][0]) for axis in self._places)
-                room = self._numerics.law_room
-                raise DomainTooSmall(
-                    f"numerics.law-room must leave the outermost cells of body {self.body} elastic (got {room:g}; "
-                    f"{law.key!r} is not at {int(moved.sum())} of them at step {self._time:g}, one of them at "
-                    f"x = {x:.3g} m, y = {y:.3g} m, z = {z:.3g} m); try {2.0 * max(room, 0.25):g}"
-                )
+        reached = np.zeros(self._rim.shape, dtype=bool)
+        for (_, cells), variables in zip(self._laws, self._after, strict=True):
+            reached[cells] |= np.any([values.any(axis=0) for values in variables.values()], axis=0)
+        reached &= self._rim
+        if reached.any():
+            cells = np.argwhere(reached.reshape(self._content.shape))
+            raise Outgrown(self, self._with(enlarged(self._box.lattice, cells)))
+
+    def _with(self, lattice: Lattice) -> SweptCells:
+        return type(self)(with_lattice(self._model, self.body, lattice), self.body, self._directions)
+
+    def fitted(self, known: HistoryRecord) -> FloatArray:
+        """See `Responding.fitted`: cells beyond the stored ones are at rest."""
+        mine = self._box.lattice
+        if known.values.shape[1:] == mine.shape or not known.coords:
+            return known.values
+        stored = lattice_of(known.coords, mine.edges, self._grid)
+        start = np.subtract(stored.first, mine.first)
+        if np.any(start < 0) or np.any(start + stored.shape > mine.shape):
+            raise Outgrown(self, self._with(stored))
+        out = np.zeros((len(known.values), *mine.shape))
+        k, j, i = (slice(int(low), int(low) + count) for low, count in zip(start, stored.shape, strict=True))
+        out[:, k, j, i] = known.values
+        return out
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""
