@@ -128,7 +128,7 @@ def test_large_fields_are_compressed_and_unchanged(tmp_path):
     path = filled(tmp_path, info, [record]).finish()
     with open_results(path) as found:
         assert (found["pressure"].encoding["zlib"], found["pressure"].encoding["complevel"]) == (True, 1)
-        assert not found["x"].encoding["zlib"]
+        assert not found["x"].encoding.get("zlib")  # some versions of xarray say nothing
         np.testing.assert_array_equal(found["pressure"][0], record.fields["pressure"])
     assert path.stat().st_size < 0.7 * sum(field.nbytes for field in record.fields.values())
 
