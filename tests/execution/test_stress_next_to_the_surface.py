@@ -49,11 +49,11 @@ def largest_on_the_axis(run):
     return max(found)
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.5])
-def test_fretting_mode_2_has_its_largest_stress_below_the_surface(friction):
+@pytest.mark.parametrize(("friction", "sizes"), [(0.1, [16]), (0.5, [16, 17, 32])])
+def test_fretting_mode_2_has_its_largest_stress_below_the_surface(friction, sizes):
     """Even and odd numbers of cells, coarse and fine; the values in the surface used to be 1.4 to 3.5 p0."""
     largest = []
-    for cells in (16, 17, 32):
+    for cells in sizes:
         run = ec.run(pressed(cells, friction, stress=[SECTION]))
         largest.append(run.summary["max_von_mises"] / P0)
     np.testing.assert_allclose(largest, largest_on_the_axis(run), rtol=0.03)
@@ -148,7 +148,7 @@ def test_layers_are_no_exception():
     ]
     layered = {"medium": {"type": "bonded-layers", "layers": [{"thickness": 0.5 * A, **STEEL}], "substrate": STEEL}}
     steps = {"steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}], "stress": regions}
-    one, other = (ec.run({**pressed(16, MU, **steps), "body1": body}).dataset for body in (STEEL, layered))
+    one, other = (ec.run({**pressed(12, MU, **steps), "body1": body}).dataset for body in (STEEL, layered))
     for name in ("spots_stress", "top_stress"):
         np.testing.assert_allclose(other[name][-1], one[name][-1], atol=2e-3 * P0)
     assert float(np.abs(one.spots_stress[-1]).max()) < 1.5 * P0
