@@ -98,13 +98,13 @@ def test_make_gives_the_component_of_the_scene():
 @pytest.mark.parametrize(
     ("key", "parameters", "words"),
     [
-        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: 'bonded-layers', 'coulomb', 'coulomb-map', "),
+        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: 'armstrong-frederick', 'bonded-layers', 'coulomb', "),
         ("shpere", {"radius": 1.0}, "did you mean 'sphere'?"),
         ("sphere", {"radius": 1.0, "kind": "observer"}, "unknown observer 'sphere'; installed: 'dissipated-energy', "),
         (
             "sphere",
             {"radius": 1.0, "kind": "shape"},
-            "make.kind must be one of constitutive-law, eigenstrain-field, friction-law, geometry",
+            "make.kind must be one of constitutive-law, damage-law, eigenstrain-field, friction-law, geometry",
         ),
         ("sphere", {"radus": 1.0}, "unknown key 'radus' in sphere (sphere); known: radius, profile, center; did you"),
         ("sphere", {}, "sphere.radius must be given (sphere needs it)"),
