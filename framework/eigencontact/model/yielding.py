@@ -1,7 +1,8 @@
 """Bodies that obey a law of their own near the contact: the box of cells in which that law may be more than elastic.
 
 The box is found by asking the law: elastic stress by the tractions of coarse contacts, at all places that may matter,
-and whether the law would bear the strain of that stress with that stress. A box that proves too small grows (`eigencontact.model.growth`).
+and whether the law would bear the strain of that stress with that stress. A box that proves too small grows
+(`eigencontact.model.growth`).
 """
 
 from __future__ import annotations
