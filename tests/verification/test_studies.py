@@ -63,7 +63,7 @@ def test_scenes_can_be_planned(name, blocks):
 def test_thick_coating_against_the_integral_equation(tmp_path):
     """Case PL-2 of the soft coating, read off coarse cells; and what is read agrees with the catalogue."""
     study = find("coating-thickness")
-    chosen = replace(study, variants=lambda *, coarse: study.variants(coarse=coarse)[1:2])
+    chosen = replace(study, coarse=study.coarse[1:2])
     (found,) = run_study(chosen, tmp_path, coarse=True)
     found.dataset.close()
     assert found.row["integral equation: pressure"] == close(0.638, abs=1e-3)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.style import new_figure
 from eigencontact_verification.studies.coatings import (
     COMPARED,
     below_the_middle,
@@ -17,19 +18,15 @@ from eigencontact_verification.studies.coatings import (
     oracle,
     split,
 )
-from eigencontact_verification.studies.common import (
-    COATED,
-    colour,
-    cut_depths,
-    legend_beside,
-    von_mises,
-)
-from eigencontact_verification.studies.study import Finished, Row, Study, Variant
+from eigencontact_verification.studies.common import COATED, colour, cut_depths, legend_beside, von_mises
+from eigencontact_verification.studies.study import Finished, Row, Study, Variant, every, having, levels
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from eigencontact.scene.schema import Scene
 
 __all__ = ["STUDIES"]
 
@@ -41,37 +38,19 @@ _COMPONENTS = {"xx": 0, "zz": 2, "xz": 4}
 _MARKERS = (0.1, 0.4, 0.7, 0.98, 1.02, 1.4, 2.0)
 
 
-def _variant(ratio: float, friction: float, stress: Sequence[dict[str, Any]], *, coarse: bool) -> Variant:
-    sliding = {
-        "friction": {"type": "coulomb", "coefficient": friction},
-        "steps": [{"normal_load": COATED.load}, {"shift_x": _A}],
-        "numerics": {"coupling": "partial"},
-    }
-    scene = coated_scene(
-        coated_body(ratio),
-        cells=32 if coarse else 80,
-        width=3.6,
-        stress=list(stress),
-        **(sliding if friction else {}),
-    )
-    return Variant(f"E₁/E₂ = {ratio:g}, μ = {friction:g}", scene, {"E₁/E₂": ratio, "μ": friction})
-
-
-def _map_variants(*, coarse: bool) -> Sequence[Variant]:
+def _scene(values: Mapping[str, float], *, coarse: bool, axis: bool = False) -> Scene:
+    """Sphere that slides, if there is friction; stress in a section or on the axis."""
     section = {"name": "section", "shape": "plane", "normal": "y", "depths": _DEPTHS}
-    return [
-        _variant(ratio, friction, [section], coarse=coarse)
-        for ratio in ((0.5, 2.0) if coarse else (0.5, 1.0, 2.0))
-        for friction in ((0.5,) if coarse else (0.0, 0.25, 0.5))
-    ]
+    tables: dict[str, Any] = {"stress": [below_the_middle(coarse=coarse) if axis else section]}
+    if values["μ"]:
+        tables["friction"] = {"type": "coulomb", "coefficient": values["μ"]}
+        tables["steps"] = [{"normal_load": COATED.load}, {"shift_x": _A}]
+        tables["numerics"] = {"coupling": "partial"}
+    return coated_scene(coated_body(values["E₁/E₂"]), cells=32 if coarse else 80, width=3.6, **tables)
 
 
-def _axis_variants(*, coarse: bool) -> Sequence[Variant]:
-    return [
-        _variant(ratio, friction, [below_the_middle(coarse=coarse)], coarse=coarse)
-        for ratio in ((0.5, 2.0) if coarse else (0.5, 1.0, 2.0))
-        for friction in ((0.25,) if coarse else (0.0, 0.25, 0.5))
-    ]
+_LABEL = "E₁/E₂ = {E₁/E₂:g}, μ = {μ:g}".format_map
+_ROWS = every({"E₁/E₂": (0.5, 1.0, 2.0), "μ": (0.0, 0.25, 0.5)})
 
 
 def _read_map(_variant: Variant, dataset: xr.Dataset) -> Row:
@@ -121,24 +100,21 @@ def _oracle_stress(variant: Variant, depth: float) -> np.ndarray[Any, np.dtype[n
 
 
 def _draw_map(found: Sequence[Finished]) -> Figure:
-    from eigencontact.viz.style import new_figure, paper_style
-
-    ratios = sorted({item.variant.values["E₁/E₂"] for item in found})
-    frictions = sorted({item.variant.values["μ"] for item in found})
+    ratios = levels(found, "E₁/E₂")
+    frictions = levels(found, "μ")
     highest = max(float(von_mises(item.dataset, COATED).max()) for item in found)
-    with paper_style():
-        figure = new_figure(2.6 * len(frictions) + 1.0, 2.1 * len(ratios) + 0.3)
-        panels = figure.subplots(len(ratios), len(frictions), squeeze=False, sharex=True, sharey=True)
-        for item in found:
-            row, column = ratios.index(item.variant.values["E₁/E₂"]), frictions.index(item.variant.values["μ"])
-            image = draw_section(panels[row, column], item.dataset, highest, item.variant.label)
-            place = item.row["at x / h"], item.row["at z / h"]
-            panels[row, column].plot(*place, "x", color="black", markersize=5, clip_on=False)
-        for panel in panels[:-1].ravel():
-            panel.set_xlabel("")
-        for panel in panels[:, 1:].ravel():
-            panel.set_ylabel("")
-        figure.colorbar(image, ax=panels, shrink=0.7, label="von Mises stress $/p_0$ (largest: cross)")
+    figure = new_figure(2.6 * len(frictions) + 1.0, 2.1 * len(ratios) + 0.3)
+    panels = figure.subplots(len(ratios), len(frictions), squeeze=False, sharex=True, sharey=True)
+    for item in found:
+        row, column = ratios.index(item["E₁/E₂"]), frictions.index(item["μ"])
+        image = draw_section(panels[row, column], item.dataset, highest, item.variant.label)
+        place = item["at x / h"], item["at z / h"]
+        panels[row, column].plot(*place, "x", color="black", markersize=5, clip_on=False)
+    for panel in panels[:-1].ravel():
+        panel.set_xlabel("")
+    for panel in panels[:, 1:].ravel():
+        panel.set_ylabel("")
+    figure.colorbar(image, ax=panels, shrink=0.7, label="von Mises stress $/p_0$ (largest: cross)")
     return figure
 
 
@@ -155,33 +131,30 @@ def _lines(axes: Axes, found: Sequence[Finished], component: str, tints: Sequenc
 
 
 def _draw_axis(found: Sequence[Finished]) -> Figure:
-    from eigencontact.viz.style import new_figure, paper_style
-
-    frictions = sorted({item.variant.values["μ"] for item in found})
-    ratios = sorted({item.variant.values["E₁/E₂"] for item in found})
+    frictions = levels(found, "μ")
+    ratios = levels(found, "E₁/E₂")
     middle = frictions[len(frictions) // 2]
-    chosen = [item for item in found if item.variant.values["μ"] == middle]
-    with paper_style():
-        figure = new_figure(9.6, 3.2)
-        *panels, last = figure.subplots(1, 4, sharey=True)
-        tints = [colour(ratios.index(item.variant.values["E₁/E₂"])) for item in chosen]
-        for panel, component in zip(panels, _COMPONENTS, strict=True):
-            _lines(panel, chosen, component, tints)
-            panel.set_title(f"μ = {middle:g}")
-        for friction, dash in zip(frictions, ("-", "--", ":"), strict=False):
-            for item in (item for item in found if item.variant.values["μ"] == friction):
-                tint = colour(ratios.index(item.variant.values["E₁/E₂"]))
-                depth = item.dataset["axis_z"].values / _A
-                last.plot(*split(depth, _stress(item.dataset)[4]), dash, color=tint)
-        last.axhline(1.0, color="grey", linewidth=0.6)
-        last.set(xlabel="$\\sigma_{xz}/p_0$", title="all μ", ylim=(2.5, 0.0))
-        panels[0].set_ylabel("$z/h$")
-        for n, ratio in enumerate(ratios):
-            last.plot([], [], "-", color=colour(n), label=f"$E_1/E_2$ = {ratio:g}")
-        for friction, dash in zip(frictions, ("-", "--", ":"), strict=False):
-            last.plot([], [], dash, color="grey", label=f"μ = {friction:g} (on the right)")
-        last.plot([], [], "x", color="black", markersize=3.6, label="Hankel integrals")
-        legend_beside(figure, last)
+    chosen = having(found, "μ", middle)
+    figure = new_figure(9.6, 3.2)
+    *panels, last = figure.subplots(1, 4, sharey=True)
+    tints = [colour(ratios.index(item["E₁/E₂"])) for item in chosen]
+    for panel, component in zip(panels, _COMPONENTS, strict=True):
+        _lines(panel, chosen, component, tints)
+        panel.set_title(f"μ = {middle:g}")
+    for friction, dash in zip(frictions, ("-", "--", ":"), strict=False):
+        for item in having(found, "μ", friction):
+            tint = colour(ratios.index(item["E₁/E₂"]))
+            depth = item.dataset["axis_z"].values / _A
+            last.plot(*split(depth, _stress(item.dataset)[4]), dash, color=tint)
+    last.axhline(1.0, color="grey", linewidth=0.6)
+    last.set(xlabel="$\\sigma_{xz}/p_0$", title="all μ", ylim=(2.5, 0.0))
+    panels[0].set_ylabel("$z/h$")
+    for n, ratio in enumerate(ratios):
+        last.plot([], [], "-", color=colour(n), label=f"$E_1/E_2$ = {ratio:g}")
+    for friction, dash in zip(frictions, ("-", "--", ":"), strict=False):
+        last.plot([], [], dash, color="grey", label=f"μ = {friction:g} (on the right)")
+    last.plot([], [], "x", color="black", markersize=3.6, label="Hankel integrals")
+    legend_beside(figure, last)
     return figure
 
 
@@ -190,7 +163,10 @@ STUDIES = (
         name="coating-sliding",
         title="Sphere sliding over soft and hard coatings: von Mises stress in section",
         repeats="thesis figure 4.10 (cases CO and CO-5)",
-        variants=_map_variants,
+        scene=_scene,
+        label=_LABEL,
+        rows=_ROWS,
+        coarse=every({"E₁/E₂": (0.5, 2.0), "μ": (0.5,)}),
         read=_read_map,
         draw=_draw_map,
         remark="Under friction the stress near the surface rises slowly with smaller depth; here it ends at 0.01 h.",
@@ -199,7 +175,10 @@ STUDIES = (
         name="coating-sliding-axis",
         title="Sphere sliding over soft and hard coatings: stress on the axis through the interface",
         repeats="thesis figures 4.11 and 4.12 (case CO-6)",
-        variants=_axis_variants,
+        scene=partial(_scene, axis=True),
+        label=_LABEL,
+        rows=_ROWS,
+        coarse=every({"E₁/E₂": (0.5, 2.0), "μ": (0.25,)}),
         read=_read_axis,
         draw=_draw_axis,
     ),

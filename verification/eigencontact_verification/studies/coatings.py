@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.viz.style import new_figure
 from eigencontact_verification.studies.common import (
     COATED,
     STEEL,
-    axis_points,
     colour,
     coloured,
     cut_depths,
@@ -21,7 +21,7 @@ from eigencontact_verification.studies.common import (
     stiff,
     von_mises,
 )
-from eigencontact_verification.studies.study import Finished, Row, Study, Variant
+from eigencontact_verification.studies.study import Finished, Row, Study, Variant, every, levels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,7 +57,8 @@ COMPARED = (0.4, 1.4)
 def below_the_middle(*, coarse: bool) -> dict[str, Any]:
     """Region of points on the axis, also on both sides of the interface and where the oracle is asked."""
     even = np.linspace(0.01, 2.5, 12 if coarse else 60)
-    return axis_points("axis", _A * np.sort([*even, *COMPARED, 1.0 - _CLOSE, 1.0 + _CLOSE]))
+    depths = _A * np.sort([*even, *COMPARED, 1.0 - _CLOSE, 1.0 + _CLOSE])
+    return {"name": "axis", "shape": "points", "points": [[0.0, 0.0, float(depth)] for depth in depths]}
 
 
 def coated_body(ratio: float, thickness: float = _A) -> dict[str, Any]:
@@ -132,25 +133,23 @@ def read_contact(dataset: xr.Dataset) -> Row:
     }
 
 
-def _pressure_variants(*, coarse: bool) -> Sequence[Variant]:
-    """Exact layers, and the coating as an inhomogeneity of a window so wide that its end does not matter."""
-    cells = 48 if coarse else 128
-    found = [
-        Variant(f"E₁/E₂ = {ratio:g}", coated_scene(coated_body(ratio), cells=cells, width=6.0), {"E₁/E₂": ratio})
-        for ratio in ((0.5, 2.0) if coarse else (0.25, 0.5, 1.0, 2.0, 4.0))
-    ]
-    for ratio in (2.0,) if coarse else (0.25, 0.5, 2.0, 4.0):
-        coating = {"name": "coating", "type": "layer", "size": [8.0 * _A, 8.0 * _A], "thickness": _A}
-        numerics = {"tolerance": 1e-4, "inclusion_pitch": _A / 8}
-        scene = coated_scene(
-            dict(STEEL),
-            cells=40 if coarse else 96,
-            width=8.0,
-            inclusions={**coating, "material": stiff(ratio)},
-            numerics=numerics,
-        )
-        found.append(Variant(f"E₁/E₂ = {ratio:g}, by cells", scene, {"E₁/E₂": ratio, "cells": 1.0}))
-    return found
+_LABEL = "E₁/E₂ = {E₁/E₂:g}".format_map
+_TWO = every({"E₁/E₂": (0.5, 2.0)})
+_FIVE = every({"E₁/E₂": (0.25, 0.5, 1.0, 2.0, 4.0)})
+
+
+def _pressed(values: Mapping[str, float], *, coarse: bool) -> Scene:
+    """Exact layers, or the coating as an inhomogeneity of a window so wide that its end does not matter."""
+    if "cells" not in values:
+        return coated_scene(coated_body(values["E₁/E₂"]), cells=48 if coarse else 128, width=6.0)
+    coating = {"name": "coating", "type": "layer", "size": [8.0 * _A, 8.0 * _A], "thickness": _A}
+    return coated_scene(
+        dict(STEEL),
+        cells=40 if coarse else 96,
+        width=8.0,
+        inclusions={**coating, "material": stiff(values["E₁/E₂"])},
+        numerics={"tolerance": 1e-4, "inclusion_pitch": _A / 8},
+    )
 
 
 def _read_pressure(variant: Variant, dataset: xr.Dataset) -> Row:
@@ -163,43 +162,33 @@ def _read_pressure(variant: Variant, dataset: xr.Dataset) -> Row:
 
 
 def _draw_pressure(found: Sequence[Finished]) -> Figure:
-    from eigencontact.viz.style import new_figure, paper_style
-
-    ratios = sorted({item.variant.values["E₁/E₂"] for item in found})
-    with paper_style():
-        figure = new_figure(6.0, 3.4)
-        axes = figure.add_subplot()
-        for item in found:
-            tint = colour(ratios.index(item.variant.values["E₁/E₂"]))
-            x, pressure = pressure_profile(item.dataset, COATED)
-            if "cells" in item.variant.values:
-                inside = pressure > 0.0
-                axes.plot(x[inside], pressure[inside], "o", color=tint, fillstyle="none", markersize=3.4)
-            else:
-                axes.plot(x, pressure, "-", color=tint, label=item.variant.label)
-        for ratio in ratios:
-            known = oracle(ratio)
-            r = np.linspace(0.0, known.radius, 8)
-            axes.plot(r / _A, known.pressure(r) / COATED.peak, "x", color="black", markersize=4, zorder=3)
-        axes.plot([], [], "o", color="grey", fillstyle="none", label="coating cut into cells")
-        axes.plot([], [], "x", color="black", markersize=4, label="integral equation")
-        axes.set(xlabel="$x/a_0$", ylabel="pressure $p/p_0$", title="Sphere on a coating of thickness $a_0$")
-        axes.set(xlim=(-1.8, 1.8), ylim=(0, None))
-        legend_beside(figure, axes)
+    ratios = levels(found, "E₁/E₂")
+    figure = new_figure(6.0, 3.4)
+    axes = figure.add_subplot()
+    for item in found:
+        tint = colour(ratios.index(item["E₁/E₂"]))
+        x, pressure = pressure_profile(item.dataset, COATED)
+        if "cells" in item.variant.values:
+            inside = pressure > 0.0
+            axes.plot(x[inside], pressure[inside], "o", color=tint, fillstyle="none", markersize=3.4)
+        else:
+            axes.plot(x, pressure, "-", color=tint, label=item.variant.label)
+    for ratio in ratios:
+        known = oracle(ratio)
+        r = np.linspace(0.0, known.radius, 8)
+        axes.plot(r / _A, known.pressure(r) / COATED.peak, "x", color="black", markersize=4, zorder=3)
+    axes.plot([], [], "o", color="grey", fillstyle="none", label="coating cut into cells")
+    axes.plot([], [], "x", color="black", markersize=4, label="integral equation")
+    axes.set(xlabel="$x/a_0$", ylabel="pressure $p/p_0$", title="Sphere on a coating of thickness $a_0$")
+    axes.set(xlim=(-1.8, 1.8), ylim=(0, None))
+    legend_beside(figure, axes)
     return figure
 
 
-def _indentation_variants(*, coarse: bool) -> Sequence[Variant]:
+def _indented(values: Mapping[str, float], *, coarse: bool) -> Scene:
     loads = np.geomspace(0.02, 20.0, 4 if coarse else 13) * COATED.load
     steps = [{"normal_load": float(load)} for load in loads]
-    return [
-        Variant(
-            f"E₁/E₂ = {ratio:g}",
-            coated_scene(coated_body(ratio), cells=72 if coarse else 160, width=9.0, steps=steps),
-            {"E₁/E₂": ratio},
-        )
-        for ratio in ((0.5, 2.0) if coarse else (0.25, 0.5, 1.0, 2.0, 4.0))
-    ]
+    return coated_scene(coated_body(values["E₁/E₂"]), cells=72 if coarse else 160, width=9.0, steps=steps)
 
 
 def _read_indentation(variant: Variant, dataset: xr.Dataset) -> Row:
@@ -210,57 +199,38 @@ def _read_indentation(variant: Variant, dataset: xr.Dataset) -> Row:
 
 
 def _draw_indentation(found: Sequence[Finished]) -> Figure:
-    from eigencontact.viz.style import new_figure, paper_style
-
-    with paper_style():
-        figure = new_figure(8.4, 3.1)
-        left, right = figure.subplots(1, 2)
-        for item, tint in coloured(found):
-            ratio = item.variant.values["E₁/E₂"]
-            load = item.dataset["normal_load"].values / COATED.load
-            depth = item.dataset["approach"].values / COATED.approach
-            left.plot(depth, load, "-o", color=tint)
-            right.semilogx(load, depth / load ** (2 / 3), "-", color=tint, label=item.variant.label)
-            right.plot([load[0], 6 * load[0]], [ratio ** (-2 / 3)] * 2, ":", color=tint, linewidth=1.6)
-            some = load[:: max(1, load.size // 6)]
-            known = np.array([oracle(ratio, load=float(f) * COATED.load).approach for f in some]) / COATED.approach
-            right.plot(some, known / some ** (2 / 3), "x", color="black", markersize=4, zorder=3)
-        right.plot([], [], ":", color="grey", linewidth=1.6, label="Hertz on the coating alone")
-        right.axhline(1.0, color="black", linewidth=0.7, linestyle="--", label="Hertz on bare steel")
-        right.plot([], [], "x", color="black", markersize=4, label="integral equation")
-        left.set(xlabel="indentation $D/D_0$", ylabel="load $L/L_0$", title="Indentation", xlim=(0, 4), ylim=(0, 6))
-        right.set(
-            xlabel="load $L/L_0$", ylabel="indentation over that of bare steel", title="From coating to substrate"
-        )
-        legend_beside(figure, right)
+    figure = new_figure(8.4, 3.1)
+    left, right = figure.subplots(1, 2)
+    for item, tint in coloured(found):
+        ratio = item["E₁/E₂"]
+        load = item.dataset["normal_load"].values / COATED.load
+        depth = item.dataset["approach"].values / COATED.approach
+        left.plot(depth, load, "-o", color=tint)
+        right.semilogx(load, depth / load ** (2 / 3), "-", color=tint, label=item.variant.label)
+        right.plot([load[0], 6 * load[0]], [ratio ** (-2 / 3)] * 2, ":", color=tint, linewidth=1.6)
+        some = load[:: max(1, load.size // 6)]
+        known = np.array([oracle(ratio, load=float(f) * COATED.load).approach for f in some]) / COATED.approach
+        right.plot(some, known / some ** (2 / 3), "x", color="black", markersize=4, zorder=3)
+    right.plot([], [], ":", color="grey", linewidth=1.6, label="Hertz on the coating alone")
+    right.axhline(1.0, color="black", linewidth=0.7, linestyle="--", label="Hertz on bare steel")
+    right.plot([], [], "x", color="black", markersize=4, label="integral equation")
+    left.set(xlabel="indentation $D/D_0$", ylabel="load $L/L_0$", title="Indentation", xlim=(0, 4), ylim=(0, 6))
+    right.set(xlabel="load $L/L_0$", ylabel="indentation over that of bare steel", title="From coating to substrate")
+    legend_beside(figure, right)
     return figure
 
 
-def _stress_variants(*, coarse: bool) -> Sequence[Variant]:
-    return [
-        Variant(
-            f"E₁/E₂ = {ratio:g}",
-            coated_scene(
-                coated_body(ratio),
-                cells=32 if coarse else 96,
-                width=4.0,
-                stress=[_SECTION, below_the_middle(coarse=coarse)],
-            ),
-            {"E₁/E₂": ratio},
-        )
-        for ratio in ((0.5, 2.0) if coarse else (0.5, 1.0, 2.0))
-    ]
+def _cut(values: Mapping[str, float], *, coarse: bool) -> Scene:
+    regions = [_SECTION, below_the_middle(coarse=coarse)]
+    return coated_scene(coated_body(values["E₁/E₂"]), cells=32 if coarse else 96, width=4.0, stress=regions)
 
 
 def _read_stress(_variant: Variant, dataset: xr.Dataset) -> Row:
-    section = von_mises(dataset, COATED)
-    depth = dataset["section_z"].values / _A
-    below = depth > 1.0
-    place = np.unravel_index(int(section.argmax()), section.shape)
+    section, depth = von_mises(dataset, COATED), dataset["section_z"].values / _A
     return {
         "largest von Mises / p0": float(section.max()),
-        "at z / h": float(depth[place[0]]),
-        "in the substrate": float(section[below].max()),
+        "at z / h": float(depth[section.max(axis=1).argmax()]),
+        "in the substrate": float(section[depth > 1.0].max()),
     }
 
 
@@ -276,26 +246,23 @@ def _axis_of_oracle(ratio: float, depths: Sequence[float]) -> list[float]:
 
 
 def _draw_stress(found: Sequence[Finished]) -> Figure:
-    from eigencontact.viz.style import new_figure, paper_style
-
     highest = max(float(von_mises(item.dataset, COATED).max()) for item in found)
-    with paper_style():
-        figure = new_figure(3.0 * len(found) + 3.4, 3.2)
-        grid = figure.add_gridspec(1, len(found) + 1, width_ratios=[1.0] * len(found) + [0.9])
-        panels = [figure.add_subplot(grid[n]) for n in range(len(found))]
-        for panel, item in zip(panels, found, strict=True):
-            image = draw_section(panel, item.dataset, highest, item.variant.label)
-        figure.colorbar(image, ax=panels, shrink=0.85, label="von Mises stress $/p_0$")
-        axes = figure.add_subplot(grid[-1])
-        for item, tint in coloured(found):
-            depth = item.dataset["axis_z"].values / _A
-            axes.plot(*split(depth, von_mises(item.dataset, COATED, "axis")), "-", color=tint, label=item.variant.label)
-            some = (0.1, 0.3, 0.5, 0.75, 0.95, 1.05, 1.5, 2.0)
-            axes.plot(_axis_of_oracle(item.variant.values["E₁/E₂"], some), some, "x", color="black", markersize=4)
-        axes.plot([], [], "x", color="black", markersize=4, label="Hankel integrals")
-        axes.axhline(1.0, color="grey", linewidth=0.6)
-        axes.set(xlabel="von Mises stress $/p_0$", ylabel="$z/h$", title="On the axis", ylim=(2.5, 0), xlim=(0, None))
-        axes.legend(loc="lower right")
+    figure = new_figure(3.0 * len(found) + 3.4, 3.2)
+    grid = figure.add_gridspec(1, len(found) + 1, width_ratios=[1.0] * len(found) + [0.9])
+    panels = [figure.add_subplot(grid[n]) for n in range(len(found))]
+    for panel, item in zip(panels, found, strict=True):
+        image = draw_section(panel, item.dataset, highest, item.variant.label)
+    figure.colorbar(image, ax=panels, shrink=0.85, label="von Mises stress $/p_0$")
+    axes = figure.add_subplot(grid[-1])
+    for item, tint in coloured(found):
+        depth = item.dataset["axis_z"].values / _A
+        axes.plot(*split(depth, von_mises(item.dataset, COATED, "axis")), "-", color=tint, label=item.variant.label)
+        some = (0.1, 0.3, 0.5, 0.75, 0.95, 1.05, 1.5, 2.0)
+        axes.plot(_axis_of_oracle(item["E₁/E₂"], some), some, "x", color="black", markersize=4)
+    axes.plot([], [], "x", color="black", markersize=4, label="Hankel integrals")
+    axes.axhline(1.0, color="grey", linewidth=0.6)
+    axes.set(xlabel="von Mises stress $/p_0$", ylabel="$z/h$", title="On the axis", ylim=(2.5, 0), xlim=(0, None))
+    axes.legend(loc="lower right")
     return figure
 
 
@@ -304,7 +271,10 @@ STUDIES = (
         name="coating-pressure",
         title="Sphere on soft and hard coatings: pressure, by exact layers and by cells",
         repeats="thesis figure 4.6 (case CO-1)",
-        variants=_pressure_variants,
+        scene=_pressed,
+        label=lambda values: _LABEL(values) + ", by cells" * ("cells" in values),
+        rows=[*_FIVE, *every({"E₁/E₂": (0.25, 0.5, 2.0, 4.0), "cells": (1.0,)})],
+        coarse=[*_TWO, *every({"E₁/E₂": (2.0,), "cells": (1.0,)})],
         read=_read_pressure,
         draw=_draw_pressure,
         remark="Published as 0.56 p0 for a coating a quarter as stiff, from a window too small; the value is near 0.5.",
@@ -313,7 +283,10 @@ STUDIES = (
         name="coating-indentation",
         title="Sphere on soft and hard coatings: indentation against load, from the coating's law to the substrate's",
         repeats="thesis figure 4.7",
-        variants=_indentation_variants,
+        scene=_indented,
+        label=_LABEL,
+        rows=_FIVE,
+        coarse=_TWO,
         read=_read_indentation,
         draw=_draw_indentation,
     ),
@@ -321,7 +294,10 @@ STUDIES = (
         name="coating-stress",
         title="Sphere on soft and hard coatings: von Mises stress in section and on the axis",
         repeats="thesis figure 4.8 (case CO)",
-        variants=_stress_variants,
+        scene=_cut,
+        label=_LABEL,
+        rows=every({"E₁/E₂": (0.5, 1.0, 2.0)}),
+        coarse=_TWO,
         read=_read_stress,
         draw=_draw_stress,
     ),

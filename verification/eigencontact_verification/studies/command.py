@@ -69,12 +69,8 @@ def _run(name: str, output: Path, *, coarse: bool, as_json: bool) -> None:
         return
     table = Table("variant", *found[0].row, title=item.title, box=None, pad_edge=False)
     for finished in found:
-        table.add_row(finished.variant.label, *(_number(value) for value in finished.row.values()))
+        table.add_row(finished.variant.label, *(f"{value:.4g}" for value in finished.row.values()))
     Console().print(table)
     if item.remark:
         typer.echo(item.remark)
     typer.echo(f"written: {', '.join(str(path) for path in files)}")
-
-
-def _number(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"

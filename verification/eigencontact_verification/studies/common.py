@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.studies.study import Finished, Row
+from eigencontact.viz.style import COLOURS, new_figure
+from eigencontact_verification.studies.study import Finished, Row, Variant
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,13 +23,15 @@ __all__ = [
     "COATED",
     "STEEL",
     "UNDER_BALL",
+    "Curve",
     "Reference",
+    "Trend",
     "at_origin",
-    "axis_points",
     "colour",
     "coloured",
     "cut_depths",
     "draw_hertz",
+    "draw_trends",
     "legend_beside",
     "pressure_profile",
     "read_largest",
@@ -102,7 +105,6 @@ def sphere_scene(
     *,
     cell: float,
     cells: int,
-    tolerance: float = 1e-4,
     stress: Sequence[dict[str, Any]] | None = None,
 ) -> Scene:
     """Scene of the ball on steel with inhomogeneities of cubic cells.
@@ -117,8 +119,6 @@ def sphere_scene(
         Edge of the cells [m].
     cells : int
         Of the window, each way.
-    tolerance : float
-        Of the contact and of the eigenstrain.
     stress : sequence of tables, optional
         Regions; by default the plane y = 0 down to the contact radius.
     """
@@ -133,7 +133,7 @@ def sphere_scene(
         inclusions=list(inclusions),
         steps=[{"normal_load": UNDER_BALL.load}],
         stress=[section] if stress is None else list(stress),
-        numerics={"tolerance": tolerance, "inclusion_pitch": cell},
+        numerics={"tolerance": 1e-4, "inclusion_pitch": cell},
         output={"pictures": False},
     )
 
@@ -161,19 +161,17 @@ def von_mises(dataset: xr.Dataset, reference: Reference, region: str = "section"
     return np.asarray(dataset[f"{region}_von_mises"].isel(step=-1).values / reference.peak)
 
 
-def read_largest(dataset: xr.Dataset, reference: Reference) -> Row:
+def read_largest(_: Variant, dataset: xr.Dataset) -> Row:
     """Largest pressure, largest von Mises stress in the plane y = 0, both over p0; contact radius over a."""
     return {
-        "largest pressure / p0": float(dataset["max_pressure"].isel(step=-1)) / reference.peak,
-        "largest von Mises / p0": float(von_mises(dataset, reference).max()),
-        "contact radius / a": float(dataset["contact_radius"].isel(step=-1)) / reference.radius,
+        "largest pressure / p0": float(dataset["max_pressure"].isel(step=-1)) / UNDER_BALL.peak,
+        "largest von Mises / p0": float(von_mises(dataset, UNDER_BALL).max()),
+        "contact radius / a": float(dataset["contact_radius"].isel(step=-1)) / UNDER_BALL.radius,
     }
 
 
 def colour(n: int) -> str:
     """Colour of the n-th curve."""
-    from eigencontact.viz.style import COLOURS
-
     return COLOURS[n % len(COLOURS)]
 
 
@@ -182,18 +180,38 @@ def coloured(found: Sequence[Finished]) -> list[tuple[Finished, str]]:
     return [(item, colour(n)) for n, item in enumerate(found)]
 
 
-def axis_points(name: str, depths: Iterable[float]) -> dict[str, Any]:
-    """Region of points straight below the middle of the contact at some depths [m]."""
-    return {"name": name, "shape": "points", "points": [[0.0, 0.0, float(depth)] for depth in depths]}
-
-
-def draw_hertz(axes: Axes, label: str = "homogeneous (Hertz)") -> None:
+def draw_hertz(axes: Axes) -> None:
     """Hertz's pressure over x / a, as a thin black line."""
     x = np.linspace(-1.0, 1.0, 201)
-    axes.plot(x, np.sqrt(1.0 - x * x), "--", color="black", linewidth=0.8, label=label, zorder=1)
+    axes.plot(x, np.sqrt(1.0 - x * x), "--", color="black", linewidth=0.8, label="homogeneous (Hertz)", zorder=1)
 
 
-def legend_beside(figure: Figure, axes: Axes, title: str | None = None, columns: int = 1) -> None:
+#: A curve of pressure: variant, dashes, colour, label.
+Curve = tuple[Finished, str, str, str]
+#: A line of largest values: variants, the reading, mark and dashes, colour, label.
+Trend = tuple[Sequence[Finished], str, str, str, str]
+
+
+def draw_trends(
+    abscissa: str, trends: Iterable[Trend], curves: Iterable[Curve], *, wide: float = 1.3
+) -> tuple[Figure, Axes]:
+    """Largest values against a parameter on the left, whose axes are returned; pressure along y = 0 on the right."""
+    figure = new_figure(8.4, 3.1)
+    left, right = figure.subplots(1, 2, gridspec_kw={"width_ratios": (1.0, wide)})
+    draw_hertz(right)
+    for item, dash, tint, label in curves:
+        right.plot(*pressure_profile(item.dataset, UNDER_BALL), dash, color=tint, label=label)
+    right.set(xlabel="$x/a$", ylabel="pressure $p/p_0$", title="Pressure along $y = 0$")
+    right.set_ylim(bottom=0)
+    right.margins(x=0)
+    for group, name, mark, tint, label in trends:
+        left.plot([item[abscissa] for item in group], [item[name] for item in group], mark, color=tint, label=label)
+    left.set(ylabel="stress $/p_0$", title="Largest values")
+    legend_beside(figure, right)
+    return figure, left
+
+
+def legend_beside(figure: Figure, axes: Axes, title: str | None = None) -> None:
     """Legend outside of the axes, on the right, where it covers no curve."""
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right upper", title=title, title_fontsize=8, ncols=columns)
+    figure.legend(handles, labels, loc="outside right upper", title=title, title_fontsize=8)

@@ -1,10 +1,11 @@
-"""A study: variants of a scene, what is read off each of them, and a figure of all."""
+"""A study: a scene and a table of its variants, what is read off each of them, and a figure of all."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,10 +15,10 @@ if TYPE_CHECKING:
 
     from eigencontact.scene.schema import Scene
 
-__all__ = ["Finished", "Row", "Study", "Variant", "VariantsOf", "run_study", "write_study"]
+__all__ = ["Finished", "Row", "Study", "Variant", "every", "having", "levels", "run_study", "write_study"]
 
 #: Numbers of one variant, by name with its unit.
-Row = dict[str, float | str]
+Row = dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -39,11 +40,11 @@ class Variant:
     values: Mapping[str, float]
 
 
-class VariantsOf(Protocol):
-    """Makes the variants of a study; coarse for a first look and for tests: fewer of them, and fewer cells."""
+class SceneOf(Protocol):
+    """Makes the scene of some values; coarse for a first look and for tests: fewer cells and steps."""
 
-    def __call__(self, *, coarse: bool) -> Sequence[Variant]:
-        """Variants in the order of the figure."""
+    def __call__(self, values: Mapping[str, float], /, *, coarse: bool) -> Scene:
+        """Scene of these values."""
         ...
 
 
@@ -59,12 +60,18 @@ class Study:
         One line: what is varied and what is looked at.
     repeats : str
         Where the trend was published, for comparison by eye.
-    variants : callable
-        Makes the variants.
+    scene : callable
+        ``scene(values, coarse=coarse)``, the scene of a variant.
+    label : callable
+        Label of values; mostly the ``format_map`` of a text with the parameters as fields.
+    rows : sequence of mapping of str to float
+        Parameters of the variants, by name with unit, in the order of the figure.
+    coarse : sequence of mapping of str to float
+        Those of a first look and of tests.
     read : callable
         Numbers of a finished variant.
     draw : callable
-        Figure of all.
+        Figure of all, in the style of the papers.
     remark : str
         What is known of the trend, and of its limits.
     """
@@ -72,10 +79,29 @@ class Study:
     name: str
     title: str
     repeats: str
-    variants: VariantsOf
+    scene: SceneOf
+    label: Callable[[Mapping[str, float]], str]
+    rows: Sequence[Mapping[str, float]]
+    coarse: Sequence[Mapping[str, float]]
     read: Callable[[Variant, xr.Dataset], Row]
     draw: Callable[[Sequence[Finished]], Figure]
     remark: str = ""
+
+    def variants(self, *, coarse: bool) -> list[Variant]:
+        """One variant a row."""
+        rows = self.coarse if coarse else self.rows
+        return [Variant(self.label(row), self.scene(row, coarse=coarse), row) for row in rows]
+
+
+def every(values: Mapping[str, Sequence[float]]) -> Sequence[Mapping[str, float]]:
+    """Rows of each value of the first parameter with each of the second, and so on; the last changes fastest.
+
+    Examples
+    --------
+    >>> every({"E": [0.5, 2.0], "h": [1.0]})
+    [{'E': 0.5, 'h': 1.0}, {'E': 2.0, 'h': 1.0}]
+    """
+    return [dict(zip(values, row, strict=True)) for row in product(*values.values())]
 
 
 @dataclass(frozen=True)
@@ -85,6 +111,20 @@ class Finished:
     variant: Variant
     dataset: xr.Dataset
     row: Row
+
+    def __getitem__(self, name: str) -> float:
+        """Value of a parameter or of a reading."""
+        return self.row[name] if name in self.row else self.variant.values[name]
+
+
+def levels(found: Sequence[Finished], name: str, *, falling: bool = False) -> list[float]:
+    """Values of a parameter that occur, in order."""
+    return sorted({item.variant.values[name] for item in found}, reverse=falling)
+
+
+def having(found: Sequence[Finished], name: str, value: float) -> list[Finished]:
+    """Variants with this value of a parameter."""
+    return [item for item in found if item.variant.values.get(name) == value]
 
 
 def run_study(study: Study, folder: Path, *, coarse: bool = False) -> Iterator[Finished]:
@@ -107,11 +147,13 @@ def run_study(study: Study, folder: Path, *, coarse: bool = False) -> Iterator[F
 
 def write_study(study: Study, found: Sequence[Finished], folder: Path) -> list[Path]:
     """Write figure (PNG) and numbers (JSON) of a study; return the files."""
-    from eigencontact.viz.style import save
+    from eigencontact.viz.style import paper_style, save
 
     folder.mkdir(parents=True, exist_ok=True)
     picture, numbers = folder / f"{study.name}.png", folder / f"{study.name}.json"
-    save(study.draw(found), picture)
+    with paper_style():
+        figure = study.draw(found)
+    save(figure, picture)
     rows: list[dict[str, Any]] = [{"variant": item.variant.label, **item.variant.values, **item.row} for item in found]
     content = {"study": study.name, "title": study.title, "repeats": study.repeats, "remark": study.remark}
     numbers.write_text(json.dumps({**content, "variants": rows}, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
