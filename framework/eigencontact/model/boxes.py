@@ -11,7 +11,7 @@ import numpy as np
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.model.regions import RegionLattice
-from eigencontact.model.sizes import cut_down, most, refuse_more
+from eigencontact.model.sizes import comfortable, cut_down, most, refuse_more
 from eigencontact.model.sources import Inhomogeneity, Lattice, Patch, Source
 from eigencontact.scene.schema import Scene
 from eigencontact.solvers.cells import Cells
@@ -25,6 +25,8 @@ _ACROSS, _FLAT = 4, 0.5
 #: Regions with prescribed eigenstrain share a box as long as it has at most this many times their own cells.
 _SPARSE = 3.0
 _SNAP = 1e-6
+#: So many layers must fit for their height to be what makes the cells too many.
+_FEW = 4
 
 #: Field of a scene, its value, and the power (1 or -1) of it that the number of layers grows with.
 _Setting = tuple[str, float, int]
@@ -215,12 +217,12 @@ def _around(source: Source, height: float, grid: Grid, setting: _Setting | None)
 
 
 def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> None:
-    """Refuse more cells than fit: by what sets their height where one layer would fit, else by the region."""
+    """Refuse more cells than fit: by what sets their height where some layers would fit, else by the region."""
     nz, ny, nx = lattice.shape
     if lattice.cells <= most():
         return
     got = f"{nx} x {ny} x {nz} for {source.name!r}"
-    if setting is not None and ny * nx <= most():
+    if setting is not None and _FEW * ny * nx <= comfortable():
         name, value, power = setting
         nearest = cut_down(value**power, lattice.cells) ** power
         refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do")
