@@ -43,7 +43,7 @@ def test_softer_and_stiffer_than_the_body_differ():
     assert error_above(2, 0.0, 1.0) == close(0.1, rel=1e-12)
     assert error_above(2, 1.0, 10.0) == close(0.014625, rel=1e-12)
     assert error_above(2, 1.0, 1.0) == 0.0
-    assert error_above(0.1, 0.0, 1.0) == close(0.4, rel=1e-12)
+    assert error_above(0.1, 0.0, 1.0) == close(0.625, rel=1e-12)
     assert error_above(cells_above(0.02, 0.1, 1.0), 0.1, 1.0) == close(0.02, rel=1e-12)
     assert [one.code for one in ec.plan(scene(8, 0.25, STIFF)).cautions] == []
 
