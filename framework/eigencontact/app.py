@@ -192,12 +192,12 @@ def _run_in(
 ) -> RunResult:
     from eigencontact.core.memory import peak_bytes, resident_bytes
     from eigencontact.execution.driver import drive
-    from eigencontact.planning.noticed import noticed
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
     from eigencontact.results.summary import run_history, write_summary
+    from eigencontact.worth.noticed import noticed
 
     info = run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.

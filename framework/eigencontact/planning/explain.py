@@ -10,8 +10,8 @@ from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
-from eigencontact.planning.foreseen import worst_above
-from eigencontact.planning.understood import contact_as_data, expected_lines, geometry_lines, largest_loads
+from eigencontact.worth.foreseen import worst_above
+from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads
 
 if TYPE_CHECKING:
     from eigencontact.execution.block import Block

@@ -13,11 +13,11 @@ from eigencontact.execution.mechanics import mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
 from eigencontact.model.sizes import MEMORY_SHARE
-from eigencontact.planning.foreseen import foreseen
 from eigencontact.planning.left_out import left_out
 from eigencontact.planning.order import in_order
 from eigencontact.planning.plan import Plan
 from eigencontact.scene.schema import Scene
+from eigencontact.worth.foreseen import foreseen
 
 __all__ = ["make_plan"]
 

@@ -13,8 +13,8 @@ from eigencontact.core.units import readable
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import FINE, percent
 from eigencontact.model.sources import Patch
-from eigencontact.planning.foreseen import coarse_contact, foreseen, measured
 from eigencontact.results.records import RegionRecord, StepRecord
+from eigencontact.worth.foreseen import coarse_contact, foreseen, measured
 
 __all__ = ["noticed"]
 
