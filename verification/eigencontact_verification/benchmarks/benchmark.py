@@ -42,7 +42,7 @@ class Trial:
     floor : callable
         What becomes of the times of a floor; by default their median.
     always : int
-        Further calls that are made even where the time of the task is over.
+        Further calls that are made even where the time of the task is over. Floors are then timed after them only.
     """
 
     call: Callable[[], Any]
@@ -62,8 +62,8 @@ class Trial:
         answer, first, cpu = timed(self.call)
         sample |= {"first_s": first, "first_cpu_s": cpu, "peak_bytes": memory.peak(), "peak_reset": memory.reset}
         floors, again = self.floors(), list[float]()
-        times = {name: measure() for name, measure in floors.items()}
-        while len(again) < warm and (len(again) < self.always or self._left(task) > 2 * first):
+        times = {name: [] if self.always else measure() for name, measure in floors.items()}
+        while len(again) < max(warm, self.always) and (len(again) < self.always or self._left(task) > 2 * first):
             again.append(timed(self.call)[1])
             for name, measure in floors.items():
                 times[name] += measure()

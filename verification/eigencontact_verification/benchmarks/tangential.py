@@ -172,6 +172,7 @@ def measure(code: ShearCode, task: Task) -> Sample:
 
     def floors() -> Mapping[str, Callable[[], list[float]]]:
         application, field = ShearConvolution(problem), np.stack([problem.shear, problem.shear])
+        application(field, task.threads)
         return {"application": lambda: sample(lambda: application(field, task.threads))}
 
     def judge(answer: Sheared) -> dict[str, Any]:
