@@ -89,7 +89,9 @@ def test_yield_and_friction(coupling):
     """Both at once: bounds hold, and a body that yields keeps displacements along all directions when unloaded."""
     steps = [LOAD, {"tangential_load_x": "0.1 N"}, {"tangential_load_x": "0 N", "normal_load": "0 N"}]
     friction = {"type": "coulomb", "coefficient": 0.3}
-    found = ec.run(scene(perfect("3 GPa"), steps=steps, friction=friction, numerics={"coupling": coupling})).dataset
+    found = ec.run(
+        scene(perfect("3 GPa"), steps=steps, friction=friction, numerics={"coupling": coupling}, cells=12)
+    ).dataset
     shear = np.hypot(found["shear_x"], found["shear_y"] if coupling == "full" else 0.0)
     assert np.all(shear <= 0.3 * found["pressure"] * (1 + 1e-9) + 1.0)
     assert float(found["tangential_load_x"][1]) == close(0.1, rel=1e-5)
@@ -100,16 +102,16 @@ def test_yield_and_friction(coupling):
 
 
 def test_resume_continues_to_the_bit(tmp_path):
-    steps = [LOAD, UNLOAD, {"normal_load": "0.8 N"}]
-    whole = ec.run(scene(SWIFT, steps=steps)).dataset
+    paused = scene(SWIFT, steps=[LOAD, UNLOAD, {"normal_load": "0.8 N"}], cells=10)
+    whole = ec.run(paused).dataset
     with pytest.raises(Stop):
-        ec.run(scene(SWIFT, steps=steps), tmp_path / "part", watcher=Stopper(2))
-    continued = ec.run(scene(SWIFT, steps=steps), tmp_path / "part", resume=True).dataset
+        ec.run(paused, tmp_path / "part", watcher=Stopper(2))
+    continued = ec.run(paused, tmp_path / "part", resume=True).dataset
     np.testing.assert_array_equal(continued["pressure"], whole["pressure"])
     np.testing.assert_array_equal(continued["plastic_strain_1"], whole["plastic_strain_1"])
 
 
-GROWING = {"steps": [{"normal_load": "0.3 N"}, LOAD, UNLOAD], "numerics": {"law_room": 0.0}}
+GROWING = {"steps": [{"normal_load": "0.3 N"}, LOAD, UNLOAD], "numerics": {"law_room": 0.0}, "cells": 10}
 LINE = {"name": "axis", "shape": "line", "start": [0, 0, "1 um"], "end": [0, 0, "15 um"], "count": 9}
 
 
@@ -125,7 +127,7 @@ def grown(tmp_path_factory):
 def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it(grown):
     """State moves to the larger box; the same run with much room at first."""
     _, found, _ = grown
-    roomy = ec.run(scene(perfect("1.5 GPa"), stress=[LINE], steps=GROWING["steps"], numerics={"law_room": 1.0})).dataset
+    roomy = ec.run(scene(perfect("1.5 GPa"), stress=[LINE], **GROWING | {"numerics": {"law_room": 1.0}})).dataset
     data = found.dataset
     for name in ("approach", "max_sink"):
         np.testing.assert_allclose(data[name], roomy[name], rtol=1e-5)

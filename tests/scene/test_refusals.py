@@ -67,7 +67,7 @@ REFUSED = {
     ),
     "unknown observer": (
         ["observers=[{type='prob'}]"],
-        "unknown observer 'prob'; installed: 'dissipated-energy', 'fretting-loop', 'probe', ",
+        "unknown observer 'prob'; installed: 'dissipated-energy', 'fretting-loop', 'plastic-zone', 'probe', ",
     ),
     "component without type": (["geometry={radius=1.0}"], "geometry.type must name a geometry (got None); installed:"),
     "wrong dimension": (
