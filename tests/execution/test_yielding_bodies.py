@@ -111,7 +111,8 @@ def test_resume_continues_to_the_bit(tmp_path):
     np.testing.assert_array_equal(continued["plastic_strain_1"], whole["plastic_strain_1"])
 
 
-GROWING = {"steps": [{"normal_load": "0.3 N"}, LOAD, UNLOAD], "numerics": {"law_room": 0.0}, "cells": 10}
+PITCH = {"inclusion_pitch": "2 um"}  # else the height of the cells follows the depth of the box
+GROWING = {"steps": [{"normal_load": "0.3 N"}, LOAD, UNLOAD], "numerics": PITCH | {"law_room": 0.0}, "cells": 10}
 LINE = {"name": "axis", "shape": "line", "start": [0, 0, "1 um"], "end": [0, 0, "15 um"], "count": 9}
 
 
@@ -127,7 +128,9 @@ def grown(tmp_path_factory):
 def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it(grown):
     """State moves to the larger box; the same run with much room at first."""
     _, found, _ = grown
-    roomy = ec.run(scene(perfect("1.5 GPa"), stress=[LINE], **GROWING | {"numerics": {"law_room": 1.0}})).dataset
+    roomy = ec.run(
+        scene(perfect("1.5 GPa"), stress=[LINE], **GROWING | {"numerics": PITCH | {"law_room": 1.0}})
+    ).dataset
     data = found.dataset
     for name in ("approach", "max_sink"):
         np.testing.assert_allclose(data[name], roomy[name], rtol=1e-5)
