@@ -157,8 +157,8 @@ def _coarse_contacts(
         found = coarse_contact(
             grid if whole else window, separation, normal, control, periodic=whole, cells=6 * _ACROSS
         )
-        if found is not None:
-            yield found
+        # Where the coarse contact is not found, its largest pressure everywhere is on the safe side.
+        yield found if found is not None else (window, np.full(window.shape, contact.peak))
 
 
 def _loads(
