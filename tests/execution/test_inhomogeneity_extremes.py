@@ -92,9 +92,13 @@ def test_rigid_cubes_and_balls_of_all_contrasts_keep_their_order():
 
 @slow
 def test_overlap_is_resolved_by_order():
-    """A stiff ball with a hollow: the void comes later. The other way round the ball fills the hollow."""
+    """A stiff ball with a hollow: the void comes later. The other way round the ball fills the hollow.
+
+    Where a void is written, cells are solved as a whole, without it they are swept: alike to the tolerance.
+    """
     stiff, hollow = ball(2.0, 0.4, 0.6), ball(0.0, 0.2, 0.6)
-    last, first, alone = (pressure(some)[8, 8] for some in ([stiff, hollow], [hollow, stiff], [stiff]))
+    cases = ([stiff, hollow], [hollow, stiff], [stiff])
+    last, first, alone = (pressure(some, tolerance=1e-11)[8, 8] for some in cases)
     assert first == close(alone, rel=1e-9)
     assert last < 0.97 * alone
 
