@@ -299,10 +299,15 @@ SLIDING = [(0.25, 0.916, 0.38, 0.511), (0.5, 1.273, 0.01, 0.526)]
 @pytest.mark.parametrize("route", ["layers", *ROUTES])
 @pytest.mark.parametrize(("friction", "peak", "depth", "below"), SLIDING)
 def test_sliding(route, friction, peak, depth, below):
-    """Case CO-5: under friction of 0.5 the von Mises stress is largest at the surface, of 0.25 in the coating."""
+    """Case CO-5: under friction of 0.5 the von Mises stress is largest at the surface, of 0.25 in the coating.
+
+    Stress next to the surface is a mean over each cell, and at the trailing edge slow: its maximum is 1.332, 1.288 p0
+    at 13, 27 cells (layers, friction .5), which tends to 1.275 with the square of the cell.
+    """
     depths = [0.01, 0.3125, 0.3751, 0.4375, 1 + 1e-6, 1.0625]
+    cells = {"layers": 33, "coating": 13, "substrate": 27}[route] if friction == 0.5 else 13
     case = Case(
-        2.0, cells=13, half=1.3, per_h=4 if route == "substrate" else 8, numerics={"coupling": "partial"},
+        2.0, cells=cells, half=1.3, per_h=4 if route == "substrate" else 8, numerics={"coupling": "partial"},
         friction={"type": "coulomb", "coefficient": friction}, steps=[{"normal-load": 0.0}, {"shift-x": H}],
         stress=[{"name": "cut", "shape": "plane", "normal": "y", "depths": [z * H for z in depths]}],
     )  # fmt: skip

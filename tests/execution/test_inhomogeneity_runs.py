@@ -77,7 +77,9 @@ def test_pressure_above_a_ball(case):
     assert middle == close(expected, rel=5e-3, abs=0)
     assert result.summary["coupling_residual"] <= 1e-6
     assert result.summary["inclusion_residual"] <= 1e-6
-    assert 2 <= result.summary["coupling_iterations"] <= 8  # cells are swept once in each, not solved
+    # Cells are swept, not solved; the last round may find the eigenstrain as it was, and applies nothing.
+    assert 2 <= result.summary["inclusion_iterations"] <= 8
+    assert result.summary["coupling_iterations"] <= result.summary["inclusion_iterations"] + 1
 
 
 # ratio, half window in thicknesses, cells -> pmax / p0 of case CO-1 (0.25: no more than "about 0.5"), tolerance
