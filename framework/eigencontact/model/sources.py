@@ -188,10 +188,8 @@ def build_sources(
     for number, item in enumerate(scene.inclusions):
         where = "inclusions" if len(scene.inclusions) == 1 else f"inclusions.{number}"
         field = _field(registry, eigenstrain_table(item.eigenstrain), f"{where}.eigenstrain")
-        law: Any = None if item.material is None else build_law(registry, item.material, f"{where}.material")
-        body = bodies[item.body - 1]
-        if isinstance(law, OfBody) and isinstance(body, Material):
-            law = law.of_body(body.young_modulus, body.poisson_ratio)
+        body, given = bodies[item.body - 1], item.material
+        law = None if given is None else build_law(registry, given, f"{where}.material", body)
         entry = registry.get("inclusion-shape", item.type, where=where)
         for copy, table in enumerate(item.tables(entry.component, where)):
             shape = build_component(registry, "inclusion-shape", table, where)
@@ -246,14 +244,17 @@ def _field(registry: Registry, table: Mapping[str, Any], where: str) -> Eigenstr
     return field
 
 
-def build_law(registry: Registry, table: Mapping[str, Any], where: str) -> ConstitutiveLaw:
-    """Law of a table; a law names itself in its errors, its place in the scene is put before it."""
+def build_law(registry: Registry, table: Mapping[str, Any], where: str, body: object) -> ConstitutiveLaw:
+    """Law of a table, in a body; a law names itself in its errors, its place in the scene is put before it."""
     try:
-        law: ConstitutiveLaw = build_component(registry, "constitutive-law", table, where)
+        law: Any = build_component(registry, "constitutive-law", table, where)
     except SceneError as problem:
         text = str(problem)
         raise SceneError(text if where in text else f"{where}: {text}") from None
-    return law
+    if isinstance(law, OfBody) and isinstance(body, Material):
+        law = law.of_body(body.young_modulus, body.poisson_ratio)
+    found: ConstitutiveLaw = law
+    return found
 
 
 def _patch(patch: EigenstrainPatch, grid: Grid | None, where: str) -> Patch:

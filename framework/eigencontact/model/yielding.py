@@ -31,7 +31,6 @@ from eigencontact.plugin import (
     Geometry,
     LawStep,
     LinearLaw,
-    OfBody,
     SurfaceInfluence,
     VariesInSpace,
 )
@@ -87,9 +86,7 @@ def yielding_bodies(
             continue
         where, material = f"body{number}.law", bodies[number - 1]
         assert isinstance(material, Material)
-        law = build_law(registry, table, where)
-        if isinstance(law, OfBody):
-            law = law.of_body(material.young_modulus, material.poisson_ratio)
+        law = build_law(registry, table, where, material)
         _refuse(law, material, scene, where)
         patch = _box_where(law, material, scene, bodies, geometries, influences, friction, grid)
         if patch is not None:
