@@ -150,7 +150,7 @@ print(json.dumps([summary[key] for key in keys]))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.alone
 @pytest.mark.parametrize("name", ["sphere-near-surface", "buried-cuboid", "prestressed-bars", "peened-layer"])
 def test_predicted_memory_and_time_are_within_a_factor_of_two(name, capsys):
     """Median of three fresh processes; the prediction is made before the run, on the same machine."""

@@ -146,7 +146,7 @@ print(json.dumps([summary[key] for key in keys]))
 GRID = "grid={cells=%d, size=[2.2e-5, 2.2e-5]}"
 
 
-@pytest.mark.slow
+@pytest.mark.alone
 @pytest.mark.parametrize(
     "changes",
     [[], [GRID % 256, "stress=[]"], [GRID % 1024, "stress=[]"], [GRID % 256, "numerics.precision=single"]],

@@ -159,7 +159,7 @@ def normal_cost(shape: tuple[int, int], box: tuple[int, int], numerics: Numerics
     iteration = 2.0 * pace.convolution(fy, fx) + pace.convolution(fast_even(by), fast_even(bx))
     iteration += 1.5e-8 * by * bx + 4e-4  # the vectors of the conjugate gradients
     whole = pace.convolution(fast_even(ny + by), fast_even(nx + bx)) + 3e-8 * ny * nx
-    solve = 8.5 * iteration * 1.25 + levels * 2.5e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
+    solve = 8.5 * iteration * 1.7 + levels * 4e-3 + whole + 1.5e-8 * (ny + by) * (nx + bx) / 4
     if periodic:
         solve += 1.2e-7 * ny * nx  # the response of every wave, and the coefficients of one period from it
     real = 8 if numerics.precision == "double" else 4

@@ -9,7 +9,7 @@ import numpy as np
 from eigencontact.convolution import Layout
 from eigencontact.convolution.pace import speed, timed
 from eigencontact.core.material import Material
-from eigencontact.core.parallel import available_threads
+from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.execution.block import Cost
 from eigencontact.model.kernels import Solid
@@ -55,7 +55,7 @@ def spectra_cost(
     outputs = kernels * depths
     values = outputs * y.targets * x.targets * 8.0
     workers = min(numerics.threads or available_threads(), max(1, depths))
-    once = depths * sampling * lattice * kernels / 6 / (0.75 * workers) + outputs * (stored * 5e-9 + 8e-5)
+    once = depths * sampling * lattice * kernels / 6 / working_threads(workers) + outputs * (stored * 5e-9 + 8e-5)
     once *= tractions
     share = 0.1 + 0.1 * min(1.0, 2.0 * y.targets / y.length)  # the forward transform serves all outputs
     step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 8e-5 + 1e-8 * values

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Box
 from eigencontact.core.material import Material
-from eigencontact.core.parallel import available_threads
+from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.block import Cost
 from eigencontact.execution.interiors.interior import loads
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
@@ -65,7 +65,7 @@ class TractionField:
             tables = int(np.where(self._near, _TABLES * _MEANS, 1).sum())
             text = f"{len(lattice.points)} points, superposed directly"
             cells, workers = model.contact_box[0] * model.contact_box[1], numerics.threads or available_threads()
-            seconds = tables * (sampling * count * cells + 1e-4) / (0.75 * workers)
+            seconds = tables * (sampling * count * cells + 1e-4) / working_threads(workers)
             cost = Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
         else:
             tables = int(np.where(self._near, _TABLES, lattice.finer[0] * lattice.finer[1]).sum())

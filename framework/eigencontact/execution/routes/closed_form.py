@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import timed
+from eigencontact.core.parallel import working_threads
 from eigencontact.execution.block import Cost
 from eigencontact.execution.routes.route import Route
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials
@@ -38,7 +39,7 @@ class ClosedForms(Route):
     @property
     def cost(self) -> Cost:
         """See `Route.cost`; nothing is kept but the field itself, so all of it is the price of a step."""
-        count, workers = int(np.prod(self.lattice.shape)), 0.8 * self.half_space.threads
+        count, workers = int(np.prod(self.lattice.shape)), working_threads(self.half_space.threads)
         held = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
         if len(self.sources) >= _CLOUD:
             seconds = sum(self._cloud_pace(source) for source in self.sources)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import speed
+from eigencontact.core.parallel import working_threads
 from eigencontact.execution.block import Cost
 from eigencontact.execution.routes.route import CellRoute, HalfSpace
 from eigencontact.model.installed import installed_influence
@@ -42,7 +43,7 @@ class Periodic(CellRoute):
         """See `Route.cost`; the waves are found anew each time."""
         grid, layers, planes = self.half_space.grid, self.box.lattice.shape[0], self.lattice.depths.size
         waves, count = grid.ny * (grid.nx // 2 + 1), 3 if self.quantity == "displacement" else 6
-        workers = 0.8 * self.half_space.threads
+        workers = working_threads(self.half_space.threads)
         seconds = waves * (2 * _ALIASES + 1) ** 2 * (2 * layers + 3 * planes) * _WAVE / workers
         seconds += 4e-8 * waves * (6 * layers + count * planes) + 1e-3
         return Cost(memory=16.0 * waves * (6 * layers + count * planes) * 3 + 4e6, seconds_per_step=seconds)
@@ -118,7 +119,7 @@ class ImagePressureField:
     def cost(self) -> Cost:
         """Loaded cells at points one by one, or a convolution for each plane and component, beside the full space."""
         grid, lattice, numerics = self.half_space.grid, self.lattice, self.half_space.numerics
-        count, workers = 3 if self.quantity == "displacement" else 6, 0.8 * self.half_space.threads
+        count, workers = 3 if self.quantity == "displacement" else 6, working_threads(self.half_space.threads)
         cells = grid.nx * grid.ny
         if lattice.points is not None:
             seconds = len(lattice.points) * cells * count * _CELL / workers

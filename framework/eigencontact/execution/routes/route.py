@@ -16,7 +16,7 @@ from eigencontact.convolution import Layout
 from eigencontact.convolution.pace import Speed, speed, timed
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
-from eigencontact.core.parallel import available_threads
+from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.block import Cost
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.boxes import CellBox
@@ -190,7 +190,7 @@ class Pace:
             image=image,
             sampling=sampling,
             fft=speed(numerics.precision, numerics.threads),
-            workers=0.8 * half_space.threads,
+            workers=working_threads(half_space.threads),
             bytes_of_a_number=8 if numerics.precision == "double" else 4,
         )
 
