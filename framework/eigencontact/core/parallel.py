@@ -22,9 +22,15 @@ def available_threads() -> int:
         return cpu_count() or 1
 
 
-def working_threads(threads: int) -> float:
-    """How many times faster than one so many threads are, for prices: cores share memory and often more."""
-    return 1.0 + 0.5 * (threads - 1)
+def working_threads(threads: int, gain: float = 0.5) -> float:
+    """How many times faster than one so many threads are, for prices: cores share memory, short calls the interpreter.
+
+    Parameters
+    ----------
+    gain : float
+        What each further thread adds, in threads.
+    """
+    return 1.0 + gain * (threads - 1)
 
 
 @cache

@@ -22,6 +22,8 @@ FloatArray = NDArray[np.float64]
 _CLOUD = 16
 #: Points on which the closed form of a shape is timed, spread over those wanted.
 _SAMPLE = 1024
+#: What a second thread adds: some eighty short numpy calls a chunk wait for the interpreter.
+_GAIN = 0.2
 #: Seconds of one pair of a point source and a field point on one thread; and once, to load the compiled loop.
 _PAIR, _LOAD = 2e-8, 0.5
 
@@ -39,7 +41,7 @@ class ClosedForms(Route):
     @property
     def cost(self) -> Cost:
         """See `Route.cost`; nothing is kept but the field itself, so all of it is the price of a step."""
-        count, workers = int(np.prod(self.lattice.shape)), working_threads(self.half_space.threads)
+        count, workers = int(np.prod(self.lattice.shape)), working_threads(self.half_space.threads, _GAIN)
         held = 8.0 * count * (3 if self.quantity == "displacement" else 6) * 3 + 2e6
         if len(self.sources) >= _CLOUD:
             seconds = sum(self._cloud_pace(source) for source in self.sources)
