@@ -367,6 +367,31 @@ def test_eigenstrain_that_grows_under_load_drags_the_surface():
     assert abs(float(data.tangential_load_x[1])) < 1e-6 * MU * LOAD
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("coupling", ["none", "full"])
+def test_a_sheared_layer_drags_the_surface_as_a_shift_does(coupling, axis):
+    """Eigenstrain e_xz in a thin, wide layer of thickness h moves all of the surface by -2 e_xz h, without stress.
+
+    Held at a shift of zero, the contact then bears what a shift of 2 e_xz h would make it bear: Mindlin's force.
+    """
+    depth, moved, c = 1e-6, 0.4 * SLIDES, "xy"[axis]
+    strain = np.zeros((3, 3))
+    strain[axis, 2] = strain[2, axis] = 0.5 * moved / depth
+    field = {"type": "uniform", "value": strain.tolist(), "times": [1.0, 2.0], "factors": [0.0, 1.0]}
+    layer = {"type": "cuboid", "center": [0, 0, 0.5 * depth], "edges": [1.0, 1.0, depth], "eigenstrain": field}
+    press = {"normal_load": LOAD}
+    dragged = ec.run(scene([press, press], inclusions=[layer], coupling=coupling)).dataset
+    shifted = ec.run(scene([press, {f"shift_{c}": moved}], coupling=coupling)).dataset
+    largest = float(abs(shifted[f"shear_{c}"]).max())
+    np.testing.assert_allclose(dragged[f"residual_displacement_{c}"][1], -moved, rtol=1e-4)
+    np.testing.assert_allclose(dragged[f"shear_{c}"], shifted[f"shear_{c}"], rtol=0, atol=1e-4 * largest)
+    assert float(dragged.slip_fraction[1]) == close(float(shifted.slip_fraction[1]), rel=1e-3)
+    assert 0.1 < float(shifted.slip_fraction[1]) < 0.9
+    if coupling == "none":
+        mindlin = MU * LOAD * (1.0 - (1.0 - moved / SLIDES) ** 1.5)
+        assert float(dragged[f"tangential_load_{c}"][1]) == close(mindlin, rel=0.02)
+
+
 # ---------------------------------------------------------------- everything at once
 
 

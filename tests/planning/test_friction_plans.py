@@ -173,13 +173,13 @@ print([name for name in loaded if name.endswith(friction)])
 
 def test_eigenstrain_under_friction_drags_the_surface_along():
     inclusions = [{"type": "sphere", "center": [0, 0, 10e-6], "radius": 5e-6, "eigenstrain": 1e-3}]
-    for coupling, components in (("none", "z"), ("partial", "xyz")):
+    for coupling in ("none", "partial"):
         planned = ec.plan(scene(coupling=coupling, inclusions=inclusions))
         (contact,) = [part for part in planned.parts if part.name == "frictional-contact"]
-        assert contact.directions == components
+        assert contact.directions == "xyz"
         (mechanics,) = [block for block in planned.blocks if contact in block.parts]
         assert {name for name in mechanics.provides if name.startswith("residual")} == {
-            f"residual_displacement_{c}" for c in components
+            f"residual_displacement_{c}" for c in "xyz"
         }
 
 

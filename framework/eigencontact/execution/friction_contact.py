@@ -65,8 +65,8 @@ class ContactWithFriction(Contact):
         assert model.friction is not None
         grid, box, coupling = model.grid, model.contact_box, model.coupling
         self._law, self._grid, self._numerics = model.friction, grid, model.numerics
-        self._components, self._periodic, self._drags = coupling.components, model.periodic, coupling.drags
-        self.directions = f"{coupling.components}z" if coupling.drags else "z"
+        self._components, self._periodic = coupling.components, model.periodic
+        self.directions = f"{coupling.components}z"
         self.fields = NORMAL_FIELDS | friction_fields(coupling.components)
         self._coefficients = {
             (i, j): PairCoefficients(model.influences[ALONG[j].name], model.bodies, i) for i, j in coupling.pairs
@@ -110,7 +110,7 @@ class ContactWithFriction(Contact):
         """See `Contact.recall`; before the first step the surfaces are where eigenstrain has put them."""
         from eigencontact.solvers.tangential.contact import Sliding
 
-        dragged = self._rows(offset) if self._drags and offset else 0.0
+        dragged = self._rows(offset) if offset else 0.0
         if last is None:
             rest = Sliding.at_rest(self._grid, self._components)
             return replace(rest, position=rest.position + dragged)
@@ -154,7 +154,7 @@ class ContactWithFriction(Contact):
             scaled_forces(increment.control, self._scale),
             scaled_forces(increment.tangential, self._scale),
             _scaled_sliding(memory, self._scale) if softer else memory,
-            offset=self._rows(offset) if self._drags and offset else None,
+            offset=self._rows(offset) if offset else None,
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
             progress=increment.progress,

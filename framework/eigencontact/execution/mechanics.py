@@ -153,7 +153,7 @@ def mechanics_of(model: Model) -> Mechanics | None:
         from eigencontact.execution.normal_contact import NormalContact
 
         contact = NormalContact(model)
-    dragged = model.coupling is not None and model.coupling.drags
+    dragged = model.coupling is not None and bool(model.coupling.components)
     everything = contact is None or model.scene.output.tangential_displacement or dragged
     directions = "xyz" if everything else "z"
     interiors = interiors_of(model, directions)

@@ -45,23 +45,22 @@ class Coupling:
         return tuple(ALONG[c] for c in f"z{self.components}")
 
     @property
-    def drags(self) -> bool:
-        """Whether what eigenstrain displaces along the surface makes the surfaces slip."""
-        return bool(self.components) and self.level != "none"
-
-    @property
     def joins_normal(self) -> bool:
         """Whether pressure moves the surfaces along themselves, or shear moves them along their normal."""
         return any((i == "z") != (j == "z") for i, j in self.pairs)
 
 
-def coupling_of(scene: Scene, bodies: Bodies) -> Coupling:
-    """Coupling of a scene with a contact."""
+def coupling_of(scene: Scene, bodies: Bodies, *, dragged: bool = False) -> Coupling:
+    """Coupling of a scene with a contact.
+
+    Where eigenstrain drags the surfaces (`dragged`) they move along x and y, whatever is prescribed: eigenstrain is no
+    elastic coupling, so that no level leaves it out.
+    """
     if scene.friction is None:
         return Coupling(level="none", components="", pairs=(("z", "z"),), alike=False)
     level = scene.numerics.coupling
     alike = _alike(bodies)
-    components = _components(scene) if level == "none" else "xy"
+    components = _components(scene) if level == "none" and not dragged else "xy"
     pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
     if level != "none":
         pairs += [("x", "y"), ("y", "x")]

@@ -150,7 +150,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
     window = None
     if geometries:
         coupling = coupling_of(scene, bodies)
-        influences = {item.name: influence_for(registry, item.name, bodies) for item in coupling.tractions}
+        influences = _influences(coupling, registry, bodies)
         from eigencontact.model.contact_window import contact_window
 
         window = contact_window(scene, bodies, geometries, influences["p"])
@@ -165,6 +165,9 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         # First, so that inhomogeneities win where they lie in what yields.
         own = yielding_bodies(scene, registry, bodies, geometries, influences, friction, grid)
         inhomogeneities = (*own, *inhomogeneities)
+    if friction is not None and (prescribed or inhomogeneities):
+        coupling = coupling_of(scene, bodies, dragged=True)
+        influences = _influences(coupling, registry, bodies)
     prescribed = with_lattices(prescribed, scene, grid)
     if scene.numerics.inclusion_resolution == "cells":
         inhomogeneities = with_cells(inhomogeneities, scene, grid)
@@ -193,6 +196,11 @@ def build_model(scene: Scene, registry: Registry) -> Model:
 def _components(tables: Sequence[dict[str, object]], kind: str, group: str, registry: Registry) -> list[Any]:
     where = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
     return [build_component(registry, kind, table, place) for table, place in zip(tables, where, strict=True)]
+
+
+def _influences(coupling: Coupling, registry: Registry, bodies: Bodies) -> dict[str, SurfaceInfluence]:
+    """Surface influences by traction."""
+    return {item.name: influence_for(registry, item.name, bodies) for item in coupling.tractions}
 
 
 def _grid_of_regions(given: Grid | None, sources: Sequence[Source]) -> tuple[Grid, str]:

@@ -166,7 +166,8 @@ class Numerics(Table):
     ``coupling`` says which displacements follow from which tractions in a contact with friction: ``"none"``, each along
     its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with
     each other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
-    the shear); ``"full"``, all.
+    the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along the
+    surface makes the surfaces slip at every level.
 
     ``allow_coarse`` accepts cells that cannot show a contact or a region inside a body; results then carry a warning.
     """
