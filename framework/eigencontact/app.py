@@ -266,7 +266,7 @@ def _draw(planned: Plan, results: Path, folder: Path) -> dict[str, str]:
         if planned.scene.output.pictures:
             from eigencontact.viz.figures import draw_all
 
-            files |= draw_all(dataset, folder)
+            files |= draw_all(dataset, folder, solid=planned.scene.output.vtk)
         if planned.scene.output.vtk:
             from eigencontact.viz.vtk import write_vtk
 
@@ -314,7 +314,7 @@ def draw(
         _make_folder(target)
         try:
             shown = None if step is None or table is not None else _place_of(dataset, step)
-            files = {target / name: text for name, text in draw_all(dataset, target, shown).items()}
+            files = {target / name: text for name, text in draw_all(dataset, target, shown, solid=vtk).items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 

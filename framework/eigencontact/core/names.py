@@ -7,7 +7,7 @@ import unicodedata
 
 from eigencontact.core.quantities import QUANTITIES
 
-__all__ = ["FOLDER_RULE", "PICTURES", "SURFACE", "clashes", "is_folder_name", "to_folder_name"]
+__all__ = ["FOLDER_RULE", "OF_REGIONS", "PICTURES", "SURFACE", "clashes", "is_folder_name", "to_folder_name"]
 
 #: Pictures of a run that are not those of a region, without ``.png``.
 PICTURES = (
@@ -22,7 +22,15 @@ PICTURES = (
     "zones",
     "passing",
     "history",
+    "plastic-strain",
+    "plastic-strain-second",
+    "plastic-surfaces",
+    "plastic-surfaces-second",
+    "plastic-history",
+    "load-depth",
 )
+#: What pictures of a region add to its name.
+OF_REGIONS = ("-loaded", "-means")
 #: VTK files of the surface begin so.
 SURFACE = "surface"
 #: What a region's variables add to its name.

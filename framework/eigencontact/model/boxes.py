@@ -164,7 +164,7 @@ def _layers_of_patch(depth: float, scene: Scene, body: int) -> int:
     """Layers of a patch that are the steps of depth of a region of stress, where some are of a sensible size."""
     for region in scene.stress:
         if region.depth_max is not None and region.body == body:
-            count = depth * region.depth_cells / region.depth_max
+            count = depth * region.depth_steps / region.depth_max
             if _FEWEST <= round(count) <= _MOST and abs(count - round(count)) < 1e-6 * count:
                 return round(count)
     return _LAYERS

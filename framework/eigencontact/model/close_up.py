@@ -20,7 +20,10 @@ _SNAP = 1e-6
 
 
 def resolved(requests: Sequence[StressRequest], sources: Sequence[Source], grid: Grid) -> list[StressRequest]:
-    """Requests, those around an inclusion with the limits and depths that they stand for.
+    """Requests with the limits and depths that they stand for.
+
+    Those around an inclusion have its box; those down to a depth in a body that remembers the middles of its cells,
+    where the scene does not say how many steps of depth it wants.
 
     Parameters
     ----------
@@ -34,7 +37,21 @@ def resolved(requests: Sequence[StressRequest], sources: Sequence[Source], grid:
     SceneError
         No inclusion of that name in the body; a plane that misses the box; too many points.
     """
-    return [request if request.around is None else _around(request, sources, grid) for request in requests]
+    return [
+        _in_cells(request, sources) if request.around is None else _around(request, sources, grid)
+        for request in requests
+    ]
+
+
+def _in_cells(request: StressRequest, sources: Sequence[Source]) -> StressRequest:
+    if request.depth_max is None or request.depth_cells is not None:
+        return request
+    solved = (one for one in sources if isinstance(one, Inhomogeneity) and one.body == request.body)
+    height = next((one.lattice.edges[0] for one in solved if one.lattice is not None and one.law.variables), None)
+    if height is None:
+        return request
+    depths = [(number + 0.5) * height for number in range(max(1, floor(request.depth_max / height + _SNAP)))]
+    return request.model_copy(update={"depth_max": None, "depths": depths})
 
 
 def _around(request: StressRequest, sources: Sequence[Source], grid: Grid) -> StressRequest:

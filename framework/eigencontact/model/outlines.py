@@ -24,13 +24,15 @@ def outlines(model: Model) -> dict[str, FloatArray]:
     """Line segments ``(n, 2, 2)`` [m] by name.
 
     ``""`` is the view from above, places (x, y); a plane region has its name, places in the order horizontal, vertical
-    of its picture: (x, z), (y, z) or (x, y). Regions that no inclusion touches are left out.
+    of its picture: (x, z), (y, z) or (x, y). Regions that no inclusion touches are left out, and so are boxes that were
+    guessed: nothing changes at their faces.
     """
-    nodes = _NODES if len(model.sources) <= _MANY else _NODES // 2
-    found = {"": [_above(source, nodes) for source in model.sources if not _fills(source, model.grid)]}
+    sources = [source for source in model.sources if not source.guessed]
+    nodes = _NODES if len(sources) <= _MANY else _NODES // 2
+    found = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
     for request in model.requests:
         if request.shape == "plane":
-            inner = [source for source in model.sources if source.body == request.body]
+            inner = [source for source in sources if source.body == request.body]
             found[request.label] = [_section(source, request, nodes) for source in inner]
     joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in found.items()}
     return {name: segments for name, segments in joined.items() if len(segments)}

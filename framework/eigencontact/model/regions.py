@@ -186,7 +186,7 @@ def _whole(value: float) -> float:
 def _depth_count(request: StressRequest) -> int:
     if request.shape == "plane" and request.normal == "z":
         return 1
-    return request.depth_cells + 1 if request.depths is None else len(request.depths)
+    return request.depth_steps + 1 if request.depths is None else len(request.depths)
 
 
 def _depths(request: StressRequest) -> FloatArray:
@@ -195,7 +195,7 @@ def _depths(request: StressRequest) -> FloatArray:
     if request.depths is not None:
         return np.array(sorted(request.depths))
     assert request.depth_max is not None
-    return np.linspace(0.0, request.depth_max, request.depth_cells + 1)
+    return np.linspace(0.0, request.depth_max, request.depth_steps + 1)
 
 
 def _points(request: StressRequest) -> FloatArray:

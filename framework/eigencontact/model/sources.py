@@ -95,6 +95,8 @@ class Source:
         Layers of a patch; None for an inclusion.
     lattice : Lattice or None
         Its cells; None where its field has a closed form.
+    guessed : bool
+        Class attribute; whether its bounds were chosen such that its law is elastic beyond them.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Source:
     field: EigenstrainField
     layers: int | None = None
     lattice: Lattice | None = None
+    guessed: ClassVar[bool] = False
 
     @property
     def exact(self) -> bool:
@@ -141,16 +144,9 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Inhomogeneity(Source):
-    """A region with a constitutive law of its own; `field` is then its prestrain.
-
-    Attributes
-    ----------
-    guessed : bool
-        Class attribute; whether its bounds were chosen such that its law is elastic beyond them.
-    """
+    """A region with a constitutive law of its own; `field` is then its prestrain."""
 
     law: ConstitutiveLaw
-    guessed: ClassVar[bool] = False
 
     @property
     def material(self) -> str | None:

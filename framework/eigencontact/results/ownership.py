@@ -12,7 +12,7 @@ import json
 import re
 from pathlib import Path
 
-from eigencontact.core.names import PICTURES, SURFACE
+from eigencontact.core.names import OF_REGIONS, PICTURES, SURFACE
 from eigencontact.errors import ResultsError
 
 __all__ = ["SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
@@ -59,7 +59,9 @@ def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures:
     except (OSError, ValueError):  # missing, or no folder that can be written: that is said where it is made
         return
     names = "|".join(re.escape(name) for name in (SURFACE, *regions))
-    stems = "|".join(re.escape(name) for name in (*PICTURES, *regions))
+    drawn = [region + more for region in regions for more in ("", *OF_REGIONS)]
+    stems = "|".join(re.escape(name) for name in (*PICTURES, *drawn))
+    names += r"|cells_[12]"
     used = [rf"({stems})\.png"] * pictures + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
     used += [re.escape(SUMMARY)] * summary
     for path in present:

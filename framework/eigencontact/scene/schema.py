@@ -194,6 +194,9 @@ class StressRequest(Table):
     from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
     with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
 
+    Down to ``depth_max`` there are ``depth_cells`` steps from the surface on, 48 by default; in a body that yields the
+    points lie by default in the middles of its cells, as eigenstrain is uniform in each of them.
+
     At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
     Less than a quarter of a cell below a surface that is not periodic, stress by tractions is a mean over each cell,
     linear between their centres (`eigencontact.solvers.surface_means`).
@@ -211,7 +214,7 @@ class StressRequest(Table):
     position: FiniteLength | None = None
     depths: list[Depth] | None = None
     depth_max: PositiveLength | None = None
-    depth_cells: Annotated[int, AfterValidator(at_least(1))] = 48
+    depth_cells: Annotated[int, AfterValidator(at_least(1))] | None = None
     start: tuple[FiniteLength, FiniteLength, Depth] | None = None
     end: tuple[FiniteLength, FiniteLength, Depth] | None = None
     count: Annotated[int, AfterValidator(in_range(2, 1e7, "points"))] = 64
@@ -247,6 +250,11 @@ class StressRequest(Table):
         if self.shape == "points" and not self.points:
             raise ValueError("given points")
         return self
+
+    @property
+    def depth_steps(self) -> int:
+        """Steps down to ``depth_max``."""
+        return 48 if self.depth_cells is None else self.depth_cells
 
     @property
     def at(self) -> float:

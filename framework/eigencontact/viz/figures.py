@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
+from functools import partial
 from typing import TYPE_CHECKING
 
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import load_history
+from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
+from eigencontact.viz.remembered import plastic_strains, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import passing_history, rolls
-from eigencontact.viz.section import drawable, stress_profile, stress_section
+from eigencontact.viz.section import drawable, mean_profile, stress_profile, stress_section
 from eigencontact.viz.style import save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 
@@ -31,7 +35,7 @@ LOOP_STEPS = 3
 CONSTANT = 1e-6
 
 
-def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict[str, str]:
+def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, solid: bool = False) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
 
     Parameters
@@ -42,7 +46,10 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict
         Existing folder for the PNG files.
     step : int, optional
         Position along ``step`` of the fields to draw; by default the last, or that of the largest pressure where the
-        geometry rolls (in the last it may have left what it rolled over).
+        geometry rolls over elastic bodies (in the last it may have left what it rolled over). Where the last leaves no
+        pressure, that and the shear are those of the largest load, and sections are drawn at both.
+    solid : bool
+        Whether to draw surfaces in space, which takes VTK.
 
     Returns
     -------
@@ -54,8 +61,11 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict
     ResultsError
         When a picture cannot be stored.
     """
+    loaded = step
     if step is None:
-        step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) else -1
+        step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) and not yields(dataset) else -1
+        loaded = loaded_step(dataset) if step == -1 else step
+    assert loaded is not None
     wanted: list[Picture] = []
     if "pressure" in dataset:
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
@@ -63,11 +73,11 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict
         beside = f" beside that of the {without} alone (closed form)" if without else beside
         lines = "; dashed lines are inclusions below" if "outline" in dataset else ""
         wanted += [
-            ("pressure.png", f"Contact pressure, cut to the contact{lines}.", lambda: pressure_map(dataset, step)),
+            ("pressure.png", f"Contact pressure, cut to the contact{lines}.", lambda: pressure_map(dataset, loaded)),
             (
                 "pressure-profiles.png",
                 f"Contact pressure along x and y{beside}; markers are computed cells.",
-                lambda: pressure_profiles(dataset, step),
+                lambda: pressure_profiles(dataset, loaded),
             ),
         ]
     if "residual_displacement_z" in dataset:
@@ -88,11 +98,18 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict
             sentence = f"Equivalent stress on the section {region!r}; a cross marks the largest value."
             if f"{region}_outline" in dataset:
                 sentence += " Lines are outlines of inclusions."
-            wanted.append((f"{region}.png", sentence, lambda region=region: stress_section(dataset, region, step)))  # type: ignore[misc]
+            wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
+            if loaded != step:
+                sentence = f"The same section {region!r} under the largest load."
+                wanted.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
+            if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
+                sentence = f"Stresses along the surface, means over each depth of {region!r}."
+                wanted.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
         else:
             sentence = f"Stresses along the line {region!r}."
-            wanted.append((f"{region}.png", sentence, lambda region=region: stress_profile(dataset, region, step)))  # type: ignore[misc]
-    wanted += _friction(dataset, step)
+            wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
+    wanted += _plastic(dataset, step, solid=solid)
+    wanted += _friction(dataset, loaded)
     if rolls(dataset):
         sentence = "Largest pressure, and stress at points, against the place of the geometry."
         wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
@@ -105,6 +122,32 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None) -> dict
         save(draw(), folder / name)
         described[name] = sentence
     return described
+
+
+def _plastic(dataset: xr.Dataset, step: int, *, solid: bool) -> list[Picture]:
+    """Pictures of what has yielded, where that was kept, and of a load that rises and falls."""
+    if not yields(dataset):
+        return []
+    wanted: list[Picture] = []
+    for field in plastic_strains(dataset, step):
+        first = field.body == 1
+        name = "plastic-strain.png" if first else "plastic-strain-second.png"
+        sentence = "Equivalent plastic strain on the section through its largest value; the line is around its zone."
+        wanted.append((name, sentence, partial(plastic_section, dataset, field, step)))
+        if solid:
+            from eigencontact.viz.isosurface import plastic_surfaces
+
+            name = "plastic-surfaces.png" if first else "plastic-surfaces-second.png"
+            sentence = "Surfaces of equal plastic strain, cut open."
+            wanted.append((name, sentence, partial(plastic_surfaces, dataset, field, step)))
+    if unloads(dataset) and not rolls(dataset):
+        sentence = "Normal load against approach, loading and unloading."
+        wanted.append(("load-depth.png", sentence, partial(load_depth, dataset)))
+    prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
+    if prefix is not None and f"{prefix}_volume" in dataset and dataset.sizes["step"] >= LOOP_STEPS:
+        sentence = "Largest plastic strain and plastic volume, step by step."
+        wanted.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
+    return wanted
 
 
 def _friction(dataset: xr.Dataset, step: int) -> list[Picture]:

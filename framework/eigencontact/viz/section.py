@@ -9,6 +9,7 @@ import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.viz.outline import draw_outline
+from eigencontact.viz.remembered import draw_zone, plastic_strains
 from eigencontact.viz.style import (
     COLOURS,
     box_size,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-__all__ = ["drawable", "stress_profile", "stress_section"]
+__all__ = ["drawable", "mean_profile", "stress_profile", "stress_section"]
 
 #: Fields of a region that a section can show, the first one present is shown.
 SCALAR_FIELDS = ("von_mises", "tresca", "hydrostatic")
@@ -74,8 +75,8 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Filled contours; a cross at the largest value (in magnitude). A value that stands out at few points, as at an
-        edge or beside a void, does not set the colours.
+        Filled contours; a cross at the largest value (in magnitude); a line around what has yielded. A value that
+        stands out at few points, as at an edge or beside a void, does not set the colours.
     """
     described = json.loads(dataset.attrs["regions"])[region]
     field = _field(dataset, region) or SCALAR_FIELDS[0]
@@ -104,6 +105,11 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
             draw_outline(axes, dataset, f"{region}_outline", length)
         axes.set_xlim(length(h[[0, -1]]))
         axes.set_ylim(length(v[[-1, 0]] if vertical == "z" else v[[0, -1]]))
+        zoned = False
+        for strain in plastic_strains(dataset, step):
+            if strain.body == described["body"]:
+                normal = next(axis for axis in "xyz" if axis in cut)
+                zoned = draw_zone(axes, strain, normal, cut[normal], length)
         label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")
         bodies = {region_["body"] for region_ in json.loads(dataset.attrs["regions"]).values()}
         title = heading(dataset, step, _WORDS[field] + (f" in body {described['body']}" if len(bodies) > 1 else ""))
@@ -120,7 +126,7 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
                 pad=0.03,
             )
             bar.set_label(f"{_WORDS[field]} [{stress.unit}]")
-            outlined = f"{region}_outline" in dataset
+            outlined = zoned or f"{region}_outline" in dataset
             spot = f"at {place(vertical, v[where[0]])}"
             if vertical != "z" or outlined:
                 spot = f"at {place(horizontal, h[where[1]])}, {place(vertical, v[where[0]])}"
@@ -186,8 +192,43 @@ def stress_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         else:
             axes.set(xlabel=f"distance along {region} [{length.unit}]", ylabel=f"Stress [{stress.unit}]")
             axes.margins(x=0)
-        axes.set_title(heading(dataset, step, f"Stresses along {region}"))
+        unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
+        axes.set_title(heading(dataset, step, f"{'Residual stresses' if unloaded else 'Stresses'} along {region}"))
         figure.legend(loc="outside right upper")
+    return figure
+
+
+def mean_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
+    """Means over each depth of a volume of the stresses along the surface, with the range of nine tenths of the points.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    region : str
+        A region of shape volume with its stress.
+    step : int
+        Position along ``step``.
+    """
+    stress = np.asarray(dataset[f"{region}_stress"][step].values, dtype=float)
+    z = np.asarray(dataset[f"{region}_z"].values, dtype=float)
+    flat = {name: stress[COMPONENTS.index(name)].reshape(z.size, -1) for name in ("xx", "yy")}
+    bounds = np.stack([np.quantile(values, (0.05, 0.95), axis=1) for values in flat.values()])
+    scale, length = scale_for(bounds, "Pa"), scale_for(z, "m")
+    with paper_style():
+        figure = new_figure(4.6, 3.4)
+        axes = figure.add_subplot()
+        for n, (name, values) in enumerate(flat.items()):
+            axes.fill_betweenx(length(z), *scale(bounds[n]), color=COLOURS[n], alpha=0.15, linewidth=0)
+            label = rf"mean $\sigma_{{{name}}}$"
+            axes.plot(scale(values.mean(axis=1)), length(z), ("o-", "s--")[n], color=COLOURS[n], label=label)
+        axes.axvline(0, color="0.6", linewidth=0.6, zorder=0)
+        axes.set(xlabel=f"Stress [{scale.unit}]", ylabel=f"z [{length.unit}]")
+        axes.set_ylim(float(length(z.max())), 0.0)
+        unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
+        what = f"{'Residual stress' if unloaded else 'Stress'} over depth, {region}"
+        axes.set_title(heading(dataset, step, what) + "\nbands hold nine tenths of the points")
+        axes.legend(loc="best")
     return figure
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from eigencontact import __version__
 from eigencontact.core.names import SURFACE
-from eigencontact.core.tensors import COMPONENTS
+from eigencontact.core.tensors import COMPONENTS, from_mandel
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
 from eigencontact.results.reader import open_results
@@ -56,8 +56,8 @@ def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
     -------
     list of Path
         ``surface_0001.vti`` and so on; per region ``<region>_0001`` as ``.vti`` (evenly spaced), ``.vtr`` (spaced
-        otherwise), or ``.vtp`` (lines, points); and for each series a ``.pvd`` that ParaView opens as a whole, with
-        the time of the load history.
+        otherwise), or ``.vtp`` (lines, points); per body that remembers ``cells_<body>_<step>.vti``; and for each
+        series a ``.pvd`` that ParaView opens as a whole, with the time of the load history.
 
     Raises
     ------
@@ -87,7 +87,42 @@ def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
         with replacing(collection, f"collection {collection.name}") as sink:
             sink.write(_collection(times, series).encode())
         written += [*series, collection]
+    for body in (1, 2):
+        if f"cells_{body}_z" in results:
+            written += _remembered(results, body, folder)
     return written
+
+
+def _remembered(dataset: xr.Dataset, body: int, folder: Path) -> list[Path]:
+    """Files of what the cells of a body remember, in the steps after which that was kept."""
+    series, times = [], []
+    for at, index in enumerate(int(step) for step in dataset["history_step"].values):
+        series.append(_save(_cells(dataset, body, at), folder, f"cells_{body}_{index:04d}"))
+        times.append(float(dataset["time"].values[dataset["step"].values == index][0]))
+    collection = folder / f"cells_{body}.pvd"
+    with replacing(collection, f"collection {collection.name}") as sink:
+        sink.write(_collection(times, series).encode())
+    return [*series, collection]
+
+
+def _cells(dataset: xr.Dataset, body: int, at: int) -> Any:
+    """Image of the cells of a body with what they remember; six components are those of a tensor."""
+    import pyvista as pv
+
+    axes = [np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "xyz"]
+    edges = [float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in axes]
+    corner = tuple(float(axis[0]) - 0.5 * edge for axis, edge in zip(axes, edges, strict=True))
+    mesh = pv.ImageData(dimensions=tuple(axis.size + 1 for axis in axes), spacing=tuple(edges), origin=corner)
+    for name, variable in dataset.data_vars.items():
+        if variable.attrs.get("role") != "history" or f"cells_{body}_z" not in variable.dims:
+            continue
+        values = np.asarray(variable[at].values)
+        tensor = values.ndim == 4 and len(values) == len(COMPONENTS)
+        rows = values.reshape(*values.shape[: values.ndim - 3], -1).T
+        mesh.cell_data[str(name)] = np.ascontiguousarray(from_mandel(rows.T).T[:, _REORDER] if tensor else rows)
+        if tensor:
+            _name_components(mesh.cell_data[str(name)])
+    return mesh
 
 
 def _surface(dataset: xr.Dataset, at: int) -> Any:

@@ -1,0 +1,188 @@
+"""Pictures of bodies that yield: plastic strain on a section and through the history, load against depth."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.remembered import SHARE, CellField, draw_zone
+from eigencontact.viz.style import (
+    COLOURS,
+    box_size,
+    heading,
+    label_plane,
+    new_figure,
+    paper_style,
+    place,
+    scale_for,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+__all__ = ["load_depth", "loaded_step", "plastic_history", "plastic_section", "unloads"]
+
+#: A load that falls by more than this part of the largest is unloading.
+FALL = 1e-3
+#: Room around the plastic zone, as a part of its larger side.
+ROOM = 0.25
+#: Plastic strain is shown in percent.
+PERCENT = 100.0
+
+
+def loaded_step(dataset: xr.Dataset) -> int:
+    """Position of the last step; of the largest load where nothing presses in the last."""
+    if "pressure" not in dataset or bool((dataset["pressure"][-1] != 0).any()):
+        return -1
+    return int(np.argmax(dataset["normal_load"].values))
+
+
+def unloads(dataset: xr.Dataset) -> bool:
+    """Whether the load falls from its largest value."""
+    if not {"normal_load", "approach"} <= set(dataset.data_vars):
+        return False
+    loads = np.asarray(dataset["normal_load"].values, dtype=float)
+    return bool(np.any(np.diff(loads) < -FALL * loads.max(initial=0.0)))
+
+
+def load_depth(dataset: xr.Dataset) -> Figure:
+    """Normal load against approach, loading and unloading told apart.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run in which `unloads` holds.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The largest approach and that of the last step are said where the load has gone.
+    """
+    loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
+    force, length = scale_for(loads, "N"), scale_for(depths, "m")
+    rising = np.diff(loads) >= 0
+    with paper_style():
+        figure = new_figure(4.4, 3.2)
+        axes = figure.add_subplot()
+        labelled: set[str] = set()
+        for first, last in _runs(rising):
+            up = bool(rising[first])
+            name = "loading" if up else "unloading"
+            style: dict[str, Any] = {"color": COLOURS[0 if up else 1], "linestyle": "-" if up else "--"}
+            part = slice(first, last + 1)
+            axes.plot(
+                length(depths[part]),
+                force(loads[part]),
+                marker="o" if up else "s",
+                label=None if name in labelled else name,
+                **style,
+            )
+            labelled.add(name)
+        words = f"largest {length.text(depths.max())}"
+        if loads[-1] <= FALL * loads.max():
+            words += f", {length.text(depths[-1])} when the load has gone"
+        axes.set(xlabel=f"Approach [{length.unit}]", ylabel=f"Normal load [{force.unit}]")
+        axes.set_title(f"Load and depth\n{words}")
+        axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
+        axes.set_ylim(bottom=0.0)
+        axes.legend(loc="upper left")
+    return figure
+
+
+def _runs(rising: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last point of each piece of a history in which the load goes one way."""
+    turns = [0, *(np.flatnonzero(rising[1:] != rising[:-1]) + 1).tolist(), rising.size]
+    return list(pairwise(turns))
+
+
+def plastic_section(dataset: xr.Dataset, field: CellField, step: int = -1) -> Figure:
+    """Equivalent plastic strain on the section normal to y through its largest value, with the line around its zone.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    field : CellField
+        The strain of one body.
+    step : int
+        Position along ``step`` that it belongs to.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Filled contours between the middles of cells, equal scales, z downwards.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    top, at = field.largest
+    found = field.cut("y", at["y"])
+    assert found is not None
+    values, z, x = found
+    inside = values > SHARE * top
+    rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    room = ROOM * max(float(x[columns[-1]] - x[columns[0]]), float(z[rows[-1]]), field.edge("x"))
+    left, right, deep = float(x[columns[0]]) - room, float(x[columns[-1]]) + room, float(z[rows[-1]]) + room
+    length = scale_for([left, right, deep], "m")
+    width, height = box_size(right - left, deep, (4.4, 3.4))
+    with paper_style():
+        wide = width > 2.2 * height
+        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
+        axes = figure.add_subplot()
+        axes.set_aspect("equal")
+        levels = MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top)
+        filled = axes.contourf(length(x), length(z), PERCENT * values, levels=levels, cmap="viridis")
+        axes.set_facecolor(filled.cmap(0.0))
+        draw_zone(axes, field, "y", at["y"], length)
+        for colour, size in (("black", 9), ("white", 7)):
+            mark: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": size / 3.5 - 0.6}
+            axes.plot(length(at["x"]), length(at["z"]), "+", zorder=5, **mark)
+        axes.set_xlim(length([left, right]))
+        axes.set_ylim(float(length(deep)), 0.0)
+        label_plane(axes, f"x [{length.unit}]", f"z [{length.unit}]")
+        bar = figure.colorbar(
+            filled,
+            ax=axes,
+            location="bottom" if wide else "right",
+            shrink=0.8 if wide else 1.0,
+            aspect=30 if wide else 22,
+            pad=0.03,
+            ticks=levels[::2],
+        )
+        bar.set_label("Equivalent plastic strain [%]")
+        title = heading(dataset, step, f"Plastic strain in body {field.body}")
+        where = ", ".join(place(axis, at[axis]) for axis in "xyz")
+        axes.set_title(f"{title}\n{PERCENT * top:.3g} % at {where} (cross)")
+    return figure
+
+
+def plastic_history(dataset: xr.Dataset, prefix: str) -> Figure:
+    """Largest plastic strain and plastic volume, and what each step adds to the strain, against the number of the step.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run with an observer of the plastic zone.
+    prefix : str
+        Of the numbers of that observer.
+    """
+    step = np.asarray(dataset["step"].values)
+    strain = PERCENT * np.asarray(dataset[f"{prefix}_max_strain"].values, dtype=float)
+    volume = np.asarray(dataset[f"{prefix}_volume"].values, dtype=float)
+    cubic = 1e6 if volume.max(initial=0.0) < 1e-9 else 1e3
+    with paper_style():
+        figure = new_figure(6.6, 2.8)
+        left, right = figure.subplots(1, 2)
+        left.plot(step, strain, "o-", color=COLOURS[0], markevery=max(1, step.size // 30))
+        right.plot(step, cubic**3 * volume, "s-", color=COLOURS[1], markevery=max(1, step.size // 30))
+        left.set(ylabel="Equivalent plastic strain [%]", title="Largest plastic strain")
+        right.set(ylabel=f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]", title="Plastic volume")
+        for axes in (left, right):
+            axes.set_xlabel("step")
+            axes.set_ylim(bottom=0.0)
+            axes.margins(x=0.02)
+            axes.xaxis.get_major_locator().set_params(integer=True)
+    return figure

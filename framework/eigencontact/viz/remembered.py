@@ -1,0 +1,115 @@
+"""What bodies remember, for pictures: fields in the cells of a box, cut by planes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from eigencontact.viz.style import Scale
+
+__all__ = ["STRAIN", "CellField", "draw_zone", "plastic_strains", "yields"]
+
+#: Name, before the number of the body, of what a material that yields remembers.
+STRAIN = "equivalent_plastic_strain"
+#: Cells belong to the plastic zone beyond this part of the largest plastic strain.
+SHARE = 1e-6
+
+
+@dataclass(frozen=True)
+class CellField:
+    """A number in each cell of a box in a body.
+
+    Attributes
+    ----------
+    body : int
+        1 or 2.
+    values : (nz, ny, nx)
+        In the cells.
+    axes : dict
+        Middles of the cells [m] by axis.
+    """
+
+    body: int
+    values: NDArray[Any]
+    axes: dict[str, NDArray[Any]]
+
+    def edge(self, axis: str) -> float:
+        """Edge of the cells along an axis [m]; one layer begins at the surface."""
+        places = self.axes[axis]
+        return float(places[1] - places[0]) if places.size > 1 else 2.0 * abs(float(places[0]))
+
+    def cut(self, normal: str, at: float) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None:
+        """Values, and places along the vertical and horizontal axes, in the plane of cells that holds a place [m].
+
+        Cells at the surface are continued up to z = 0, beyond all other rims of the box there is one more cell of
+        zeros. None where the plane passes beside the box.
+        """
+        index = int(np.abs(self.axes[normal] - at).argmin())
+        if abs(float(self.axes[normal][index]) - at) > 0.5001 * self.edge(normal):
+            return None
+        vertical, horizontal = (axis for axis in "zyx" if axis != normal)
+        values = np.take(self.values, index, axis="zyx".index(normal))
+        surface = vertical == "z" and self.axes["z"][0] < 0.75 * self.edge("z")
+        values = np.pad(values, 1)
+        if surface:
+            values[0] = values[1]
+        v, h = (np.pad(self.axes[axis], 1) for axis in (vertical, horizontal))
+        for places, axis in ((v, vertical), (h, horizontal)):
+            places[0], places[-1] = places[1] - self.edge(axis), places[-2] + self.edge(axis)
+        return values, v, h
+
+    @property
+    def largest(self) -> tuple[float, dict[str, float]]:
+        """Largest value and its place; of several alike the one nearest to the z axis."""
+        top = float(self.values.max())
+        k, j, i = np.nonzero(self.values >= (1.0 - 1e-9) * top)
+        away = self.axes["x"][i] ** 2 + self.axes["y"][j] ** 2
+        n = int(away.argmin())
+        where = {"z": k[n], "y": j[n], "x": i[n]}
+        return top, {axis: float(self.axes[axis][index]) for axis, index in where.items()}
+
+
+def yields(dataset: xr.Dataset) -> bool:
+    """Whether a run remembers plastic strain."""
+    return any(f"{STRAIN}_{body}" in dataset for body in (1, 2))
+
+
+def plastic_strains(dataset: xr.Dataset, step: int) -> Iterator[CellField]:
+    """Equivalent plastic strain of each body at a position along ``step``, where it was kept and is not zero."""
+    for body in (1, 2):
+        name = f"{STRAIN}_{body}"
+        if name not in dataset or dataset[name].ndim != 4:
+            continue
+        kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
+        if not kept.size:
+            continue
+        values = np.asarray(dataset[name][int(kept[0])].values, dtype=float)
+        if float(values.max(initial=0.0)) > 0.0:
+            axes = {axis: np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "zyx"}
+            yield CellField(body, values, axes)
+
+
+def draw_zone(axes: Axes, field: CellField, normal: str, at: float, length: Scale) -> bool:
+    """Line around the cells that have yielded, in the plane of cells that holds a place; whether there are some.
+
+    It runs along the faces of the cells and cuts their corners.
+    """
+    found = field.cut(normal, at)
+    if found is None:
+        return False
+    values, v, h = found
+    plastic = (values > SHARE * float(field.values.max())).astype(float)
+    if not plastic.any():
+        return False
+    for width, colour in ((2.2, "1.0"), (1.1, "0.1")):
+        axes.contour(length(h), length(v), plastic, levels=[0.5], colors=colour, linewidths=width, zorder=3)
+    return True
