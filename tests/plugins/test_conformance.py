@@ -169,6 +169,9 @@ CURVES = [
     curve("hardening-law", "armstrong-frederick", modulus="100 GPa", recovery=500),
     curve("damage-law", "exponential", saturation=0.6, strain=0.02),
     curve("damage-law", "tabulated", strain=(0, 0.01, 0.1), values=(0, 0.3, 0.4)),
+    curve("damage-law", "mazars", threshold=1e-4, A=0.9, B=2e4),
+    curve("damage-law", "mazars", threshold=1e-3, A=1.0, B=500.0),
+    curve("damage-law", "tabulated", strain=(0, 1e-4, 0.1), values=(0, 0, 0.9)),
 ]
 
 
@@ -185,6 +188,23 @@ YIELDING = [
     material("j2", **STEEL, hardening=(CURVES[0], CURVES[8], CURVES[7])),
     material("j2", **STEEL, hardening=CURVES[0], damage=CURVES[9]),
     material("j2", **STEEL, hardening=CURVES[2], damage=CURVES[9], yield_on="effective"),
+]
+
+
+CONCRETE = {"young_modulus": "30 GPa", "poisson_ratio": 0.2}
+YIELDING += [
+    material(
+        "j2",
+        **STEEL,
+        hardening=CURVES[0],
+        damage=curve("damage-law", "exponential", saturation=0.6, strain=0.02, length="1 um"),
+    ),
+    *(
+        material("brittle", **CONCRETE, damage=damage, crack_closure=closure)
+        for damage in CURVES[11:]
+        for closure in (False, True)
+    ),
+    material("brittle", damage=curve("damage-law", "mazars", threshold=1e-4, A=0.9, B=2e4, length="1 mm")),
 ]
 
 

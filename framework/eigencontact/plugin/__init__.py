@@ -46,13 +46,14 @@ from eigencontact.plugin.constitutive import (
     HasCellAnswer,
     LawStep,
     LinearLaw,
+    NonLocal,
     OfBody,
     Response,
     Surroundings,
     Variable,
     VariesInSpace,
 )
-from eigencontact.plugin.damage import DamageLaw, PlasticDamage
+from eigencontact.plugin.damage import DamageLaw, PlasticDamage, StrainDamage
 from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.hardening import HardeningLaw, IsotropicHardening, KinematicHardening
@@ -105,6 +106,7 @@ __all__ = [
     "LinearLaw",
     "Material",
     "Moment",
+    "NonLocal",
     "NotConverged",
     "Observer",
     "OfBody",
@@ -122,6 +124,7 @@ __all__ = [
     "SceneError",
     "StepView",
     "Strain",
+    "StrainDamage",
     "Stress",
     "SurfaceInfluence",
     "Surroundings",

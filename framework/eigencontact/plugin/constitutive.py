@@ -18,6 +18,7 @@ __all__ = [
     "HasCellAnswer",
     "LawStep",
     "LinearLaw",
+    "NonLocal",
     "OfBody",
     "Response",
     "Surroundings",
@@ -40,11 +41,15 @@ class Variable:
         In words; stored beside the values.
     components : int
         Numbers a point; 6 is a Mandel vector.
+    elastic : bool
+        Whether it changes also where the answer is that of sound elasticity: the cells of a body are enough as long as
+        no other variable of their rim has changed.
     """
 
     unit: str
     meaning: str
     components: int = 1
+    elastic: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -57,6 +62,9 @@ class LawStep:
         Places of the points [m], z into the body.
     time, duration : float
         End of the load increment, in load steps (1 ends the first), and its length.
+    means : mapping of str to (components, n) float64
+        Of the variables that a `NonLocal` law averages: the means about each point, at the end of the increment. Empty
+        where there is no neighbourhood; a point then stands for its own.
     """
 
     x: FloatArray
@@ -64,6 +72,7 @@ class LawStep:
     z: FloatArray
     time: float
     duration: float
+    means: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -176,6 +185,31 @@ class OfBody(Protocol):
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> ConstitutiveLaw:
         """Law in a body of these constants [Pa], [-]; what is given in the law stays."""
+        ...
+
+
+@runtime_checkable
+class NonLocal(Protocol):
+    """Optional ability of a law: some of what a point remembers acts by its mean over a neighbourhood.
+
+    Where a material softens, strain gathers in one layer of cells, however thin, unless something has a length. The
+    mean over all points q of the same material about a point p is ``sum w(|p - q|) v(q) / sum w(|p - q|)`` with the
+    bell ``w(r) = (1 - r²/R²)²`` for r < R: a constant keeps its value up to surfaces and interfaces, and as the weights
+    are constant the mean of what never falls never falls.
+
+    The means are unknowns of the step like the eigenstrain, and are found together with it: a law takes those in
+    `LawStep.means` as they are, its tangent too, and answers with variables of which the next means are taken. At the
+    end both agree to the tolerance of the scene, so that nothing is staggered.
+
+    References
+    ----------
+    G. Pijaudier-Cabot, Z. P. Bazant 1987, J. Eng. Mech. 113, 1512; Z. P. Bazant, M. Jirasek 2002, J. Eng. Mech. 128,
+    1119.
+    """
+
+    @property
+    def averaged(self) -> Mapping[str, float]:
+        """Radius R [m] for each variable that is averaged: numbers of the order of a strain; may be empty."""
         ...
 
 

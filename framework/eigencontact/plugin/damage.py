@@ -3,38 +3,73 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.quantities import Length
+from eigencontact.errors import require
 from eigencontact.plugin.component import Component
 
-__all__ = ["DamageLaw", "PlasticDamage"]
+__all__ = ["DamageLaw", "PlasticDamage", "StrainDamage"]
 
 FloatArray = NDArray[np.float64]
 
 
+@dataclass(frozen=True, kw_only=True)
 class DamageLaw(Component, ABC):
-    """Stiffness is ``(1 - D)`` times that of the sound material; see `PlasticDamage` for what D follows from."""
+    """Stiffness is ``(1 - D)`` times that of the sound material: D follows from a number that never falls.
+
+    The number is the equivalent plastic strain of a `PlasticDamage` law, and the largest equivalent strain so far of a
+    `StrainDamage` law. A curve that serves both derives from both.
+
+    Parameters
+    ----------
+    length : float, optional
+        Radius [m] over which the number is averaged before D is taken of it; without it D is that of the point.
+    """
 
     kind: ClassVar[str] = "damage-law"
 
-
-class PlasticDamage(DamageLaw):
-    """Damage by plastic strain."""
+    length: Length | None = None
 
     @abstractmethod
-    def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def damage(self, driven: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Damage and its slope.
 
         Parameters
         ----------
-        p : (n,)
-            Equivalent plastic strain [-], zero or positive.
+        driven : (n,)
+            The number that drives it [-], zero or positive.
 
         Returns
         -------
         D, slope : (n,)
-            D in [0, 1), zero at p = 0, never falling, and its derivative by p.
+            D in [0, 1), zero at 0, never falling, and its derivative.
         """
+
+    def averaged(self, name: str) -> dict[str, float]:
+        """What `NonLocal.averaged` of a material says whose variable `name` drives the damage.
+
+        Raises
+        ------
+        SceneError
+            A length that is none.
+        """
+        if self.length is None:
+            return {}
+        require(0 < self.length < np.inf, self.key, "length", self.length, "positive and finite [m]")
+        return {name: self.length}
+
+
+class PlasticDamage(DamageLaw):
+    """Damage by plastic strain: `DamageLaw.damage` is asked of the equivalent plastic strain."""
+
+
+class StrainDamage(DamageLaw):
+    """Damage by strain: `DamageLaw.damage` is asked of the largest equivalent strain so far.
+
+    D stays zero up to a strain that is not: the material is elastic until then.
+    """

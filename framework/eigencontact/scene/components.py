@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from eigencontact.errors import PluginError, SceneError, shown
 from eigencontact.hooks.registry import Entry, Registry
@@ -89,7 +90,13 @@ def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, whe
         return tuple(_parts(registry, kind, kind, one, f"{where}.{number}") for number, one in enumerate(value))
     if get_origin(hint) in (list, tuple):
         return (_parts(registry, kind, kind, value, where),)
-    return build_component(registry, kind.kind, value, where) if isinstance(value, Mapping) else value
+    if not isinstance(value, Mapping):
+        return value
+    found = build_component(registry, kind.kind, value, where)
+    if not isinstance(found, kind):
+        fit = [repr(entry.key) for entry in registry.of_kind(kind.kind) if issubclass(entry.component, kind)]
+        raise SceneError(f"{where}.type must be one of {', '.join(fit)} (got {found.key!r})")
+    return found
 
 
 @cache
@@ -103,10 +110,23 @@ def _adapters(cls: type) -> dict[str, Any]:
 
     hints, config = _hints(cls), ConfigDict(arbitrary_types_allowed=True)
     return {
-        item.name: TypeAdapter(hint, config=None if _table_class(hint) else config)
+        item.name: TypeAdapter(_as_instances(hint), config=None if _table_class(hint) or is_dataclass(hint) else config)
         for item in fields(cls)
         for hint in [hints[item.name]]
     }
+
+
+def _as_instances(hint: Any) -> Any:
+    """Annotation in which components are taken as they are: a kind with fields of its own is a dataclass."""
+    from pydantic import InstanceOf
+
+    mark: Any = InstanceOf
+    if isinstance(hint, type) and issubclass(hint, Component):
+        return Annotated[hint, mark()]
+    if kind_within(hint) is None:
+        return hint
+    parts = tuple(map(_as_instances, get_args(hint)))
+    return Union[parts] if get_origin(hint) in (Union, UnionType) else get_origin(hint)[parts]  # noqa: UP007
 
 
 def _table_class(hint: Any) -> type | None:

@@ -28,6 +28,8 @@ class ExponentialDamage(PlasticDamage):
         D_inf in [0, 1).
     strain : float
         p0 [-], positive.
+    length : float, optional
+        Radius of averaging [m]; see `DamageLaw`.
     """
 
     key: ClassVar[str] = "exponential"
@@ -43,7 +45,7 @@ class ExponentialDamage(PlasticDamage):
         require(0 < self.strain < np.inf, self.key, "strain", self.strain, "positive and finite [-]")
 
     def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See `PlasticDamage.damage`."""
+        """See `DamageLaw.damage`."""
         left = np.exp(-p / self.strain)
         return self.saturation * (1.0 - left), self.saturation / self.strain * left
 

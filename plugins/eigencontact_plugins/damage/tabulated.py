@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, DataFile, PlasticDamage, hookimpl, read_columns, require
+from eigencontact.plugin import Component, DataFile, PlasticDamage, StrainDamage, hookimpl, read_columns, require
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -20,15 +20,18 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class TabulatedDamage(PlasticDamage):
-    """Damage by points of a curve over plastic strain: lines between them, constant beyond the last.
+class TabulatedDamage(PlasticDamage, StrainDamage):
+    """Damage by points of a curve over plastic strain, or over strain: lines between them, constant beyond the last.
 
     Parameters
     ----------
     strain, values : tuple of float, optional
-        Equivalent plastic strain [-], from 0 upwards, and D, from 0, never falling, below 1.
+        Equivalent plastic strain [-], or equivalent strain of a brittle material, from 0 upwards, and D, from 0, never
+        falling, below 1.
     file : str, optional
-        Text file of two columns, plastic strain and D, instead of them.
+        Text file of two columns, strain and D, instead of them.
+    length : float, optional
+        Radius of averaging [m]; see `DamageLaw`.
     """
 
     key: ClassVar[str] = "tabulated"
@@ -46,7 +49,7 @@ class TabulatedDamage(PlasticDamage):
         same = strain.size == values.size >= 2
         require(same, self.key, name, (strain.size, values.size), "at least two strains, and as many values")
         rising = bool(strain[0] == 0 and np.all(np.diff(strain) > 0) and np.isfinite(strain[-1]))
-        require(rising, self.key, name, strain.tolist(), "plastic strains that ascend from 0 [-]")
+        require(rising, self.key, name, strain.tolist(), "strains that ascend from 0 [-]")
         name = "file" if self.file is not None else "values"
         good = bool(values[0] == 0 and np.all(np.diff(values) >= 0) and values[-1] < 1)
         require(good, self.key, name, values.tolist(), "damage from 0, never falling, below 1 [-]")
@@ -55,14 +58,14 @@ class TabulatedDamage(PlasticDamage):
     def _curve(self) -> tuple[FloatArray, FloatArray]:
         if self.file is None:
             return np.array(self.strain, dtype=float), np.array(self.values, dtype=float)
-        columns = read_columns(f"{self.key}.file", self.file, ("plastic-strain", "damage"))
+        columns = read_columns(f"{self.key}.file", self.file, ("strain", "damage"))
         return columns[0], columns[1]
 
-    def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """See `PlasticDamage.damage`."""
+    def damage(self, driven: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `DamageLaw.damage`."""
         strain, values = self._curve
         slopes = np.append(np.diff(values) / np.diff(strain), 0.0)
-        return np.interp(p, strain, values), slopes[np.searchsorted(strain, p, side="right") - 1]
+        return np.interp(driven, strain, values), slopes[np.searchsorted(strain, driven, side="right") - 1]
 
 
 @hookimpl

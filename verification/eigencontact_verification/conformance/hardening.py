@@ -1,4 +1,4 @@
-"""What hardening and damage laws promise: a curve over plastic strain with its slope, in range, the same each time."""
+"""What hardening and damage laws promise: a curve over strain with its slope, in range, the same each time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import IsotropicHardening, KinematicHardening, PlasticDamage
+from eigencontact.plugin import DamageLaw, IsotropicHardening, KinematicHardening
 from eigencontact_verification.conformance.report import check, ensure
 
 __all__ = ["check_curve_arrays", "check_curve_pure", "check_curve_range", "check_curve_slope"]
@@ -16,7 +16,7 @@ __all__ = ["check_curve_arrays", "check_curve_pure", "check_curve_range", "check
 FloatArray = NDArray[np.float64]
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
-#: Plastic strains: zero, and nine decades up to 3.
+#: Strains: zero, and nine decades up to 3.
 _STRAINS = np.concatenate([[0.0], np.geomspace(1e-8, 3.0, 60)])
 #: Step of differences as a part of the strain, and what they may differ by, in parts of the steepest chord so far.
 _STEP, _ALLOWED = 1e-4, 1e-3
@@ -24,10 +24,10 @@ _STEP, _ALLOWED = 1e-4, 1e-3
 
 def _curve(law: Any) -> tuple[str, Curve]:
     """Name and method of the curve of a law."""
-    for kind, name in ((IsotropicHardening, "flow_stress"), (KinematicHardening, "recall"), (PlasticDamage, "damage")):
+    for kind, name in ((IsotropicHardening, "flow_stress"), (KinematicHardening, "recall"), (DamageLaw, "damage")):
         if isinstance(law, kind):
             return name, getattr(law, name)
-    expected = "IsotropicHardening, KinematicHardening or PlasticDamage"
+    expected = "IsotropicHardening, KinematicHardening, PlasticDamage or StrainDamage"
     ensure(condition=False, what="the class", rule=f"a {expected}", got=type(law).__name__, advice="derive from one")
     raise AssertionError
 
@@ -78,7 +78,7 @@ def check_curve_slope(law: Any) -> None:
     worst = int(np.argmax(error))
     ensure(
         error[worst] <= _ALLOWED, f"slope of {name} at {at[worst]:.2g}", f"the derivative, {sides[0][worst]:.6g}",
-        f"{slope[worst]:.6g}", "differentiate by plastic strain, not by microstrain",
+        f"{slope[worst]:.6g}", "differentiate by strain, not by microstrain",
     )  # fmt: skip
 
 

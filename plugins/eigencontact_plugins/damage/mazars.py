@@ -1,0 +1,72 @@
+"""Damage of concrete by strain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Component, StrainDamage, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["MazarsDamage"]
+
+FloatArray = NDArray[np.float64]
+
+#: Stiffness that is left in the end, in parts of that of the sound material.
+_LEAST = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class MazarsDamage(StrainDamage):
+    """``D = 1 - κ0 (1 - A) / κ - A exp(-B (κ - κ0))`` beyond the strain κ0: concrete.
+
+    In tension the stress falls from ``E κ0`` to ``(1 - A) E κ0``, from the start where ``B κ0 > 1``. The source has two
+    curves, for tension and for compression, of which the state of stress makes a mixture; where a load turns from one
+    to the other D would fall. Here one curve holds, that of tension as a rule. What is pressed breaks by the stretch
+    across: its strength is some ``1 / (ν √2)`` times that in tension.
+
+    Parameters
+    ----------
+    threshold : float
+        κ0 [-], positive; some 1e-4 of concrete.
+    A : float
+        In [0, 1]: 1 less the part of the strength that is left in the end.
+    B : float
+        How fast the strength is lost [-], positive; 1e4 to 5e4 of concrete.
+    length : float, optional
+        Radius of averaging [m]; see `DamageLaw`.
+    """
+
+    key: ClassVar[str] = "mazars"
+    references: ClassVar[tuple[str, ...]] = (
+        "J. Mazars 1986, Eng. Fract. Mech. 25, 729",
+        "G. Pijaudier-Cabot, Z. P. Bazant 1987, J. Eng. Mech. 113, 1512 (length)",
+    )
+
+    threshold: float
+    A: float
+    B: float
+
+    def __post_init__(self) -> None:
+        require(0 < self.threshold < np.inf, self.key, "threshold", self.threshold, "positive and finite [-]")
+        require(0 <= self.A <= 1, self.key, "A", self.A, "in [0, 1] [-]")
+        require(0 < self.B < np.inf, self.key, "B", self.B, "positive and finite [-]")
+
+    def damage(self, driven: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """See `DamageLaw.damage`."""
+        strain = np.maximum(driven, self.threshold)
+        left, fading = self.threshold * (1.0 - self.A) / strain, self.A * np.exp(-self.B * (strain - self.threshold))
+        grows = driven > self.threshold
+        damage = np.minimum(np.where(grows, 1.0 - left - fading, 0.0), 1.0 - _LEAST)
+        return damage, np.where(grows, left / strain + self.B * fading, 0.0)
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register Mazars' law."""
+    return [MazarsDamage]

@@ -1,0 +1,132 @@
+"""Brittle materials: elasticity that is lost where the material is stretched."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import (
+    Component,
+    ConstitutiveLaw,
+    LawStep,
+    Response,
+    SceneError,
+    StrainDamage,
+    Stress,
+    Variable,
+    hookimpl,
+    require,
+)
+from eigencontact_plugins.laws.principal import Damaged, principal, tangent_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Brittle"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Brittle(ConstitutiveLaw):
+    """Isotropic elasticity of stiffness ``(1 - D) E``, where D follows from the largest stretch so far.
+
+    The stretch is Mazars' equivalent strain, the root of the sum of the squares of the positive principal strains; its
+    largest value κ is remembered. D(κ) never falls: unloading goes straight to the origin, and loading again comes back
+    the same way up to where it was left. Without `crack_closure` D weakens pressure as well as tension.
+
+    Parameters
+    ----------
+    damage : StrainDamage
+        D by κ; with a length by the mean of κ (what is averaged is the largest stretch of each point, which agrees with
+        the stretch itself as long as it grows, and never falls after).
+    young_modulus, poisson_ratio : float, optional
+        E [Pa], positive and finite, and ν [-] in [0, 0.5), of the sound material; those of the body where they are not
+        given.
+    crack_closure : bool
+        Whether cracks that close bear pressure as if there were none (J. Ladeveze, J. Lemaitre 1984): damage gives way
+        to principal stresses in tension alone. In tension along one axis the stress is ``(1 - D) E ε``, in compression
+        ``E ε``, and the strain across is -ν/E times it, damaged or not. At constant D stress derives from an energy.
+    """
+
+    key: ClassVar[str] = "brittle"
+    references: ClassVar[tuple[str, ...]] = (
+        "J. Mazars 1986, Eng. Fract. Mech. 25, 729",
+        "J. Ladeveze, J. Lemaitre 1984, Proc. 16th IUTAM Congress (crack closure)",
+    )
+
+    isotropic: ClassVar[bool] = True
+    symmetric: ClassVar[bool] = False
+    variables: ClassVar[Mapping[str, Variable]] = {
+        "equivalent_strain": Variable("1", "largest stretch, by Mazars' equivalent strain", elastic=True),
+        "damage": Variable("1", "part of the stiffness that is lost"),
+    }
+
+    damage: StrainDamage
+    young_modulus: Stress | None = None
+    poisson_ratio: float | None = None
+    crack_closure: bool = False
+
+    def __post_init__(self) -> None:
+        E, nu = self.young_modulus, self.poisson_ratio
+        require(E is None or 0 < E < np.inf, self.key, "young_modulus", E, "positive and finite [Pa]")
+        require(nu is None or 0 <= nu < 0.5, self.key, "poisson_ratio", nu, "in [0, 0.5) [-]")
+        sound = isinstance(self.damage, StrainDamage) and not self.damage.damage(np.full(1, 1e-9))[0].any()
+        rule = "a law of strain that is zero up to some strain"
+        require(sound, self.key, "damage", getattr(self.damage, "key", None), rule)
+        self.damage.averaged("equivalent_strain")
+
+    def of_body(self, young_modulus: float, poisson_ratio: float) -> Brittle:
+        """See `OfBody.of_body`."""
+        return replace(
+            self,
+            young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
+            poisson_ratio=poisson_ratio if self.poisson_ratio is None else self.poisson_ratio,
+        )
+
+    @property
+    def averaged(self) -> Mapping[str, float]:
+        """See `NonLocal.averaged`."""
+        return self.damage.averaged("equivalent_strain")
+
+    @property
+    def words(self) -> str:
+        """See `ConstitutiveLaw.words`."""
+        return f"brittle material ({self.damage.key})"
+
+    @cached_property
+    def _constants(self) -> tuple[float, float]:
+        E, nu = self.young_modulus, self.poisson_ratio
+        if E is None or nu is None:
+            name = "young-modulus" if E is None else "poisson-ratio"
+            raise SceneError(f"{self.key}.{name} must be given (got none); without it the law needs those of a body")
+        return E, nu
+
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
+        """See `ConstitutiveLaw.update`; the tangent is that of the increment, at given means without their change."""
+        known = before["equivalent_strain"][0]
+        values, axes = principal(strain)
+        stretched = np.maximum(values, 0.0)
+        stretch = np.sqrt(np.sum(stretched**2, axis=0))
+        largest, mean = np.maximum(known, stretch), step.means.get("equivalent_strain")
+        D, slope = self.damage.damage(largest if mean is None else np.maximum(mean[0], 0.0))
+        at = Damaged.of(values, D, *self._constants, closing=self.crack_closure)
+        growing = (stretch > known) & (mean is None)
+        # Derivative of D by the principal strains.
+        grown = np.where(growing, slope / np.where(stretch > 0.0, stretch, 1.0), 0.0) * stretched
+        tangent = tangent_of(axes, at.slopes + at.by_damage[:, None] * grown[None], at.shears)
+        stress = np.einsum("ian,an->in", axes[:, :3], at.stress)
+        return Response(
+            stress=stress, tangent=tangent, variables={"equivalent_strain": largest[None], "damage": D[None]}
+        )
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register brittle materials."""
+    return [Brittle]
