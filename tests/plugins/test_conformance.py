@@ -131,7 +131,9 @@ TURNED = {"x_axis": (1.0, 2.0, 2.0), "y_axis": (2.0, 1.0, -2.0)}
 NICKEL = {"c11": "246.5 GPa", "c12": "147.3 GPa", "c44": "124.7 GPa"}
 FIBRE = {"axial_modulus": 230e9, "transverse_modulus": 15e9, "axial_shear_modulus": 24e9, "axis": (1.0, 2.0, -3.0)}
 PLY = {"moduli": (130e9, 10e9, 8e9), "poisson_ratios": (0.3, 0.25, 0.4), "shear_moduli": (5e9, 4e9, 3e9)}
+STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
 MATERIALS = [
+    material("elastic", **STEEL),
     material("isotropic", young_modulus="70 GPa", poisson_ratio=0.33),
     material("isotropic", young_modulus=1e3, poisson_ratio=-0.9),
     material("isotropic", young_modulus="1 MPa", poisson_ratio=0.5),
@@ -180,7 +182,6 @@ def test_hardening_and_damage_laws_conform(component, check):
     check(component)
 
 
-STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
 YIELDING = [
     material("j2", **STEEL, hardening=CURVES[0]),
     material("j2", **STEEL, hardening=CURVES[3]),
@@ -189,6 +190,9 @@ YIELDING = [
     material("j2", **STEEL, hardening=CURVES[0], damage=CURVES[9]),
     material("j2", **STEEL, hardening=CURVES[2], damage=CURVES[9], yield_on="effective"),
 ]
+YIELDING.append(
+    material("by-depth", interfaces=("1 um", "1 mm"), laws=(YIELDING[0], material("elastic", **STEEL), YIELDING[3]))
+)
 
 
 CONCRETE = {"young_modulus": "30 GPa", "poisson_ratio": 0.2}

@@ -15,7 +15,7 @@ from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.plugin import ConstitutiveLaw, LinearLaw, VariesInSpace
+from eigencontact.plugin import ConstitutiveLaw, LinearLaw, MadeOfLaws, VariesInSpace
 
 __all__ = ["LinearContent", "MaterialCells", "is_linear"]
 
@@ -102,12 +102,16 @@ class MaterialCells:
 
     @property
     def others(self) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
-        """Laws that are not linear, and the cells that they fill at least by half."""
-        return [
-            (law, (self.index == number) & (self.fraction >= _HALF))
-            for number, law in enumerate(self.laws, 1)
-            if not is_linear(law)
-        ]
+        """Laws that are not linear, or laws that these are made of, and the cells that they fill at least by half."""
+        places = self._box.centres(self._grid).flat_points()
+        found = []
+        for number, law in enumerate(self.laws, 1):
+            filled = (self.index == number) & (self.fraction >= _HALF)
+            if isinstance(law, MadeOfLaws):
+                found += [(part, filled & where.reshape(self.shape)) for part, where in law.laws_at(*places)]
+            elif not is_linear(law):
+                found.append((law, filled))
+        return [(law, cells) for law, cells in found if cells.any()]
 
     def rim(self) -> NDArray[np.bool_]:
         """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound."""

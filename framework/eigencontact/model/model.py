@@ -163,7 +163,8 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         from eigencontact.model.yielding import yielding_bodies
 
         # First, so that inhomogeneities win where they lie in what yields.
-        own = yielding_bodies(scene, registry, bodies, geometries, influences, friction, grid)
+        regions = (*prescribed, *inhomogeneities)
+        own = yielding_bodies(scene, registry, bodies, geometries, influences, friction, grid, regions)
         inhomogeneities = (*own, *inhomogeneities)
     if friction is not None and (prescribed or inhomogeneities):
         coupling = coupling_of(scene, bodies, dragged=True)

@@ -7,7 +7,7 @@ and whether the law would bear the strain of that stress with that stress. A box
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -22,13 +22,14 @@ from eigencontact.errors import EigencontactError, SceneError, require
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.contact_window import contacts_of_steps
 from eigencontact.model.kernels import Bodies, PairCoefficients
-from eigencontact.model.sources import Inhomogeneity, Patch, build_law
+from eigencontact.model.sources import Inhomogeneity, Patch, Source, build_law
 from eigencontact.model.window import coarse_contact
 from eigencontact.plugin import (
     ConstitutiveLaw,
     FrictionLaw,
     FrictionState,
     Geometry,
+    InclusionShape,
     LawStep,
     LinearLaw,
     SurfaceInfluence,
@@ -41,11 +42,15 @@ from eigencontact.solvers.cell_conditions import compliance
 __all__ = ["YieldingBody", "yielding_bodies"]
 
 FloatArray = NDArray[np.float64]
+_Bounds = tuple[FloatArray, FloatArray]
 
 #: Coarse cells across a contact, and times that the box that is searched may be doubled.
 _ACROSS, _DOUBLINGS = 16, 5
 #: Stress that is tried, as a multiple of the elastic one: the coarse contact errs by some 3 %.
 _SAFETY = 1.1
+#: The same beside inclusions and eigenstrain, one after another until a place is found: stress next to a void or to a
+#: hard ball is up to three times that far from it. The box grows from there.
+_BESIDE = (1.1, 1.5, 2.0, 3.0)
 #: A law that answers another stress than this close to the elastic one is not elastic there.
 _SAME = 1e-6
 
@@ -72,8 +77,12 @@ def yielding_bodies(
     influences: Mapping[str, SurfaceInfluence],
     friction: FrictionLaw | None,
     grid: Grid,
+    sources: Sequence[Source],
 ) -> tuple[YieldingBody, ...]:
     """Boxes of the bodies with a law; none of a body that stays elastic, which then is an elastic one.
+
+    Beside the `sources` of a body the box holds those that stand in stress enough. Prior stress that alone is beyond
+    the limit of the law, far from the contact, is not looked for.
 
     Raises
     ------
@@ -87,8 +96,14 @@ def yielding_bodies(
         where, material = f"body{number}.law", bodies[number - 1]
         assert isinstance(material, Material)
         law = build_law(registry, table, where, material)
-        _refuse(law, material, scene, where)
-        patch = _box_where(law, material, scene, bodies, geometries, influences, friction, grid)
+        _refuse(law, scene, where)
+        loads = [
+            (window, fields)
+            for window, pressure in _coarse_contacts(scene, bodies, geometries, influences["p"], grid)
+            for fields in _loads(window, pressure, influences, friction)
+        ]
+        beside = [source.shape for source in sources if source.body == number]
+        patch = _box_where(_Trial(law, material, where), loads, influences, beside, scene.numerics.law_room)
         if patch is not None:
             field = build_component(registry, "eigenstrain-field", {"type": "uniform", "value": 0.0}, where)
             name = f"body {number}"
@@ -98,7 +113,7 @@ def yielding_bodies(
     return tuple(found)
 
 
-def _refuse(law: ConstitutiveLaw, material: Material, scene: Scene, where: str) -> None:
+def _refuse(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
     """Refuse laws and scenes that a body cannot have."""
     rule = "of a material that yields or degrades: one that is elastic has young-modulus and poisson-ratio"
     require(not isinstance(law, LinearLaw | VariesInSpace), where, "type", law.key, rule)
@@ -106,37 +121,80 @@ def _refuse(law: ConstitutiveLaw, material: Material, scene: Scene, where: str) 
         raise SceneError(
             f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
         )
-    small = 1e-9 * material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
-    rule = f"of a law that begins with the constants of body {where[4]}: leave out its own"
-    require(not _differs(law, compliance(material), small, 0.0).any(), where, "type", law.key, rule)
     whole = scene.numerics.inclusion_resolution == "whole"
     require(not whole, where, "type", law.key, 'of a scene with numerics.inclusion-resolution = "cells"')
 
 
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """Law of a body of some elastic constants, at rest, that is asked where it is elastic; `where` is for messages."""
+
+    law: ConstitutiveLaw
+    material: Material
+    where: str
+
+    def beyond(self, stress: FloatArray, z: float) -> NDArray[np.bool_]:
+        """Whether the law answers the strain of an elastic stress ``(6, n)`` [Pa] at a depth [m] with another one.
+
+        Raises
+        ------
+        SceneError
+            It has elastic constants other than the body.
+        """
+        small = 1e-9 * self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
+        rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
+        got = f"{self.law.key!r}, with others at a depth of {z:g} m"
+        require(not self._differs(small, z).any(), self.where, "type", got, rule)
+        return self._differs(stress, z)
+
+    def _differs(self, stress: FloatArray, z: float) -> NDArray[np.bool_]:
+        count = stress.shape[1]
+        before = {name: np.zeros((variable.components, count)) for name, variable in self.law.variables.items()}
+        step: Any = LawStep(x=np.zeros(count), y=np.zeros(count), z=np.full(count, z), time=1.0, duration=1.0)
+        size: FloatArray = np.linalg.norm(stress, axis=0)
+        try:
+            answer = np.asarray(self.law.update(compliance(self.material) @ stress, before, step).stress)
+        except EigencontactError:
+            return np.asarray(size > 0.0)
+        return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)
+
+
 def _box_where(
-    law: ConstitutiveLaw,
-    material: Material,
-    scene: Scene,
-    bodies: Bodies,
-    geometries: tuple[Geometry, ...],
+    trial: _Trial,
+    loads: Sequence[tuple[Grid, Mapping[str, FloatArray]]],
     influences: Mapping[str, SurfaceInfluence],
-    friction: FrictionLaw | None,
-    grid: Grid,
+    beside: Sequence[InclusionShape | Patch],
+    room: float,
 ) -> Patch | None:
     """Box around all places where a law is more than elastic under a load of the scene; None where it never is."""
-    bounds: list[tuple[FloatArray, FloatArray]] = []
-    for window, pressure in _coarse_contacts(scene, bodies, geometries, influences["p"], grid):
-        for fields in _loads(window, pressure, influences, friction):
-            found = _extent(law, material, window, fields, influences)
-            if found is not None:
-                bounds.append(found)
-    if not bounds:
+
+    def bounds(factor: float) -> _Bounds | None:
+        found = [_extent(trial, window, fields, influences, factor) for window, fields in loads]
+        return _around([one for one in found if one is not None])
+
+    box = next((found for factor in (_BESIDE if beside else [_SAFETY]) if (found := bounds(factor))), None)
+    if box is None:
         return None
-    low = np.min([one for one, _ in bounds], axis=0)
-    high = np.max([other for _, other in bounds], axis=0)
-    room = scene.numerics.law_room * (high - low)
-    (x0, y0, _), (x1, y1, depth) = low - room, high + room
+    if beside:
+        far = bounds(_BESIDE[-1]) or box
+        box = _around([box, *(held for shape in beside if (held := _held(shape, far)))]) or box
+    low, high = box
+    (x0, y0, _), (x1, y1, depth) = low - room * (high - low), high + room * (high - low)
     return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth))))
+
+
+def _around(found: Sequence[_Bounds]) -> _Bounds | None:
+    """Bounds of all; None of none."""
+    if not found:
+        return None
+    return np.min([low for low, _ in found], axis=0), np.max([high for _, high in found], axis=0)
+
+
+def _held(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
+    """Bounds of a region that lies in others, cut off there: one that is wider, as a layer, disturbs at its edges."""
+    low, high = (np.asarray(corner, dtype=float) for corner in shape.bounds)
+    low, high = np.maximum(low, far[0]), np.minimum(high, far[1])
+    return (low, high) if np.all(low < high) else None
 
 
 def _coarse_contacts(
@@ -175,12 +233,12 @@ def _loads(
 
 
 def _extent(
-    law: ConstitutiveLaw,
-    material: Material,
+    trial: _Trial,
     window: Grid,
     fields: Mapping[str, FloatArray],
     influences: Mapping[str, SurfaceInfluence],
-) -> tuple[FloatArray, FloatArray] | None:
+    factor: float,
+) -> _Bounds | None:
     """Bounds (x, y, z) of the places at which a law is more than elastic under tractions on a coarse window."""
     box = Box.around(fields["p"] > 0)
     if box is None:
@@ -190,7 +248,7 @@ def _extent(
     middle = np.array([window.x[box.x0] + window.x[box.x1 - 1], window.y[box.y0] + window.y[box.y1 - 1]]) / 2
     count = 3 * max(nx, ny, _ACROSS)
     for _ in range(_DOUBLINGS):
-        inside = _beyond(law, material, window, loaded, influences, count)
+        inside = _beyond(trial, window, loaded, influences, count, factor)
         if not inside.any():
             return None
         rim = (inside[-1], inside[:, [0, -1]], inside[:, :, [0, -1]])
@@ -205,15 +263,14 @@ def _extent(
 
 
 def _beyond(
-    law: ConstitutiveLaw,
-    material: Material,
+    trial: _Trial,
     window: Grid,
     loaded: Mapping[str, FloatArray],
     influences: Mapping[str, SurfaceInfluence],
     count: int,
+    factor: float,
 ) -> NDArray[np.bool_]:
     """Whether a law is more than elastic, in coarse cells ``(nz, count, count)`` about the loaded ones."""
-    flexible = compliance(material)
     # Offsets from loaded cells to the points: all that a sum over the cells needs.
     y, x = (
         (np.arange(1 - loads, count) + 0.5 * (loads - count)) * edge
@@ -224,23 +281,10 @@ def _beyond(
     for z in (np.arange(count // 2) + 0.5) * window.dx:
         stress = np.zeros((6, count, count))
         for name, field in loaded.items():
-            tables = influences[name].sample("stress", list(COMPONENTS), x, y, float(z), half, material)
+            tables = influences[name].sample("stress", list(COMPONENTS), x, y, float(z), half, trial.material)
             for row, table in enumerate(tables):
                 stress[row] += fftconvolve(table, field, mode="valid")
         stress[3:] *= SQRT2
-        tried = _SAFETY * stress.reshape(6, -1)
-        out.append(_differs(law, flexible, tried, float(z)).reshape(count, count))
+        tried = factor * stress.reshape(6, -1)
+        out.append(trial.beyond(tried, float(z)).reshape(count, count))
     return np.array(out)
-
-
-def _differs(law: ConstitutiveLaw, flexible: FloatArray, stress: FloatArray, z: float) -> NDArray[np.bool_]:
-    """Whether a law at rest answers the strain of an elastic stress with another one."""
-    count = stress.shape[1]
-    before = {name: np.zeros((variable.components, count)) for name, variable in law.variables.items()}
-    step: Any = LawStep(x=np.zeros(count), y=np.zeros(count), z=np.full(count, z), time=1.0, duration=1.0)
-    size: FloatArray = np.linalg.norm(stress, axis=0)
-    try:
-        answer = np.asarray(law.update(flexible @ stress, before, step).stress)
-    except EigencontactError:
-        return np.asarray(size > 0.0)
-    return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)

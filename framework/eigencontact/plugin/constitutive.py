@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol, runtime_checkable
 
@@ -18,6 +18,7 @@ __all__ = [
     "HasCellAnswer",
     "LawStep",
     "LinearLaw",
+    "MadeOfLaws",
     "NonLocal",
     "OfBody",
     "Response",
@@ -176,6 +177,17 @@ class VariesInSpace(Protocol):
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> ConstitutiveLaw:
         """Law of the points x, y, z, each ``(n,)`` [m]: whatever it answers is for those, in that order."""
+        ...
+
+
+@runtime_checkable
+class MadeOfLaws(Protocol):
+    """Optional ability of a law: it is other laws, each at places of its own. Solvers then ask those."""
+
+    def laws_at(
+        self, x: FloatArray, y: FloatArray, z: FloatArray
+    ) -> Sequence[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
+        """Laws, and which of the points x, y, z, each ``(n,)`` [m], have them: every point one."""
         ...
 
 

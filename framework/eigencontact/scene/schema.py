@@ -59,7 +59,10 @@ class Body(Table):
             own = ("rigid", "young_modulus", "poisson_ratio", "law")
             others = [name for name in own if getattr(self, name) not in (None, False)]
             if others:
-                raise ValueError(f"a medium alone: leave out medium or {', '.join(others)}".replace("_", "-"))
+                way = f"a medium alone: leave out medium or {', '.join(others)}".replace("_", "-")
+                if self.law is not None:
+                    way += '; layers of one material that yield are law = { type = "by-depth", ... }, others inclusions'
+                raise ValueError(way)
             return self
         given = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
         if self.rigid and len(given) < 2:

@@ -70,6 +70,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
         law_arrays.check_update_pure,
         law_arrays.check_points_alone,
         law_abilities.check_law_at_places,
+        law_abilities.check_parts_of_law,
         law_abilities.check_law_of_body,
         law_abilities.check_cell_answer,
         law_elastic.check_stiffness,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import HasCellAnswer, OfBody, Surroundings, VariesInSpace
+from eigencontact.plugin import HasCellAnswer, MadeOfLaws, OfBody, Surroundings, VariesInSpace
 from eigencontact_verification.conformance.law_questions import (
     Question,
     answered,
@@ -20,7 +21,7 @@ from eigencontact_verification.conformance.law_questions import (
 )
 from eigencontact_verification.conformance.report import check, ensure
 
-__all__ = ["check_cell_answer", "check_law_at_places", "check_law_of_body"]
+__all__ = ["check_cell_answer", "check_law_at_places", "check_law_of_body", "check_parts_of_law"]
 
 FloatArray = NDArray[np.float64]
 
@@ -44,6 +45,33 @@ def check_law_at_places(law: Any) -> None:
                 np.allclose(itself, there_, rtol=0.0, atol=_ROUNDING * size), f"{what} of the law of the points",
                 "that of the law itself", "something else", "let update ask self.at(step.x, step.y, step.z)",
             )  # fmt: skip
+
+
+@law_check
+def check_parts_of_law(law: Any) -> None:
+    """Every point has one of the laws that a law is made of, and that answers as the law itself does there."""
+    if not isinstance(law, MadeOfLaws):
+        return
+    for question, answer in history(law):
+        step = question.step
+        parts = law.laws_at(step.x, step.y, step.z)
+        ensure(
+            np.array_equal(np.sum([where for _, where in parts], axis=0), np.ones(question.count)),
+            "laws_at", "one law for every point", "none, or several", "",
+        )  # fmt: skip
+        for part, where in parts:
+            place = replace(step, x=step.x[where], y=step.y[where], z=step.z[where])
+            before = {name: question.before[name][:, where] for name in part.variables}
+            local = answered(part, Question(question.strain[:, where], before, place))
+            size = float(np.abs(answer.stress).max(initial=0.0))
+            ensure(
+                np.allclose(answer.stress[:, where], local.stress, rtol=0.0, atol=_ROUNDING * size),
+                f"stress of the part {part.key!r}", "that of the law itself", "something else",
+                "let update ask the laws of laws_at",
+            )  # fmt: skip
+            for name, values in local.variables.items():
+                same = np.array_equal(answer.variables[name][:, where], values)
+                ensure(same, f"variable {name!r} of the part {part.key!r}", "that of the law itself", "another", "")
 
 
 @check

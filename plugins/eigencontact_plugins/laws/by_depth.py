@@ -1,0 +1,116 @@
+"""Several laws, one below the other: a hardened layer, or a ground that alone yields."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import (
+    Component,
+    ConstitutiveLaw,
+    LawStep,
+    Length,
+    OfBody,
+    Response,
+    Variable,
+    hookimpl,
+    require,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ByDepth"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByDepth(ConstitutiveLaw):
+    """One law above each interface, and another below the last.
+
+    A cell has the law of the depth of its middle: interfaces that are no faces of cells move by half a cell at most
+    (``numerics.inclusion-pitch`` sets their height). On an interface the deeper law counts.
+
+    Parameters
+    ----------
+    interfaces : tuple of float
+        Depths [m], positive and ascending.
+    laws : tuple of ConstitutiveLaw
+        From the surface down, one more than interfaces; ``{ type = "elastic" }`` is what stays elastic.
+    """
+
+    key: ClassVar[str] = "by-depth"
+    references: ClassVar[tuple[str, ...]] = ("K. L. Johnson 1985, Contact Mechanics, section 5.8",)
+
+    interfaces: tuple[Length, ...]
+    laws: tuple[ConstitutiveLaw, ...]
+
+    def __post_init__(self) -> None:
+        depths = np.asarray(self.interfaces, dtype=float)
+        good = bool(depths.size and np.all(np.isfinite(depths)) and depths[0] > 0 and np.all(np.diff(depths) > 0))
+        require(good, self.key, "interfaces", self.interfaces, "one depth or more, positive and ascending [m]")
+        rule = f"{depths.size + 1} laws, one more than interfaces"
+        require(len(self.laws) == depths.size + 1, self.key, "laws", [law.key for law in self.laws], rule)
+        for law in self.laws:
+            for name, variable in law.variables.items():
+                rule = f"laws that remember {name!r} alike: stored as one field"
+                require(self.variables[name] == variable, self.key, "laws", [one.key for one in self.laws], rule)
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
+        """See `ConstitutiveLaw.variables`: those of all; zero where a law does not know them."""
+        return {name: one for law in reversed(self.laws) for name, one in law.variables.items()}
+
+    @property
+    def symmetric(self) -> bool:  # type: ignore[override]
+        """See `ConstitutiveLaw`."""
+        return all(law.symmetric for law in self.laws)
+
+    @property
+    def isotropic(self) -> bool:  # type: ignore[override]
+        """See `ConstitutiveLaw`."""
+        return all(law.isotropic for law in self.laws)
+
+    def of_body(self, young_modulus: float, poisson_ratio: float) -> ByDepth:
+        """See `OfBody.of_body`."""
+        laws: Any = [law.of_body(young_modulus, poisson_ratio) if isinstance(law, OfBody) else law for law in self.laws]
+        return replace(self, laws=tuple(laws))
+
+    def laws_at(
+        self,
+        x: FloatArray,  # noqa: ARG002
+        y: FloatArray,  # noqa: ARG002
+        z: FloatArray,
+    ) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
+        """See `MadeOfLaws.laws_at`."""
+        layer = np.searchsorted(np.asarray(self.interfaces), z, side="right")
+        return [(law, layer == number) for number, law in enumerate(self.laws)]
+
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
+        """See `ConstitutiveLaw.update`."""
+        stress, tangent = np.empty_like(strain), np.empty((6, *strain.shape))
+        after = {name: np.array(values) for name, values in before.items()}
+        for law, here in self.laws_at(step.x, step.y, step.z):
+            place = replace(step, x=step.x[here], y=step.y[here], z=step.z[here])
+            found = law.update(strain[:, here], {name: before[name][:, here] for name in law.variables}, place)
+            stress[:, here] = found.stress
+            tangent[:, :, here] = found.tangent if found.tangent.ndim == 3 else found.tangent[..., None]
+            for name, values in found.variables.items():
+                after[name][:, here] = values
+        return Response(stress=stress, tangent=tangent, variables=after)
+
+    @property
+    def words(self) -> str:
+        """See `ConstitutiveLaw.words`."""
+        return f"layers, from the surface down: {'; '.join(law.words for law in self.laws)}"
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Component]]:
+    """Register laws by depth."""
+    return [ByDepth]
