@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,12 @@ if TYPE_CHECKING:
 
     from eigencontact.execution.driver import Watcher
     from eigencontact.planning.plan import Plan
+    from eigencontact.results.memory import MemoryStore
     from eigencontact.results.records import StepRecord
+    from eigencontact.results.store import ResultStore
     from eigencontact.scene.schema import Scene
+
+    Store = ResultStore | MemoryStore
 
 __all__ = [
     "RunResult",
@@ -106,7 +110,7 @@ class RunResult:
     summary : dict
         The contents of ``summary.json``.
     dataset : xarray.Dataset
-        Everything stored, with coordinates, units and provenance.
+        Everything stored, with coordinates, units and provenance; opened, or put together, when first asked for.
     folder : Path or None
         Where it is stored; None for a run in memory.
     files : dict of str to str
@@ -118,11 +122,15 @@ class RunResult:
     """
 
     summary: dict[str, Any]
-    dataset: xarray.Dataset
     folder: Path | None
     files: dict[str, str] = field(default_factory=dict)
     problems: tuple[str, ...] = ()
     seconds: float = 0.0
+    _store: Store = field(repr=False)
+
+    @cached_property
+    def dataset(self) -> xarray.Dataset:  # noqa: D102 - an attribute to its users, described above
+        return self._store.dataset()
 
 
 def run(
@@ -171,90 +179,98 @@ def run(
         raise ResultsError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
     planned = scene if isinstance(scene, Plan) else plan(scene, registry=registry)
     if folder is not None:
-        return _run_in(planned, Path(folder), began, resume=resume, overwrite=overwrite, watcher=watcher, keep=True)
+        return _run_in(planned, Path(folder), began, resume=resume, overwrite=overwrite, watcher=watcher)
     if resume:
         raise ResultsError(
             "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
         )
-    with tempfile.TemporaryDirectory(prefix="eigencontact-") as scratch:
-        return _run_in(planned, Path(scratch), began, resume=False, overwrite=False, watcher=watcher, keep=False)
+    from eigencontact.planning.provenance import run_info
+    from eigencontact.results.memory import MemoryStore
+
+    store = MemoryStore(run_info(planned))
+    summary = _summary(planned, store, _solve(planned, store, watcher, {}), {}, began)
+    return RunResult(summary=summary, folder=None, seconds=perf_counter() - began, _store=store)
 
 
 def _run_in(
-    planned: Plan,
-    folder: Path,
-    began: float,
-    *,
-    resume: bool,
-    overwrite: bool,
-    watcher: Watcher | None,
-    keep: bool,
+    planned: Plan, folder: Path, began: float, *, resume: bool, overwrite: bool, watcher: Watcher | None
 ) -> RunResult:
-    from eigencontact.core.memory import peak_bytes, resident_bytes
-    from eigencontact.execution.driver import drive
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
-    from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.store import ResultStore
-    from eigencontact.results.summary import run_history, write_summary
-    from eigencontact.worth.noticed import noticed
+    from eigencontact.results.summary import write_summary
 
-    info = run_info(planned)
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
     wanted = planned.scene.output
     regions = [request.label for request in planned.scene.stress]
-    refuse_foreign(folder, regions, summary=True, pictures=keep and wanted.pictures, vtk=keep and wanted.vtk)
-    store = ResultStore.create(folder, info, resume=resume, overwrite=overwrite)
+    refuse_foreign(folder, regions, summary=True, pictures=wanted.pictures, vtk=wanted.vtk)
+    store = ResultStore.create(folder, run_info(planned), resume=resume, overwrite=overwrite)
     accepted = store.accepted() if resume else []
-    done = {index: _reader(store, index) for index in accepted}
-    last: StepRecord | None = store.load_step(accepted[-1]) if accepted else None
-    predicted = resident_bytes() + planned.cost.peak
-    solving, resumed = 0.0, perf_counter()
+    done = {index: partial(store.load_step, index) for index in accepted}
     try:
-        for record in drive(planned, watcher=watcher, done=done):
-            solving += perf_counter() - resumed
-            store.write_step(record)
-            last, resumed = record, perf_counter()
+        solved = _solve(planned, store, watcher, done)
     except BaseException:
         store.abandon()
         raise
-    peak = peak_bytes()
-    assert last is not None
-    results = store.folder / "results.nc" if store.finished else store.finish()
+    results = store.finish()
     files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}
-    if keep:
-        files |= _draw(planned, results, folder)
-    extra = {
-        "peak_memory_bytes": peak,
-        "predicted_memory_bytes": int(predicted),
-        "compute_seconds": solving,
-        "predicted_seconds": planned.seconds,
-        "files": {**files, "summary.json": "the numbers of this run"},
-        "versions": info.versions,
-        "references": list(info.references),
-        "kernels": [str(kernel) for kernel in planned.kernels],
-        "warnings": [caution.to_dict() for caution in noticed(planned, last, run_history(folder, last))],
-        "total_seconds": perf_counter() - began,
-    }
-    summary_path = write_summary(folder, info, last, extra)
-    summary = json.loads(summary_path.read_text(encoding="utf-8"))
-    dataset = open_stored(results)
-    if not keep:
-        dataset = dataset.load()
-        dataset.close()
+    files |= _draw(planned, results, folder)
     files["summary.json"] = "the numbers of this run, in SI units"
+    summary = _summary(planned, store, solved, files, began)
+    write_summary(folder, summary)
     return RunResult(
         summary=summary,
-        dataset=dataset,
-        folder=folder if keep else None,
-        files=files if keep else {},
+        folder=folder,
+        files=files,
         problems=tuple(store.problems),
         seconds=perf_counter() - began,
+        _store=store,
     )
 
 
-def _reader(store: Any, index: int) -> Any:
-    return lambda: store.load_step(index)
+class _Solved(NamedTuple):
+    """The last step, the time of solving [s], and the memory that it was predicted to take and took [byte]."""
+
+    last: StepRecord
+    seconds: float
+    predicted: float
+    peak: int | None
+
+
+def _solve(
+    planned: Plan, store: Store, watcher: Watcher | None, done: Mapping[int, Callable[[], StepRecord]]
+) -> _Solved:
+    """Solve and store all steps that are not done."""
+    from eigencontact.core.memory import peak_bytes, resident_bytes
+    from eigencontact.execution.driver import drive
+
+    last = done[max(done)]() if done else None
+    predicted = resident_bytes() + planned.cost.peak
+    solving, resumed = 0.0, perf_counter()
+    for record in drive(planned, watcher=watcher, done=done):
+        solving += perf_counter() - resumed
+        store.write_step(record)
+        last, resumed = record, perf_counter()
+    assert last is not None
+    return _Solved(last, solving, predicted, peak_bytes())
+
+
+def _summary(planned: Plan, store: Store, solved: _Solved, files: Mapping[str, str], began: float) -> dict[str, Any]:
+    from eigencontact.results.summary import summary_of
+    from eigencontact.worth.noticed import noticed
+
+    history = store.history(solved.last)
+    extra = {
+        "peak_memory_bytes": solved.peak,
+        "predicted_memory_bytes": int(solved.predicted),
+        "compute_seconds": solved.seconds,
+        "predicted_seconds": planned.seconds,
+        "files": files,
+        "kernels": [str(kernel) for kernel in planned.kernels],
+        "warnings": [caution.to_dict() for caution in noticed(planned, solved.last, history)],
+        "total_seconds": perf_counter() - began,
+    }
+    return summary_of(store.info, solved.last, history, extra)
 
 
 def _draw(planned: Plan, results: Path, folder: Path) -> dict[str, str]:
@@ -378,23 +394,21 @@ def region(
         A region that is refused; a step, or what the bodies remember after it, that is not stored.
     """
     from eigencontact.planning.revisit import region_table, revisit
-    from eigencontact.results.join import join_steps
+    from eigencontact.results.join import dataset_of, join_steps
     from eigencontact.results.ownership import refuse_foreign_file
-    from eigencontact.results.reader import open_results as open_stored
     from eigencontact.results.reader import results_file
-    from eigencontact.results.stepfile import write_step
+    from eigencontact.results.stepfile import step_part
 
     wanted = region_table(table) if isinstance(table, str) else table
     info, record = revisit(results_file(results), wanted, installed_plugins(), step)
-    with tempfile.TemporaryDirectory(prefix="eigencontact-") as scratch:
-        part, kept = Path(scratch) / "step.h5", Path(scratch if folder is None else folder)
-        target = kept / _region_file(next(iter(record.regions)))
-        refuse_foreign_file(target)
-        _make_folder(kept)
-        write_step(part, info, record)
-        join_steps(target, [part])
-        dataset = open_stored(target)
-        return dataset if folder is not None else dataset.load()
+    part = step_part(info, record)
+    if folder is None:
+        return dataset_of([part])
+    target = Path(folder) / _region_file(next(iter(record.regions)))
+    refuse_foreign_file(target)
+    _make_folder(target.parent)
+    join_steps(target, [part])
+    return open_results(target)
 
 
 def open_results(path: str | Path) -> xarray.Dataset:

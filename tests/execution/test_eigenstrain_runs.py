@@ -121,7 +121,7 @@ def test_an_interrupted_run_of_eigenstrain_is_resumed(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         ec.run(scene, tmp_path / "out", watcher=Fatal())
-    assert len(list((tmp_path / "out" / "steps").glob("*.h5"))) == 2
+    assert len(list((tmp_path / "out" / "steps").glob("*.step"))) == 2
     resumed = ec.run(scene, tmp_path / "out", resume=True)
     whole = ec.run(scene)
     np.testing.assert_array_equal(resumed.dataset.residual_displacement_z, whole.dataset.residual_displacement_z)

@@ -317,7 +317,7 @@ def test_after_five_halvings_the_user_is_told(stubborn, tmp_path):
     with pytest.raises(NotConverged, match="too far"):
         ec.run(scene(steps), tmp_path)
     assert asked[1:] == close([3.2, 1.6, 0.8, 0.4, 0.2, 0.1], rel=1e-12)
-    assert (tmp_path / "steps" / "0001.h5").exists()
+    assert (tmp_path / "steps" / "0001.step").exists()
 
 
 def test_a_law_sees_where_the_history_stands(monkeypatch):

@@ -97,16 +97,16 @@ def same(one, other):
 def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path):
     killed = run(scene, tmp_path / "killed", step=step, number=signal.SIGKILL)
     assert killed.returncode == -signal.SIGKILL
-    stored = sorted(path.name for path in (tmp_path / "killed" / "steps").glob("*.h5"))
-    assert stored == [f"{index:04d}.h5" for index in range(1, step)]
+    stored = sorted(path.name for path in (tmp_path / "killed" / "steps").glob("*.step"))
+    assert stored == [f"{index:04d}.step" for index in range(1, step)]
     with pytest.raises(ec.EigencontactError, match=rf"an interrupted run with {step - 1} stored steps.*--resume"):
         ec.open_results(tmp_path / "killed")
     if stored:
-        before = (tmp_path / "killed" / "steps" / "0001.h5").stat().st_mtime_ns
+        before = (tmp_path / "killed" / "steps" / "0001.step").stat().st_mtime_ns
         again = run(scene, tmp_path / "killed")
         assert again.returncode == 5
         assert "--resume continues it" in again.stderr
-        assert (tmp_path / "killed" / "steps" / "0001.h5").stat().st_mtime_ns == before
+        assert (tmp_path / "killed" / "steps" / "0001.step").stat().st_mtime_ns == before
     resumed = run(scene, tmp_path / "killed", "--resume")
     assert (resumed.returncode, resumed.stderr) == (0, "")
     assert not (tmp_path / "killed" / "steps").exists()
@@ -119,7 +119,7 @@ def test_ctrl_c_returns_130_and_keeps_the_accepted_steps(scene, tmp_path):
     assert stopped.returncode == 130
     assert stopped.stdout == ""
     assert stopped.stderr == "eigencontact: interrupted; accepted steps are kept, continue with --resume\n"
-    assert len(list((tmp_path / "out" / "steps").glob("*.h5"))) == 2
+    assert len(list((tmp_path / "out" / "steps").glob("*.step"))) == 2
     assert run(scene, tmp_path / "out", "--resume").returncode == 0
     ec.run(scene[1], tmp_path / "whole").dataset.close()
     same(tmp_path / "out", tmp_path / "whole")

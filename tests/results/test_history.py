@@ -59,8 +59,8 @@ def test_history_is_read_back_to_the_last_bit_from_steps_and_from_results(tmp_pa
 @pytest.mark.parametrize(("every", "kept"), [(False, [2, 3]), (True, [1, 2, 3])])
 def test_an_unfinished_run_keeps_the_last_two_or_all(tmp_path, every, kept):
     store = filled(tmp_path, 3, every=every, count=4)
-    assert sorted(path.name for path in (tmp_path / "steps").glob("*.history.h5")) == [
-        f"{index:04d}.history.h5" for index in kept
+    assert sorted(path.name for path in (tmp_path / "steps").glob("*.history.step")) == [
+        f"{index:04d}.history.step" for index in kept
     ]
     assert [bool(store.load_step(index).history) for index in (1, 2, 3)] == [index in kept for index in (1, 2, 3)]
     assert store.accepted() == [1, 2, 3]
@@ -87,20 +87,20 @@ def test_results_open_with_names_units_and_coordinates(tmp_path, every, kept):
 @pytest.mark.parametrize(
     ("harm", "usable", "message"),
     [
-        (lambda folder: (folder / "0003.history.h5").unlink(), [1, 2], "after step 3 is missing"),
+        (lambda folder: (folder / "0003.history.step").unlink(), [1, 2], "after step 3 is missing"),
         (
-            lambda folder: (folder / "0003.history.h5").write_text("no"),
+            lambda folder: (folder / "0003.history.step").write_text("no"),
             [1, 2],
-            "0003.history.h5 must be a results",
+            "0003.history.step must be a results",
         ),
-        (lambda folder: (folder / "0003.h5").unlink(), [1, 2], None),
-        (lambda folder: (folder / "0002.history.h5").write_text("no"), [1, 2, 3], None),
+        (lambda folder: (folder / "0003.step").unlink(), [1, 2], None),
+        (lambda folder: (folder / "0002.history.step").write_text("no"), [1, 2, 3], None),
         (
-            lambda folder: [path.unlink() for path in folder.glob("*.history.h5")],
+            lambda folder: [path.unlink() for path in folder.glob("*.history.step")],
             [],
             "after step 1 is missing",
         ),
-        (lambda folder: (folder / "0003.h5").write_text("no"), [1, 2], "0003.h5 must be a results file"),
+        (lambda folder: (folder / "0003.step").write_text("no"), [1, 2], "0003.step must be a results file"),
     ],
     ids=["missing", "damaged", "no step", "of one before", "none left", "step damaged"],
 )
@@ -118,7 +118,7 @@ def test_a_history_of_another_scene_is_not_used(tmp_path):
     info = synthetic.info(scene_hash="b" * 64)
     ResultStore.create(tmp_path / "other", info).write_step(step(info, 2))
     store = filled(tmp_path / "run", 2)
-    name = "steps/0002.history.h5"
+    name = "steps/0002.history.step"
     (tmp_path / "run" / name).write_bytes((tmp_path / "other" / name).read_bytes())
     assert store.accepted() == [1]
     assert "of this scene" in store.problems[0]
@@ -130,4 +130,4 @@ def test_a_name_that_another_result_has_is_refused(tmp_path):
     store = ResultStore.create(tmp_path, info)
     with pytest.raises(ResultsError, match=r"name of a result must be unique.*'pressure'"):
         store.write_step(replace(synthetic.step(info), history={"pressure": clash}))
-    assert not list((tmp_path / "steps").glob("*.h5"))
+    assert not list((tmp_path / "steps").glob("*.step"))

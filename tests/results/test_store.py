@@ -122,15 +122,14 @@ def test_quantity_of_some_steps_is_nan_in_the_others_and_absent_again_when_loade
     assert "reference_pressure" not in store.load_step(1).fields
 
 
-def test_large_fields_are_compressed_and_unchanged(tmp_path):
+def test_large_fields_are_stored_as_they_are(tmp_path):
     info = synthetic.info(nx=512, ny=300)
-    record = synthetic.step(info, regions=())
-    path = filled(tmp_path, info, [record]).finish()
+    records = [synthetic.step(info, n, n * 0.3, regions=()) for n in (1, 2, 3)]
+    path = filled(tmp_path, info, records).finish()
     with open_results(path) as found:
-        assert (found["pressure"].encoding["zlib"], found["pressure"].encoding["complevel"]) == (True, 1)
-        assert not found["x"].encoding.get("zlib")  # some versions of xarray say nothing
-        np.testing.assert_array_equal(found["pressure"][0], record.fields["pressure"])
-    assert path.stat().st_size < 0.7 * sum(field.nbytes for field in record.fields.values())
+        for at, record in enumerate(records):
+            np.testing.assert_array_equal(found["pressure"][at], record.fields["pressure"])
+    assert path.stat().st_size < 1.02 * sum(field.nbytes for record in records for field in record.fields.values())
 
 
 def test_long_scene_and_empty_title_survive(tmp_path):
@@ -151,8 +150,8 @@ def test_kill_between_write_and_rename_leaves_complete_steps_only(tmp_path, monk
         patch.setattr(Path, "replace", broken_rename)
         with pytest.raises(ResultsError, match=r"^step 2 must be stored in .*got: No space left on device.*--resume"):
             store.write_step(synthetic.step(info, 2))
-    assert names(tmp_path / "steps") == ["0001.h5", "run.json"]
-    (tmp_path / "steps" / ".0002.h5.partial").write_bytes(b"half")
+    assert names(tmp_path / "steps") == ["0001.step", "run.json"]
+    (tmp_path / "steps" / ".0002.step.partial").write_bytes(b"half")
     again = ResultStore.create(tmp_path, info, resume=True)
     assert again.accepted() == [1]
     again.write_step(synthetic.step(info, 2))
@@ -221,7 +220,7 @@ def test_real_kill_and_real_write_failure(tmp_path, how, code):
     if how == "full":
         assert done.stdout.startswith("step 2 must be stored in")
         assert "File too large" in done.stdout
-        assert names(folder / "steps") == ["0001.h5", "run.json"]
+        assert names(folder / "steps") == ["0001.step", "run.json"]
     store = ResultStore.create(folder, synthetic.info(nx=300, ny=300, steps=3), resume=True)
     assert store.accepted() == [1]
     assert store.problems == []
@@ -243,10 +242,10 @@ def flip(path):
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (cut, "0002.h5 must be a results file complete"),
-        (flip, "0002.h5 must be a results file complete"),
-        (lambda path: path.write_text("not HDF5"), "0002.h5 must be a results file complete"),
-        (lambda path: path.write_bytes((path.parent / "0001.h5").read_bytes()), "holding step 2 .got: steps .1.."),
+        (cut, "0002.step must be a results file complete"),
+        (flip, "0002.step must be a results file complete"),
+        (lambda path: path.write_text("not HDF5"), "0002.step must be a results file complete"),
+        (lambda path: path.write_bytes((path.parent / "0001.step").read_bytes()), "holding step 2 .got: steps .1.."),
         (lambda path: path.unlink(), "step 2 is missing"),
     ],
     ids=["cut", "flipped", "foreign", "another step", "missing"],
@@ -254,7 +253,7 @@ def flip(path):
 def test_damaged_step_is_reported_and_recomputed(tmp_path, damage, message):
     info = synthetic.info(steps=3)
     filled(tmp_path, info, [synthetic.step(info, n) for n in (1, 2, 3)])
-    damage(tmp_path / "steps" / "0002.h5")
+    damage(tmp_path / "steps" / "0002.step")
     store = ResultStore.create(tmp_path, info, resume=True)
     assert store.accepted() == [1]
     assert len(store.problems) == 1
@@ -272,7 +271,7 @@ def test_step_of_another_scene_is_not_used(tmp_path):
     filled(tmp_path / "other", other, [synthetic.step(other)])
     info = synthetic.info()
     store = filled(tmp_path / "run", info, [])
-    (tmp_path / "run/steps/0001.h5").write_bytes((tmp_path / "other/steps/0001.h5").read_bytes())
+    (tmp_path / "run/steps/0001.step").write_bytes((tmp_path / "other/steps/0001.step").read_bytes())
     assert store.accepted() == []
     assert "of this scene" in store.problems[0]
 
@@ -391,11 +390,11 @@ def test_finish_refuses_gaps_no_steps_and_changed_regions(tmp_path):
 def test_finish_with_a_damaged_step_says_so_and_keeps_the_rest(tmp_path):
     info = synthetic.info(steps=3)
     store = filled(tmp_path, info, [synthetic.step(info, n) for n in (1, 2, 3)])
-    flip(tmp_path / "steps" / "0002.h5")
-    with pytest.raises(ResultsError, match=r"0002.h5 must be a complete step .*--resume .*keeps the steps before"):
+    flip(tmp_path / "steps" / "0002.step")
+    with pytest.raises(ResultsError, match=r"0002.step must be a complete step .*--resume .*keeps the steps before"):
         store.finish()
     assert names(tmp_path) == ["steps"]
-    assert names(tmp_path / "steps") == ["0001.h5", "0002.h5", "0003.h5", "run.json"]
+    assert names(tmp_path / "steps") == ["0001.step", "0002.step", "0003.step", "run.json"]
 
 
 @pytest.mark.parametrize("how", [cut, lambda path: path.write_bytes(path.read_bytes()[:40_000])])

@@ -6,7 +6,7 @@ import pytest
 from close import close
 from eigencontact.errors import ResultsError
 from eigencontact.results.store import ResultStore
-from eigencontact.results.summary import write_summary
+from eigencontact.results.summary import summary_of, write_summary
 from results import synthetic
 
 KEYS = """converged normal_load approach contact_area contact_radius max_pressure max_von_mises max_von_mises_depth
@@ -24,7 +24,10 @@ def test_summary_has_its_keys_and_the_history(tmp_path, finished, regions):
         store.write_step(record)
     if finished:
         store.finish()
-    found = json.loads(write_summary(tmp_path, info, records[-1], {"peak_memory_bytes": np.int64(7)}).read_text())
+    history = store.history(records[-1])
+    summary = summary_of(info, records[-1], history, {"peak_memory_bytes": np.int64(7)})
+    found = json.loads(write_summary(tmp_path, summary).read_text())
+    assert found == summary
     assert set(found) >= set(KEYS.split())
     assert found["converged"] is True
     assert found["normal_load"] == records[-1].scalars["normal_load"]
@@ -43,7 +46,7 @@ def test_not_a_number_is_null(tmp_path):
     record = synthetic.step(info)
     record.scalars.update({"approach": np.nan, "iterations": np.inf, "gap_residual": np.float64(np.nan)})
     extra = {"timings": {"setup": np.nan, "list": (1, np.nan)}, "folder": tmp_path}
-    text = write_summary(tmp_path, info, record, extra).read_text()
+    text = write_summary(tmp_path, summary_of(info, record, [], extra)).read_text()
     assert "NaN" not in text
     assert "Infinity" not in text
     found = json.loads(text)
@@ -52,6 +55,5 @@ def test_not_a_number_is_null(tmp_path):
 
 
 def test_summary_that_cannot_be_stored(tmp_path):
-    info = synthetic.info()
     with pytest.raises(ResultsError, match=r"^the summary must be stored in"):
-        write_summary(tmp_path / "nowhere", info, synthetic.step(info), {})
+        write_summary(tmp_path / "nowhere", {})

@@ -32,7 +32,8 @@ class Sink:
 
     def write(self, data: bytes | memoryview) -> int:
         """Write all of `data`; after a failure, nothing more."""
-        view = memoryview(data).cast("B")
+        view = memoryview(data)
+        view = view.cast("B") if view.nbytes else view
         done = 0
         try:
             while self.error is None and done < len(view):

@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.results.atomic import open_hdf5, replacing
-from eigencontact.results.layout import FORMAT, TEXT, Variable, create
-from eigencontact.results.records import HistoryRecord, RunInfo, StepRecord
+from eigencontact.results.layout import TEXT, Variable
+from eigencontact.results.records import HistoryRecord, StepRecord
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["HISTORY_STEP", "history_name", "history_of", "write_history"]
+__all__ = ["HISTORY_STEP", "history_name", "history_of", "history_variables"]
 
 #: Dimension along which the steps lie whose history is kept.
 HISTORY_STEP = "history_step"
@@ -30,21 +29,7 @@ _MANDEL = [name if name[0] == name[1] else f"sqrt2 {name}" for name in COMPONENT
 
 def history_name(step: Path) -> Path:
     """File of the history that belongs to the file of a step."""
-    return step.with_suffix(".history.h5")
-
-
-def write_history(path: Path, info: RunInfo, record: StepRecord) -> None:
-    """Store what the bodies remember after a step, atomically.
-
-    Raises
-    ------
-    ResultsError
-        When it cannot be stored; nothing is left behind then.
-    """
-    with replacing(path, f"the history of step {record.index}") as sink, open_hdf5(sink, "w") as file:
-        for variable in _variables(record):
-            create(file, variable)
-        file.attrs.update({"format": FORMAT, "scene_hash": info.scene_hash})
+    return step.with_suffix(f".history{step.suffix}")
 
 
 def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
@@ -71,7 +56,7 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
     return found
 
 
-def _variables(record: StepRecord) -> Iterator[Variable]:
+def history_variables(record: StepRecord) -> Iterator[Variable]:
     """Coordinates, and everything remembered, each once."""
     attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "step whose history is kept"}
     yield Variable(name=HISTORY_STEP, dims=(HISTORY_STEP,), values=np.array([record.index]), attrs=attrs)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
-__all__ = ["FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "create", "variables"]
+__all__ = ["FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "variables"]
 
 #: Value of the attribute ``format`` of every file of this layout.
 FORMAT = "eigencontact-results-1"
@@ -97,15 +97,6 @@ class Variable:
     dims: tuple[str, ...]
     values: NDArray[Any]
     attrs: dict[str, str | int] = field(default_factory=dict)
-
-
-def create(file: Any, variable: Variable) -> None:
-    """Write a variable into an open HDF5 file; arrays carry a checksum so that damage is noticed when they are read."""
-    values = variable.values
-    checked = values.size > 1 and values.dtype.kind != "O"  # texts of any length take no checksum
-    options = {"chunks": values.shape, "fletcher32": True} if checked else {}
-    made = file.create_dataset(variable.name, data=values, dtype=values.dtype, track_order=False, **options)
-    made.attrs.update({**variable.attrs, "dims": " ".join(variable.dims)})
 
 
 def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:

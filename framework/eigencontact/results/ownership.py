@@ -15,9 +15,10 @@ from pathlib import Path
 from eigencontact.core.names import OF_REGIONS, PICTURES, SURFACE
 from eigencontact.errors import ResultsError
 
-__all__ = ["SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
+__all__ = ["RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
 
-SUMMARY = "summary.json"
+#: The results of a finished run, the steps of an unfinished one, and the numbers of a run.
+RESULTS, STEPS, SUMMARY = "results.nc", "steps", "summary.json"
 _NAME, _HASH = b"eigencontact", b'"scene_hash"'
 _BLOCK = 1 << 20
 

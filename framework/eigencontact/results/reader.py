@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from eigencontact.errors import ResultsError, shown
 from eigencontact.results.atomic import DAMAGE, reason
 from eigencontact.results.layout import FORMAT
-from eigencontact.results.store import RESULTS, STEPS
+from eigencontact.results.ownership import RESULTS, STEPS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -76,7 +76,7 @@ def results_file(path: str | Path) -> Path:
     if not there:
         steps = (given if given.is_dir() else given.parent) / STEPS
         if steps.is_dir():
-            count = len(list(steps.glob("[0-9]*.h5")))
+            count = len({path.name.partition(".")[0] for path in steps.glob("[0-9]*")})
             raise ResultsError(
                 f"{file} must be the results of a finished run (got an interrupted run with {count} stored steps); "
                 "continue it with --resume"

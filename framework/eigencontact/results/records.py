@@ -112,6 +112,10 @@ class StepRecord:
     observed: dict[str, float] = field(default_factory=dict)
     history: dict[str, HistoryRecord] = field(default_factory=dict)
 
+    def row(self) -> dict[str, float]:
+        """Every number of the step by name."""
+        return {"step": self.index, "time": self.time, **self.scalars, **self.observed}
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunInfo:

@@ -3,20 +3,43 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import DAMAGE, open_hdf5, reason, replacing
-from eigencontact.results.history import history_name, history_of, write_history
-from eigencontact.results.layout import FORMAT, attributes, create, variables
+from eigencontact.results.atomic import DAMAGE, reason, replacing
+from eigencontact.results.history import history_name, history_of, history_variables
+from eigencontact.results.layout import FORMAT, attributes, variables
+from eigencontact.results.part import Part, open_part, part_of, write_part
 from eigencontact.results.records import HistoryRecord, RegionRecord, RunInfo, StepRecord
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["names_remembered", "read_attributes", "read_history", "read_step", "stored_steps", "write_step"]
+__all__ = [
+    "history_part",
+    "names_remembered",
+    "read_attributes",
+    "read_history",
+    "read_step",
+    "step_part",
+    "stored_rows",
+    "stored_steps",
+    "write_step",
+]
+
+
+def step_part(info: RunInfo, record: StepRecord) -> Part:
+    """Build a step as it will be joined, in memory; `ResultsError` as of `eigencontact.results.layout.variables`."""
+    return part_of(attributes(info, record), variables(info, record))
+
+
+def history_part(info: RunInfo, record: StepRecord) -> Part:
+    """What the bodies remember after a step, in memory."""
+    return part_of(_marked(info), list(history_variables(record)))
 
 
 def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
@@ -29,11 +52,14 @@ def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
     """
     listed = variables(info, record)
     if record.history:
-        write_history(history_name(path), info, record)
-    with replacing(path, f"step {record.index}") as sink, open_hdf5(sink, "w") as file:
-        for variable in listed:
-            create(file, variable)
-        file.attrs.update(attributes(info, record))
+        with replacing(history_name(path), f"the history of step {record.index}") as sink:
+            write_part(sink, _marked(info), list(history_variables(record)))
+    with replacing(path, f"step {record.index}") as sink:
+        write_part(sink, attributes(info, record), listed)
+
+
+def _marked(info: RunInfo) -> dict[str, str]:
+    return {"format": FORMAT, "scene_hash": info.scene_hash}
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
@@ -44,16 +70,8 @@ def read_attributes(path: Path) -> dict[str, Any]:
     ResultsError
         When the file is damaged or not ours.
     """
-    try:
-        with open_hdf5(path, "r") as file:
-            found = dict(file.attrs)
-    except DAMAGE as error:
-        raise ResultsError(_refusal(path, "complete", reason(error))) from error
-    if found.get("format") != FORMAT:
-        raise ResultsError(_refusal(path, f"of format {FORMAT!r}", str(found.get("format"))))
-    if not isinstance(found.get("scene_hash"), str):
-        raise ResultsError(_refusal(path, "complete", "no hash of its scene"))
-    return found
+    with _opened(path) as file:
+        return dict(file.attrs)
 
 
 def stored_steps(path: Path) -> list[int]:
@@ -64,11 +82,23 @@ def stored_steps(path: Path) -> list[int]:
     ResultsError
         When the file is damaged.
     """
-    try:
-        with open_hdf5(path, "r") as file:
-            return [int(index) for index in file["step"][...]]
-    except DAMAGE as error:
-        raise ResultsError(_refusal(path, "complete", reason(error))) from error
+    with _opened(path) as file:
+        return [int(index) for index in file["step"][...]]
+
+
+def stored_rows(path: Path) -> list[dict[str, Any]]:
+    """Numbers of each step in a file by name; NaN where a step has none.
+
+    Raises
+    ------
+    ResultsError
+        When the file is damaged.
+    """
+    with _opened(path) as file:
+        roles = {name: str(variable.attrs.get("role")) for name, variable in file.items()}
+        names = ["step", "time", *(name for name, role in roles.items() if role in ("scalar", "observed"))]
+        columns = [file[name][...] for name in names]
+    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
@@ -79,15 +109,11 @@ def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
     ResultsError
         When the file is damaged, not ours, of another scene, or does not hold that step.
     """
-    found = _attributes_of(path, scene_hash)
-    try:
-        with open_hdf5(path, "r") as file:
-            steps = [int(step) for step in file["step"][...]]
-            if index not in steps:
-                raise ResultsError(_refusal(path, f"holding step {index}", f"steps {steps}"))
-            return _record(file, index, steps.index(index), json.loads(found["regions"]))
-    except DAMAGE as error:
-        raise ResultsError(_refusal(path, "complete", reason(error))) from error
+    with _opened(path, scene_hash) as file:
+        steps = [int(step) for step in file["step"][...]]
+        if index not in steps:
+            raise ResultsError(_refusal(path, f"holding step {index}", f"steps {steps}"))
+        return _record(file, index, steps.index(index), json.loads(file.attrs["regions"]))
 
 
 def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRecord]:
@@ -101,13 +127,8 @@ def read_history(path: Path, scene_hash: str, index: int) -> dict[str, HistoryRe
         When the file is damaged, not ours or of another scene.
     """
     beside = history_name(path)
-    source = beside if beside.exists() else path
-    _attributes_of(source, scene_hash)
-    try:
-        with open_hdf5(source, "r") as file:
-            return history_of(file, index)
-    except DAMAGE as error:
-        raise ResultsError(_refusal(source, "complete", reason(error))) from error
+    with _opened(beside if beside.exists() else path, scene_hash) as file:
+        return history_of(file, index)
 
 
 def names_remembered(path: Path) -> list[str]:
@@ -115,11 +136,21 @@ def names_remembered(path: Path) -> list[str]:
     return [str(name) for name in json.loads(read_attributes(path).get("history", "[]"))]
 
 
-def _attributes_of(path: Path, scene_hash: str) -> dict[str, Any]:
-    found = read_attributes(path)
-    if found["scene_hash"] != scene_hash:
-        raise ResultsError(_refusal(path, "of this scene", f"scene hash {found['scene_hash']}"))
-    return found
+@contextmanager
+def _opened(path: Path, scene_hash: str | None = None) -> Iterator[Any]:
+    """Open a file of ours, of this scene where one is given; damage inside is reported too."""
+    try:
+        with open_part(path) as file:
+            found, own = file.attrs.get("format"), file.attrs.get("scene_hash")
+            if found != FORMAT:
+                raise ResultsError(_refusal(path, f"of format {FORMAT!r}", str(found)))
+            if not isinstance(own, str):
+                raise ResultsError(_refusal(path, "complete", "no hash of its scene"))
+            if scene_hash not in (None, own):
+                raise ResultsError(_refusal(path, "of this scene", f"scene hash {own}"))
+            yield file
+    except DAMAGE as error:
+        raise ResultsError(_refusal(path, "complete", reason(error))) from error
 
 
 def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRecord:

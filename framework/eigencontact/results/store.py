@@ -6,17 +6,19 @@ import json
 import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
 from eigencontact.results.join import join_steps
-from eigencontact.results.ownership import SUMMARY, is_ours, listed_files
+from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, listed_files
+from eigencontact.results.reader import open_results
 from eigencontact.results.stepfile import (
     names_remembered,
     read_attributes,
     read_history,
     read_step,
+    stored_rows,
     stored_steps,
     write_step,
 )
@@ -24,16 +26,17 @@ from eigencontact.results.stepfile import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import xarray as xr
+
     from eigencontact.results.records import RunInfo, StepRecord
 
-__all__ = ["RESULTS", "STEPS", "SUMMARY", "ResultStore"]
+__all__ = ["ResultStore"]
 
-#: The results of a finished run, and the steps of an unfinished one; `SUMMARY` stands beside them.
-RESULTS, STEPS = "results.nc", "steps"
 _MARK = "run.json"
-_STEP_FILE = re.compile(r"(\d{4,})\.h5")
-_HISTORY_FILE = re.compile(r"(\d{4,})\.history\.h5")
-_OWN_IN_STEPS = re.compile(r"(\d{4,}(\.history)?\.h5|run\.json|\.(\d{4,}(\.history)?\.h5|run\.json)\.partial)")
+_STEP_FILE = re.compile(r"(\d{4,})\.(step|h5)")  # .h5 of earlier versions
+_HISTORY_FILE = re.compile(r"(\d{4,})\.history\.(step|h5)")
+_OWN = r"(\d{4,}(\.history)?\.(step|h5)|run\.json)"
+_OWN_IN_STEPS = re.compile(rf"{_OWN}|\.{_OWN}\.partial")
 #: Histories that an unfinished run keeps: should the last step be damaged, the one before can still be continued.
 _KEPT = 2
 
@@ -42,8 +45,8 @@ _KEPT = 2
 class ResultStore:
     """Results of one run in one folder.
 
-    While a run is under way the folder holds ``steps/0001.h5 ...``, and where bodies remember something
-    ``0001.history.h5 ...`` of the last two steps (of all, if the scene wants that); `finish` joins them into
+    While a run is under way the folder holds ``steps/0001.step ...``, and where bodies remember something
+    ``0001.history.step ...`` of the last two steps (of all, if the scene wants that); `finish` joins them into
     ``results.nc``. A run killed at any moment leaves complete steps only, and a store created with ``resume=True``
     continues them.
 
@@ -143,8 +146,8 @@ class ResultStore:
         ResultsError
             When it cannot be stored (full disk, folder gone); earlier steps stay, nothing torn is left behind.
         """
-        write_step(self._path(record.index), self.info, record)
-        if not self.info.every_history:
+        write_step(self.folder / STEPS / f"{record.index:04d}.step", self.info, record)
+        if record.history and not self.info.every_history:
             for index, path in _files(self.folder / STEPS, _HISTORY_FILE).items():
                 if index <= record.index - _KEPT:
                     path.unlink()
@@ -223,8 +226,27 @@ class ResultStore:
         _remove_steps(self.folder)
         return target
 
+    def history(self, last: StepRecord) -> list[dict[str, Any]]:
+        """Numbers of every stored step, the last one as it is in memory; in order."""
+        results = self.folder / RESULTS
+        paths = [results] if results.exists() else list(_step_files(self.folder / STEPS).values())
+        rows = [row for path in paths for row in stored_rows(path) if row["step"] != last.index]
+        return sorted([*rows, last.row()], key=lambda row: float(row["step"]))
+
+    def dataset(self) -> xr.Dataset:
+        """Open the finished results; `ResultsError` where they have been replaced by those of another scene."""
+        found = open_results(self.folder)
+        if found.attrs["scene_hash"] != self.info.scene_hash:
+            found.close()
+            raise ResultsError(
+                f"{self.folder} must hold the results of {self.info.name!r} (got those of another scene)"
+            )
+        return found
+
     def _path(self, index: int) -> Path:
-        return self.folder / STEPS / f"{index:04d}.h5"
+        path = self.folder / STEPS / f"{index:04d}.step"
+        earlier = path.with_suffix(".h5")
+        return earlier if earlier.exists() and not path.exists() else path
 
 
 def _step_files(steps: Path) -> dict[int, Path]:
@@ -233,7 +255,7 @@ def _step_files(steps: Path) -> dict[int, Path]:
 
 def _files(steps: Path, pattern: re.Pattern[str]) -> dict[int, Path]:
     """Files of a pattern by the number of their step."""
-    paths = steps.iterdir() if steps.is_dir() else ()
+    paths = sorted(steps.iterdir()) if steps.is_dir() else ()  # .h5 first: one of this version counts
     return {int(match[1]): path for path in paths if (match := pattern.fullmatch(path.name))}
 
 

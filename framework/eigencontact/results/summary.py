@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.results.atomic import open_hdf5, replacing
+from eigencontact.results.atomic import replacing
 from eigencontact.results.layout import SCALARS
 from eigencontact.results.ownership import SUMMARY
-from eigencontact.results.store import RESULTS, STEPS
 
 if TYPE_CHECKING:
     from eigencontact.results.records import RunInfo, StepRecord
 
-__all__ = ["run_history", "write_summary"]
+__all__ = ["summary_of", "write_summary"]
 
 #: Scalars of the last step that stand at the top level; null where a run has none.
 _LAST = (
@@ -62,19 +61,21 @@ _SUMMED = (
 )
 
 
-def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mapping[str, Any]) -> Path:
-    """Write ``summary.json`` atomically.
+def summary_of(
+    info: RunInfo, record: StepRecord, history: Sequence[Mapping[str, Any]], extra: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Contents of ``summary.json``.
 
     Parameters
     ----------
-    folder : Path
-        The folder of the run; its stored steps give ``history``.
     info : RunInfo
         What holds for all steps.
     record : StepRecord
         The last accepted step: loads, contact and residuals at the top level are those of this step;
         ``iterations``, ``convolutions``, ``tangential_convolutions``, ``substeps`` and ``solve_seconds`` are sums over
         all steps.
+    history : sequence of mapping
+        Numbers of every step by name, in order.
     extra : mapping
         More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``warnings`` (what
         makes the numbers worth less than they look: code, words, error), ``files`` (names relative
@@ -82,15 +83,9 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
 
     Returns
     -------
-    Path
-        Of the file. SI units (``units`` in it names them); what does not exist or is not finite is null.
-
-    Raises
-    ------
-    ResultsError
-        When it cannot be stored.
+    dict
+        SI units (``units`` in it names them), plain values; what does not exist or is not finite is None.
     """
-    history = run_history(folder, record)
     summary: dict[str, Any] = {
         "title": info.title,
         "name": info.name,
@@ -115,33 +110,24 @@ def write_summary(folder: Path, info: RunInfo, record: StepRecord, extra: Mappin
         | {name: unit for name, unit in info.observed_units.items() if name in record.observed},
         "versions": dict(info.versions),
         "references": list(info.references),
-        "files": [RESULTS],
+        "files": [],
         **extra,
     }
+    return dict(_plain(summary))
+
+
+def write_summary(folder: Path, summary: Mapping[str, Any]) -> Path:
+    """Write ``summary.json`` into the folder of a run, atomically.
+
+    Raises
+    ------
+    ResultsError
+        When it cannot be stored.
+    """
     path = folder / SUMMARY
     with replacing(path, "the summary") as sink:
-        sink.write((json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n").encode())
+        sink.write((json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
     return path
-
-
-def run_history(folder: Path, record: StepRecord) -> list[dict[str, Any]]:
-    """Scalars of every stored step of a run in a folder, the last one as it is in memory; in order."""
-    own = {"step": record.index, "time": record.time, **record.scalars, **record.observed}
-    history = [row for row in _stored_history(folder) if row["step"] != record.index] + [own]
-    return sorted(history, key=lambda row: float(row["step"]))
-
-
-def _stored_history(folder: Path) -> list[dict[str, Any]]:
-    """Scalars of every stored step, from the results or from the steps of an unfinished run."""
-    results = folder / RESULTS
-    rows: list[dict[str, Any]] = []
-    for path in [results] if results.exists() else sorted((folder / STEPS).glob("[0-9]*.h5")):
-        with open_hdf5(path, "r") as file:
-            roles = {name: str(v.attrs.get("role")) for name, v in file.items()}
-            names = ["step", "time", *(name for name, role in roles.items() if role in ("scalar", "observed"))]
-            columns = [file[name][...] for name in names]
-            rows.extend(dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True))
-    return rows
 
 
 def _finite(value: Any) -> bool:
