@@ -48,7 +48,7 @@ def finished(tmp_path_factory):
     def run(name):
         if name not in folders:
             folder = tmp_path_factory.mktemp("gallery") / name
-            ec.run(ec.load_scene(name, COARSER[name]), folder).dataset.close()
+            ec.run(ec.load_scene(name, COARSER[name]), folder)
             folders[name] = folder
         return folders[name]
 

@@ -45,7 +45,7 @@ SCENES = {
 def test_fields_are_those_that_the_run_would_have_stored(case, tmp_path, monkeypatch):
     scene = SCENES[case]
     region = {**PLANE, "fields": ["stress"] if case == "layers" else ["stress", "strain"]}
-    ec.run({**scene, "output": {"pictures": False}}, tmp_path).dataset.close()
+    ec.run({**scene, "output": {"pictures": False}}, tmp_path)
     expected = ec.run({**scene, "stress": [region]}).dataset
     monkeypatch.setattr(Mechanics, "start", None)  # calling it would fail
     found = ec.region(tmp_path, region)
@@ -61,7 +61,7 @@ def test_fields_are_those_that_the_run_would_have_stored(case, tmp_path, monkeyp
 def test_displacement_without_a_contact(inclusion, tmp_path):
     line = {"name": "axis", "shape": "line", "start": [0, 0, 0], "end": [0, 0, A], "count": 7}
     region = {**line, "fields": ["displacement", "stress"], "quantities": ["principal"]}
-    ec.run({**FREE, "inclusions": [inclusion], "output": {"pictures": False}}, tmp_path).dataset.close()
+    ec.run({**FREE, "inclusions": [inclusion], "output": {"pictures": False}}, tmp_path)
     expected = ec.run({**FREE, "inclusions": [inclusion], "stress": [region]}).dataset
     found = ec.region(tmp_path, region)
     for name in ("axis_displacement", "axis_principal"):
@@ -76,7 +76,7 @@ def history(tmp_path_factory):
         folders[kept] = tmp_path_factory.mktemp(kept)
         steps = [{"normal-load": LOAD / 3, "increments": 1}, {"normal-load": LOAD, "increments": 2}]
         scene = {**CONTACT, "inclusions": [SOFT], "steps": steps, "output": {"pictures": False, "history": kept}}
-        ec.run(scene, folders[kept]).dataset.close()
+        ec.run(scene, folders[kept])
     return folders
 
 
@@ -130,7 +130,7 @@ def test_refused_regions(history, table, step, error, message):
 
 
 def test_a_name_that_is_stored_and_a_file_of_others_are_refused(tmp_path):
-    ec.run({**CONTACT, "stress": [PLANE], "output": {"pictures": False}}, tmp_path).dataset.close()
+    ec.run({**CONTACT, "stress": [PLANE], "output": {"pictures": False}}, tmp_path)
     with pytest.raises(ResultsError, match=r"region.name must differ from those that the run has stored \(got 'cut'"):
         ec.region(tmp_path, PLANE)
     (tmp_path / "region-other.nc").write_text("mine")

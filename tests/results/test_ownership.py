@@ -27,7 +27,7 @@ def contents(folder):
 def finished(tmp_path_factory):
     """A run with pictures and VTK files, as this version writes it."""
     folder = tmp_path_factory.mktemp("finished")
-    ec.run(scene("output.vtk=true"), folder).dataset.close()
+    ec.run(scene("output.vtk=true"), folder)
     return folder
 
 
@@ -60,23 +60,23 @@ def test_what_will_not_be_written_is_left_alone(tmp_path):
     kept = {"notes.txt": b"x", "holiday.png": b"x", "axis.csv": b"x", "surface_0001.vti": b"x", "axis.pvd": b"x"}
     for name, data in kept.items():
         (tmp_path / name).write_bytes(data)
-    ec.run(scene("output.pictures=false", "output.vtk=false"), tmp_path).dataset.close()
+    ec.run(scene("output.pictures=false", "output.vtk=false"), tmp_path)
     assert kept.items() <= contents(tmp_path).items()
 
 
 def test_a_run_may_be_made_again_also_without_its_summary(tmp_path):
     """A run killed between pictures and summary leaves pictures that no summary lists."""
-    ec.run(scene(), tmp_path).dataset.close()
+    ec.run(scene(), tmp_path)
     (tmp_path / "summary.json").unlink()
-    ec.run(scene(), tmp_path, resume=True).dataset.close()
-    ec.run(scene("steps.normal-load=1"), tmp_path, overwrite=True).dataset.close()
+    ec.run(scene(), tmp_path, resume=True)
+    ec.run(scene("steps.normal-load=1"), tmp_path, overwrite=True)
     assert json.loads((tmp_path / "summary.json").read_text())["normal_load"] == close(1.0)
 
 
 def test_pictures_of_an_earlier_version_are_known_by_the_summary(finished, tmp_path):
-    ec.run(scene(), tmp_path).dataset.close()
+    ec.run(scene(), tmp_path)
     (tmp_path / "pressure.png").write_bytes(b"without a mark")
-    ec.run(scene(), tmp_path).dataset.close()
+    ec.run(scene(), tmp_path)
     assert (tmp_path / "pressure.png").read_bytes().startswith(b"\x89PNG")
 
 
