@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from time import perf_counter
 from typing import Any
 
@@ -15,6 +15,7 @@ from eigencontact.execution.coupled import Coupled, Solved
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.step import Step
+from eigencontact.model.law_numbers import measured, named
 from eigencontact.model.model import Model
 from eigencontact.scene.schema import Numerics
 
@@ -40,11 +41,20 @@ class Mechanics(Block):
         Tolerance, and whether contact may reach the edge.
     directions : str
         Of ``"xyz"``: along which the displacement of the surfaces by the interiors is wanted.
+    numbers : iterable of str
+        Names of the numbers that the laws of the scene give.
     """
 
     def __init__(
-        self, contact: Contact | None, interiors: Sequence[Interior], grid: Grid, numerics: Numerics, directions: str
+        self,
+        contact: Contact | None,
+        interiors: Sequence[Interior],
+        grid: Grid,
+        numerics: Numerics,
+        directions: str,
+        numbers: Iterable[str] = (),
     ) -> None:
+        self._numbers = tuple(numbers)
         self._contact, self._interiors, self._grid, self._numerics = contact, list(interiors), grid, numerics
         self._directions = directions if interiors else ""
         self._coupled = Coupled(contact, self._interiors, numerics, self._directions, grid.shape)
@@ -93,6 +103,11 @@ class Mechanics(Block):
             sunk = last.displacement["z"]
             step.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
             step.scalars["max_sink"] = max(0.0, float(sunk.max()))
+        if self._numbers:
+            states = (state for interior in self._interiors for state in interior.states())
+            step.scalars |= dict.fromkeys(self._numbers, 0.0) | measured(states)
+            step.scalars["print_depth"] = step.scalars.get("max_sink", 0.0)
+            step.scalars["pile_up"] = step.scalars.get("max_uplift", 0.0)
 
     def _with_enough_cells(self, step: Step) -> list[Solved]:
         """The increments that the step is solved in, on interiors that grow until they suffice."""
@@ -159,7 +174,7 @@ def mechanics_of(model: Model) -> Mechanics | None:
     interiors = interiors_of(model, directions)
     if contact is None and not interiors:
         return None
-    return Mechanics(contact, interiors, model.grid, model.numerics, directions)
+    return Mechanics(contact, interiors, model.grid, model.numerics, directions, named(model.laws))
 
 
 def interiors_of(model: Model, directions: str) -> list[Interior]:

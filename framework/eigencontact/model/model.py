@@ -25,7 +25,7 @@ from eigencontact.model.observing import Observing, observing
 from eigencontact.model.resolution import refuse_coarse_regions
 from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Source, build_sources
-from eigencontact.plugin import Component, FrictionLaw, Geometry, SurfaceInfluence
+from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw, Geometry, SurfaceInfluence
 from eigencontact.scene.components import build_component
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene, StressRequest
@@ -69,6 +69,8 @@ class Model:
         Regions with eigenstrain, and those with a law of their own.
     requests : tuple of StressRequest
         Regions of results, those around inclusions with the places that they stand for.
+    laws : tuple of ConstitutiveLaw
+        Of the bodies, also where they stay elastic, and of the inhomogeneities.
     """
 
     scene: Scene
@@ -87,6 +89,7 @@ class Model:
     prescribed: tuple[Source, ...]
     inhomogeneities: tuple[Inhomogeneity, ...]
     requests: tuple[StressRequest, ...]
+    laws: tuple[ConstitutiveLaw, ...]
 
     @property
     def name(self) -> str:
@@ -159,12 +162,14 @@ def build_model(scene: Scene, registry: Registry) -> Model:
     given = given_grid(scene.grid) if window is None else window.grid
     prescribed, inhomogeneities = build_sources(scene, registry, given, bodies)
     grid, reason = (window.grid, window.reason) if window else _grid_of_regions(given, (*prescribed, *inhomogeneities))
+    laws: Mapping[int, ConstitutiveLaw] = {}
     if scene.body1.law is not None or scene.body2.law is not None:
-        from eigencontact.model.yielding import yielding_bodies
+        from eigencontact.model.yielding import laws_of_bodies, yielding_bodies
 
+        laws = laws_of_bodies(scene, registry, bodies)
         # First, so that inhomogeneities win where they lie in what yields.
         regions = (*prescribed, *inhomogeneities)
-        own = yielding_bodies(scene, registry, bodies, geometries, influences, friction, grid, regions)
+        own = yielding_bodies(laws, scene, registry, bodies, geometries, influences, friction, grid, regions)
         inhomogeneities = (*own, *inhomogeneities)
     if friction is not None and (prescribed or inhomogeneities):
         coupling = coupling_of(scene, bodies, dragged=True)
@@ -191,6 +196,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         prescribed=prescribed,
         inhomogeneities=inhomogeneities,
         requests=tuple(resolved(scene.stress, (*prescribed, *inhomogeneities), grid)),
+        laws=(*laws.values(), *(source.law for source in inhomogeneities)),
     )
 
 

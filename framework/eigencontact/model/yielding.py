@@ -39,7 +39,7 @@ from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Scene
 from eigencontact.solvers.cell_conditions import compliance
 
-__all__ = ["YieldingBody", "yielding_bodies"]
+__all__ = ["YieldingBody", "laws_of_bodies", "yielding_bodies"]
 
 FloatArray = NDArray[np.float64]
 _Bounds = tuple[FloatArray, FloatArray]
@@ -69,7 +69,26 @@ class YieldingBody(Inhomogeneity):
         return f"{nx} x {ny} x {nz} cells of {self.law.words}, where elastic stress reaches its limit, and around"
 
 
+def laws_of_bodies(scene: Scene, registry: Registry, bodies: Bodies) -> dict[int, ConstitutiveLaw]:
+    """Laws of the bodies that have one, by body.
+
+    Raises
+    ------
+    SceneError, PluginError
+        A law that is refused, or that is elastic; a scene without contact.
+    """
+    found = {}
+    for number, table in ((1, scene.body1.law), (2, scene.body2.law)):
+        if table is not None:
+            where, material = f"body{number}.law", bodies[number - 1]
+            assert isinstance(material, Material)
+            found[number] = build_law(registry, table, where, material)
+            _refuse(found[number], scene, where)
+    return found
+
+
 def yielding_bodies(
+    laws: Mapping[int, ConstitutiveLaw],
     scene: Scene,
     registry: Registry,
     bodies: Bodies,
@@ -83,20 +102,11 @@ def yielding_bodies(
 
     Beside the `sources` of a body the box holds those that stand in stress enough. Prior stress that alone is beyond
     the limit of the law, far from the contact, is not looked for.
-
-    Raises
-    ------
-    SceneError, PluginError
-        A law that is refused, or that is elastic; a scene without contact.
     """
     found = []
-    for number, table in ((1, scene.body1.law), (2, scene.body2.law)):
-        if table is None:
-            continue
+    for number, law in laws.items():
         where, material = f"body{number}.law", bodies[number - 1]
         assert isinstance(material, Material)
-        law = build_law(registry, table, where, material)
-        _refuse(law, scene, where)
         loads = [
             (window, fields)
             for window, pressure in _coarse_contacts(scene, bodies, geometries, influences["p"], grid)

@@ -23,6 +23,7 @@ def run_info(plan: Plan) -> RunInfo:
 
     from eigencontact.core.material import contact_modulus
     from eigencontact.model.bodies import layered_bodies, without_layers
+    from eigencontact.model.law_numbers import named
     from eigencontact.planning.explain import references
 
     outlines = {}
@@ -43,6 +44,7 @@ def run_info(plan: Plan) -> RunInfo:
         contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
         steps=plan.steps,
         outlines=outlines,
+        numbers=named(plan.laws),
         observed_units={name: unit for one in plan.observers for name, unit in one.units.items()},
         every_history=plan.scene.output.history == "all",
     )

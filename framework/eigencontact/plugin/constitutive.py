@@ -45,12 +45,20 @@ class Variable:
     elastic : bool
         Whether it changes also where the answer is that of sound elasticity: the cells of a body are enough as long as
         no other variable of their rim has changed.
+    largest, extent : str
+        Names under which every step gives the largest value in the bodies, and the volume [m^3] where it is not zero;
+        none is given without a name.
+    total : (str, str), optional
+        Name and SI unit of its integral over the volume.
     """
 
     unit: str
     meaning: str
     components: int = 1
     elastic: bool = False
+    largest: str = ""
+    extent: str = ""
+    total: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -60,6 +60,8 @@ SCALARS: dict[str, Quantity] = {
     "max_von_mises_depth": Quantity("m", "depth of the largest von Mises stress"),
     "max_uplift": Quantity("m", "largest uplift of the surface by eigenstrain, out of the body"),
     "max_sink": Quantity("m", "largest sinking of the surface by eigenstrain, into the body"),
+    "print_depth": Quantity("m", "depth of the print that what the bodies remember makes in the surfaces"),
+    "pile_up": Quantity("m", "height of the wall that what the bodies remember makes on the surfaces"),
     "iterations": Quantity("1", "iterations of the solver"),
     "convolutions": Quantity("1", "convolutions of the solver"),
     "solve_seconds": Quantity("s", "wall time of the solver"),
@@ -73,6 +75,7 @@ SCALARS: dict[str, Quantity] = {
     "coupling_iterations": Quantity("1", "rounds of contact and inhomogeneities until they agreed"),
     "inclusion_iterations": Quantity("1", "iterations for the equivalent eigenstrain, over all rounds"),
     "inclusion_residual": Quantity("1", "relative residual of the equivalent eigenstrain"),
+    "law_residual": Quantity("1", "largest misfit of stress and strain to the law of a cell, by the largest stress"),
     "tangential_convolutions": Quantity("1", "convolutions of the tangential operator"),
     "coupling_rounds": Quantity("1", "normal and tangential solves until they agreed"),
     "substeps": Quantity("1", "increments that the step was cut into to converge"),
@@ -203,8 +206,9 @@ def _surface(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
 
 
 def _scalars(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
+    known = SCALARS | info.numbers
     for name, value in record.scalars.items():
-        attrs = {**_described("scalar", SCALARS.get(name, Quantity("unknown", name))), "coordinates": "time"}
+        attrs = {**_described("scalar", known.get(name, Quantity("unknown", name))), "coordinates": "time"}
         yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
     for name, value in record.observed.items():
         meaning = Quantity(info.observed_units.get(name, "unknown"), f"{name} as returned by its observer, SI units")

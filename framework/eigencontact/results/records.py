@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.quantities import Quantity
 
 __all__ = ["HistoryRecord", "RegionRecord", "RunInfo", "StepRecord"]
 
@@ -144,6 +145,8 @@ class RunInfo:
         their name.
     every_history : bool
         Whether what bodies remember is kept after every step, not after the last alone.
+    numbers : mapping of str to Quantity
+        Numbers that the laws of the bodies give, among the scalars of a step.
     observed_units : mapping of str to str
         SI units of numbers that observers return, by their names.
     """
@@ -159,4 +162,5 @@ class RunInfo:
     steps: int
     outlines: dict[str, FloatArray] = field(default_factory=dict)
     every_history: bool = False
+    numbers: dict[str, Quantity] = field(default_factory=dict)
     observed_units: dict[str, str] = field(default_factory=dict)

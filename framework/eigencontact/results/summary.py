@@ -48,6 +48,7 @@ _LAST = (
     "alignment_residual",
     "coupling_residual",
     "inclusion_residual",
+    "law_residual",
 )
 #: Scalars that are summed over all steps.
 _SUMMED = (
@@ -94,7 +95,8 @@ def summary_of(
         "steps": len(history),
         "load_steps": info.steps,
     }
-    summary |= {name: record.scalars.get(name) for name in _LAST}
+    last = (*_LAST, *(("print_depth", "pile_up", *info.numbers) if info.numbers else ()))
+    summary |= {name: record.scalars.get(name) for name in last}
     for name in _SUMMED:
         spent = [value for row in history if (value := row.get(name)) is not None]
         summary[name] = math.fsum(spent) if spent else None
@@ -105,7 +107,7 @@ def summary_of(
         "warnings": [],
         "observed": dict(record.observed),
         "history": history,
-        "units": {name: SCALARS[name].unit for name in (*_LAST, *_SUMMED)}
+        "units": {name: (SCALARS | info.numbers)[name].unit for name in (*last, *_SUMMED)}
         | {"peak_memory_bytes": "byte"}
         | {name: unit for name, unit in info.observed_units.items() if name in record.observed},
         "versions": dict(info.versions),

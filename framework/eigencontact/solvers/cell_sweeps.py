@@ -100,6 +100,26 @@ class CellSweeps:
         residual = change / size if size > 0.0 else (0.0 if change == 0.0 else np.inf)
         return Sweep(image.reshape(eigenstrain.shape), residual, remembered)
 
+    def misfit(
+        self,
+        eigenstrain: FloatArray,
+        applied_stress: FloatArray,
+        prestrain: FloatArray,
+        before: Sequence[Mapping[str, FloatArray]],
+        steps: Sequence[Any],
+    ) -> float:
+        """How far the stress of cells is from what their laws answer to their strain, relative to the largest stress.
+
+        See `sweep` for the parameters; of laws that are linear the residual of a sweep says the same.
+        """
+        cells = self._laws.cells
+        if not cells.size:
+            return 0.0
+        stress = applied_stress + self._caused(eigenstrain)
+        e, sigma, own = (values.reshape(6, -1)[:, cells] for values in (eigenstrain, stress, prestrain))
+        largest = float(np.linalg.norm(sigma, axis=0).max())
+        return self._laws.misfit(e, sigma, own, before, steps) / largest if largest > 0.0 else 0.0
+
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
         """Strain of the load in the cells, as `InclusionReport` measures by it."""
         if self._own is None or self._own[0] is not prestrain:

@@ -10,7 +10,7 @@ exact, and the answer of a ball serves cells of any shape.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -43,6 +43,8 @@ class Around(Protocol):
 
 #: Newton steps of one sweep, halvings of one of them, and residual that is round-off, in parts of the stress.
 _STEPS, _HALVINGS, _ROUND_OFF = 40, 12, 1e-11
+#: Cells of which a law is asked at once where nothing but its stress is kept.
+_CHUNK = 16384
 #: Roundings of the strain that the law may make stress of: a law much stiffer than the matrix strains by differences.
 _ROUNDINGS = 16.0 * np.finfo(float).eps
 
@@ -114,6 +116,32 @@ class LawCells:
             out[:, cells] = found.eigenstrain
             remembered.append(found.answer.variables)
         return out, remembered
+
+    def misfit(
+        self,
+        eigenstrain: FloatArray,
+        stress: FloatArray,
+        prestrain: FloatArray,
+        before: Sequence[Mapping[str, FloatArray]],
+        steps: Sequence[Any],
+    ) -> float:
+        """Largest difference of the stress of the cells from what their laws answer to their strain [Pa].
+
+        A stress beyond what a law bears is such a difference, so this is its yield condition as well. See `answer` for
+        the parameters.
+        """
+        strain = self._body.compliance @ stress + eigenstrain - prestrain
+        worst = 0.0
+        for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
+            count = cells.stop - cells.start
+            for first in range(0, count, _CHUNK):
+                part = slice(first, min(first + _CHUNK, count))
+                own = slice(cells.start + part.start, cells.start + part.stop)
+                asked = replace(step, x=step.x[part], y=step.y[part], z=step.z[part])
+                answer = answer_of(law, strain[:, own], {name: value[:, part] for name, value in known.items()}, asked)
+                difference = np.linalg.norm(answer.stress - stress[:, own], axis=0)
+                worst = max(worst, float(np.where(answer.finite, difference, np.inf).max()))
+        return worst
 
     def _ball(self, eigenstrain: FloatArray) -> FloatArray:
         """Stress that its own eigenstrain takes from a ball [Pa]."""

@@ -64,7 +64,7 @@ class Brittle(ConstitutiveLaw):
     symmetric: ClassVar[bool] = False
     variables: ClassVar[Mapping[str, Variable]] = {
         "equivalent_strain": Variable("1", "largest stretch, by Mazars' equivalent strain", elastic=True),
-        "damage": Variable("1", "part of the stiffness that is lost"),
+        "damage": Variable("1", "part of the stiffness that is lost", largest="max_damage"),
     }
 
     damage: StrainDamage

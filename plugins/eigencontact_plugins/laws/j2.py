@@ -100,13 +100,16 @@ class J2(ConstitutiveLaw):
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
         """See `ConstitutiveLaw.variables`; one back-stress of each kinematic law."""
         found = {
-            "equivalent_plastic_strain": Variable("1", "equivalent plastic strain"),
+            "equivalent_plastic_strain": Variable(
+                "1", "equivalent plastic strain", largest="max_plastic_strain", extent="plastic_volume"
+            ),
             "plastic_strain": Variable("1", "plastic strain", 6),
+            "plastic_work_density": Variable("J/m3", "plastic work", total=("plastic_work", "J")),
         }
         for number in range(1, len(self._kinematic) + 1):
             found[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
         if self.damage is not None:
-            found["damage"] = Variable("1", "part of the stiffness that is lost")
+            found["damage"] = Variable("1", "part of the stiffness that is lost", largest="max_damage")
         return found
 
     @property
@@ -204,7 +207,28 @@ class J2(ConstitutiveLaw):
             after[f"back_stress_{number + 1}"] = now.theta[number] * turned
         if self.damage is not None:
             after["damage"] = (1.0 - now.sound)[None]
+        after["plastic_work_density"] = before["plastic_work_density"] + self._work(drive, now, flowed, before, after)
         return (now.sound if self._return.effective else 1.0) * stress, after
+
+    def _work(
+        self,
+        drive: Drive,
+        now: Returned,
+        flowed: FloatArray,
+        before: Mapping[str, FloatArray],
+        after: Mapping[str, FloatArray],
+    ) -> FloatArray:
+        """Work on the plastic strain of the increment [J/m^3], by the mean of the stresses that yield at its ends."""
+        work: FloatArray = np.zeros((1, now.dp.size))
+        if not now.dp.any():
+            return work
+        for p, state, recalled in ((drive.p, before, drive.back), (drive.p + now.dp, after, None)):
+            strength, _ = self._return.isotropic.flow_stress(p)
+            back = recalled if recalled is not None else [after[name] for name in after if name.startswith("back")]
+            density = strength * now.dp + sum(np.sum(stress * flowed, axis=0) for stress in back)
+            effective = self._return.effective and self.damage is not None
+            work += 0.5 * density * (1.0 - state["damage"] if effective else 1.0)
+        return work
 
     def _tangent(self, drive: Drive, now: Returned, deviator: FloatArray, volume: FloatArray) -> FloatArray:
         """Derivative of the stress by the strain, ``(6, 6, n)``."""

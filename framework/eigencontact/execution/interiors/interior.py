@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from eigencontact.core.tractions import Traction, side
 from eigencontact.execution.block import Part
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
+from eigencontact.plugin import ConstitutiveLaw
 from eigencontact.results.records import HistoryRecord
 
 __all__ = ["Interior", "Outgrown", "by_direction", "eigenstrain_name", "loads"]
@@ -104,6 +105,10 @@ class Interior(Part):
         Outgrown
             Outermost cells, which were to stay elastic, did not.
         """
+
+    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
+        """Of the present state, by law: what its cells remember, and the volume of one [m^3]."""
+        yield from ()
 
     def scalars(self) -> dict[str, float]:
         """Numbers of the work since `begin`; those of several interiors are summed, residuals compared."""

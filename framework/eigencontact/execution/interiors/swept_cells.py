@@ -13,7 +13,7 @@ Voids beside stiff inclusions, or in clusters, take hundreds of sweeps: beyond a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,13 +111,19 @@ class SweptCells(Cells):
         """See `Interior.image`."""
         if not self._sweeping:
             return super().image(tractions, tolerance)
-        before = self._sweeps.applications
-        found = self._sweeps.sweep(
-            self.eigenstrain, self.applied(tractions), self._own, self._before, self._steps, self._start
-        )
+        before, self._load = self._sweeps.applications, self.applied(tractions)
+        found = self._sweeps.sweep(self.eigenstrain, self._load, self._own, self._before, self._steps, self._start)
         self._after, self._residual = found.remembered, found.residual
         self._spent += self._sweeps.applications - before
         return found.image, found.residual
+
+    def scalars(self) -> dict[str, float]:
+        """See `Interior.scalars`; with the certificate of laws that are not linear."""
+        found = super().scalars()
+        if self._sweeping and self._laws:
+            misfit = self._sweeps.misfit(self.eigenstrain, self._load, self._own, self._before, self._steps)
+            found["law_residual"] = misfit
+        return found
 
     @property
     def tries_elastic(self) -> bool:
@@ -152,6 +158,12 @@ class SweptCells(Cells):
         k, j, i = (slice(int(low), int(low) + count) for low, count in zip(start, stored.shape, strict=True))
         out[:, k, j, i] = known.values
         return out
+
+    def states(self) -> Iterator[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]:
+        """See `Interior.states`; a cell counts with all of its volume."""
+        volume = float(np.prod(self._box.cells(self._grid).pitch))
+        for (law, _), variables in zip(self._laws, self._after, strict=True):
+            yield law, variables, volume
 
     def remembered(self) -> dict[str, HistoryRecord]:
         """See `Interior.remembered`."""
