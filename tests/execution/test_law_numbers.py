@@ -15,7 +15,7 @@ def scene(hardening, **more):
     return ec.Scene(
         body1={"young_modulus": "210 GPa", "poisson_ratio": 0.3, "law": {"type": "j2", "hardening": hardening, **more}},
         geometry={"type": "sphere", "radius": "105 um"},
-        grid={"cells": [16, 16], "size": ["22 um", "22 um"]},
+        grid={"cells": [12, 12], "size": ["22 um", "22 um"]},
         steps=LOADS,
         output={"pictures": False},
     )
