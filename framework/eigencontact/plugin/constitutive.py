@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
@@ -82,6 +82,11 @@ class LawStep:
     time: float
     duration: float
     means: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def of(self, points: slice) -> LawStep:
+        """The same of some of the points."""
+        means = {name: values[:, points] for name, values in self.means.items()}
+        return replace(self, x=self.x[points], y=self.y[points], z=self.z[points], means=means)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

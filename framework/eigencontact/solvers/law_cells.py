@@ -10,7 +10,7 @@ exact, and the answer of a ball serves cells of any shape.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -137,8 +137,8 @@ class LawCells:
             for first in range(0, count, _CHUNK):
                 part = slice(first, min(first + _CHUNK, count))
                 own = slice(cells.start + part.start, cells.start + part.stop)
-                asked = replace(step, x=step.x[part], y=step.y[part], z=step.z[part])
-                answer = answer_of(law, strain[:, own], {name: value[:, part] for name, value in known.items()}, asked)
+                remembered = {name: value[:, part] for name, value in known.items()}
+                answer = answer_of(law, strain[:, own], remembered, step.of(part))
                 difference = np.linalg.norm(answer.stress - stress[:, own], axis=0)
                 worst = max(worst, float(np.where(answer.finite, difference, np.inf).max()))
         return worst
