@@ -35,10 +35,14 @@ def finished():
 
 
 def test_every_bundled_scene_with_friction_is_tested():
-    """On homogeneous bodies; coated ones are in test_gallery_layers.py."""
+    """On homogeneous elastic bodies; others are in test_gallery_layers.py and test_gallery_plastic.py."""
     scenes = {name: ec.load_scene(name) for name in bundled_names()}
-    uncoated = [name for name, scene in scenes.items() if scene.friction is not None and scene.body1.medium is None]
-    assert uncoated == sorted(COARSER)
+    plain = [
+        name
+        for name, scene in scenes.items()
+        if scene.friction is not None and scene.body1.medium is None and scene.body1.law is None
+    ]
+    assert plain == sorted(COARSER)
 
 
 @pytest.mark.parametrize("name", COARSER)

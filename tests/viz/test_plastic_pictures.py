@@ -15,6 +15,7 @@ from eigencontact.results.records import HistoryRecord
 from eigencontact.results.store import ResultStore
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.schema import Scene
+from eigencontact.viz.coverage import coverage_map, impacts, strikes, struck
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.isosurface import plastic_surfaces, surface_of
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, unloads
@@ -169,3 +170,17 @@ def test_depths_are_the_middles_of_cells_where_a_body_yields(law, stress, depths
         depths = depths[depths < 7e-6]
     np.testing.assert_allclose(region_lattice(model.requests[0], model.grid).depths, depths, rtol=1e-9)
     assert not outlines(model), "the box around what yields is no inclusion"
+
+
+def test_impacts_are_told_apart_by_what_lies_between_them(yielded):
+    """One of the four grows in two steps, its last counts; every cell that the smallest touches has felt all."""
+    rows = yielded.isel(step=[0, 2, 1, 2, 0, 1, 2, 0, 2])
+    loads = rows["pressure"].max(["y", "x"])
+    rows = rows.assign(max_pressure=loads, travel_x=("step", np.arange(9) * 1e-6), travel_y=("step", np.zeros(9)))
+    assert struck(rows)
+    assert impacts(rows) == [0, 2, 5, 7]
+    count, small, large = strikes(rows), yielded["pressure"][0].values > 0, yielded["pressure"][1].values > 0
+    np.testing.assert_array_equal(count == 4, small)
+    np.testing.assert_array_equal(count == 2, large & ~small)
+    title = coverage_map(rows).axes[0].get_title()
+    assert title.startswith("4 impacts: ")

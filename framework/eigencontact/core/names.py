@@ -28,6 +28,7 @@ PICTURES = (
     "plastic-surfaces-second",
     "plastic-history",
     "load-depth",
+    "coverage",
 )
 #: What pictures of a region add to its name.
 OF_REGIONS = ("-loaded", "-means")

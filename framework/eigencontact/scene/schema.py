@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from random import Random
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -30,7 +31,7 @@ from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.table import Depth, FiniteLength, OfKind, PositiveLength, Table, Tables
 
-__all__ = ["Body", "GridSpec", "Numerics", "Output", "Scene", "Step", "StressRequest"]
+__all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
 
 def _medium_table(value: Any) -> Any:
@@ -111,6 +112,33 @@ class GridSpec(Table):
         return self.cells is None and self.size is None
 
 
+class Impacts(Table):
+    """Random places of a rectangle around a middle at which a geometry is pressed on and lifted, one after the other.
+
+    The places are drawn uniformly and depend on the seed alone; more of them begin with the same ones.
+    """
+
+    count: Annotated[int, AfterValidator(in_range(1, 1e5, "impacts"))]
+    seed: Annotated[int, AfterValidator(at_least(0))] = 0
+    size: tuple[PositiveLength, PositiveLength]
+    center: tuple[FiniteLength, FiniteLength] = (0.0, 0.0)
+
+    @property
+    def places(self) -> list[tuple[float, float]]:
+        """Places (x, y) [m]."""
+        drawn = Random(self.seed)  # noqa: S311
+        spans = tuple(zip(self.center, self.size, strict=True))
+        return [
+            (spans[0][0] + (drawn.random() - 0.5) * spans[0][1], spans[1][0] + (drawn.random() - 0.5) * spans[1][1])
+            for _ in range(self.count)
+        ]
+
+
+def _each_impact(steps: list[Step]) -> list[Step]:
+    """Steps in which those with impacts are written out: moved there without load, loaded, unloaded."""
+    return [single for step in steps for single in step.written_out()]
+
+
 class Step(Table):
     """One piece of the load history: a linear ramp from the last state to the values given here.
 
@@ -118,7 +146,8 @@ class Step(Table):
     beside them, those of body 2 against body 1, and what a step does not mention stays as an earlier step left it (see
     `eigencontact.scene.holding`). Without friction the geometry may roll along the surface: at the end of the step it
     has moved to (travel-x, travel-y). A scene without geometry has steps of `increments` alone, which are the times at
-    which eigenstrain that changes with time is evaluated.
+    which eigenstrain that changes with time is evaluated. A step with `impacts` stands for one of loading to its
+    normal-load and one of unloading at each of their places.
     """
 
     normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
@@ -136,9 +165,25 @@ class Step(Table):
     travel_x: FiniteLength | None = None
     travel_y: FiniteLength | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
+    impacts: Impacts | None = None
+
+    def written_out(self) -> list[Step]:
+        """The step itself, or those of its impacts."""
+        if self.impacts is None:
+            return [self]
+        out = []
+        for x, y in self.impacts.places:
+            there = {"travel_x": x, "travel_y": y}
+            if self.increments > 1:  # the ramp to the load would be one to the place as well
+                out.append(Step(normal_load=0.0, **there))
+            out.append(Step(normal_load=self.normal_load, increments=self.increments, **there))
+            out.append(Step(normal_load=0.0, **there))
+        return out
 
     @model_validator(mode="after")
     def _controlled(self) -> Step:
+        if self.impacts is not None and (self.normal_load is None or len(self.prescribed) > 1):
+            raise ValueError("given impacts and normal-load, and nothing else that loads or moves")
         for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
             if getattr(self, mode.force) is not None and getattr(self, mode.displacement) is not None:
                 raise ValueError(f"controlled by {mode.force} or {mode.displacement}, not both".replace("_", "-"))
@@ -332,7 +377,9 @@ class Scene(Table):
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
-    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1)] = Field([Step()])
+    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1), AfterValidator(_each_impact)] = (
+        Field([Step()])
+    )
     numerics: Numerics = Numerics()
     stress: Annotated[list[StressRequest], BeforeValidator(one_or_many)] = Field([])
     observers: Annotated[Tables, OfKind("observer")] = Field([])

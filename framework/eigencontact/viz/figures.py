@@ -6,6 +6,7 @@ import json
 from functools import partial
 from typing import TYPE_CHECKING
 
+from eigencontact.viz.coverage import coverage_map, struck
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
@@ -110,7 +111,10 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
             wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
     wanted += _plastic(dataset, step, solid=solid)
     wanted += _friction(dataset, loaded)
-    if rolls(dataset):
+    if struck(dataset):
+        sentence = "Impacts that each place has felt; crosses are their middles."
+        wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
+    elif rolls(dataset):
         sentence = "Largest pressure, and stress at points, against the place of the geometry."
         wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
     several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)

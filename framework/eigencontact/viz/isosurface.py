@@ -72,7 +72,7 @@ def plastic_surfaces(dataset: xr.Dataset, field: CellField, step: int = -1) -> F
         low, high = length(ends.min(axis=0)), length(ends.max(axis=0))
         low[2] = 0.0
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(high[2], low[2]))
-        axes.set_box_aspect(high - low)
+        axes.set_box_aspect(high - low, zoom=0.85)
         axes.view_init(elev=24, azim=-68)
         for axis in "xyz":
             getattr(axes, f"set_{axis}label")(f"{axis} [{length.unit}]")

@@ -1,0 +1,84 @@
+"""Observer of the surface that eigenstrain, plastic strain mostly, leaves behind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ["Roughness"]
+
+_UNITS = {"mean": "m", "sa": "m", "sq": "m", "sz": "m"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roughness(Observer):
+    """Heights of the surface in a rectangle, by the displacement that eigenstrain causes.
+
+    Parameters
+    ----------
+    start, end : (float, float), optional
+        Corners (x, y) of the rectangle [m]; the whole window where they are not given.
+
+    Notes
+    -----
+    Of the heights of the cells, out of the body: ``mean``; about it ``sa``, the mean of the magnitudes, and ``sq``, the
+    root of the mean square; ``sz``, from the lowest to the highest. What is elastic under a load is not part of them.
+    """
+
+    key: ClassVar[str] = "roughness"
+    references: ClassVar[tuple[str, ...]] = ("ISO 25178-2:2021, sections 4.3.1, 4.3.2 and 4.3.7",)
+
+    start: tuple[Length, Length] | None = None
+    end: tuple[Length, Length] | None = None
+
+    def __post_init__(self) -> None:
+        given = [corner for corner in (self.start, self.end) if corner is not None]
+        require(len(given) != 1, self.key, "start", self.start, "given together with end, or neither")
+        if self.start is not None and self.end is not None:
+            good = all(low < high for low, high in zip(self.start, self.end, strict=True))
+            require(good, self.key, "end", self.end, "beyond start along x and y [m]")
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """See `Observer.units`."""
+        return _UNITS
+
+    def observe(self, step: StepView) -> Mapping[str, float]:
+        """Numbers of the heights; see the notes of the class.
+
+        Raises
+        ------
+        SceneError
+            No eigenstrain displaces the surface, or the rectangle holds no cell.
+        """
+        if "residual_displacement_z" not in step.fields:
+            raise SceneError(f"{self.key} must observe a body with eigenstrain or one that yields (got none)")
+        y, x = step.grid.axes()
+        heights = -step.fields["residual_displacement_z"]
+        if self.start is not None and self.end is not None:
+            inside = (x >= self.start[0]) & (x <= self.end[0]) & (y >= self.start[1]) & (y <= self.end[1])
+            heights = heights[np.broadcast_to(inside, heights.shape)]
+            if not heights.size:
+                raise SceneError(
+                    f"{self.key}.start and end must hold cells of the window (got {self.start}, {self.end})"
+                )
+        mean = float(heights.mean())
+        return {
+            "mean": mean,
+            "sa": float(np.abs(heights - mean).mean()),
+            "sq": float(np.sqrt(np.mean((heights - mean) ** 2))),
+            "sz": float(np.ptp(heights)),
+        }
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Observer]]:
+    """Register the observer of roughness."""
+    return [Roughness]
