@@ -148,3 +148,20 @@ def test_labels_come_from_the_title_where_there_is_no_name():
 def test_unknown_bundled_text():
     with pytest.raises(EigencontactError, match=r"unknown bundled scene 'herz'; bundled: .*did you mean 'hertz'\?"):
         bundled_text("herz")
+
+
+def test_impacts_are_written_out():
+    """Moved without load where the load is a ramp of several increments; the same places for more of them."""
+    steps = [{"normal_load": 1.0, "increments": 2, "impacts": {"count": 3, "seed": 4, "size": [2e-6, 1e-6]}}]
+    given = {"body1": {"young_modulus": 1e9, "poisson_ratio": 0.3}, "geometry": {"type": "sphere", "radius": 1e-3}}
+    scene = Scene(**given, steps=steps)
+    assert [(step.normal_load, step.increments) for step in scene.steps] == [(0.0, 1), (1.0, 2), (0.0, 1)] * 3
+    places = [(step.travel_x, step.travel_y) for step in scene.steps]
+    assert len(set(places)) == 3
+    assert all(abs(x) <= 1e-6 and abs(y) <= 0.5e-6 for x, y in places)
+    assert places[0] == places[1] == places[2]
+    steps[0]["impacts"]["count"] = 5
+    assert [(step.travel_x, step.travel_y) for step in Scene(**given, steps=steps).steps][:9] == places
+    assert Scene(**scene.resolved()) == scene
+    with pytest.raises(EigencontactError, match="impacts and normal-load, and nothing else"):
+        Scene(**given, steps=[{**steps[0], "travel_x": 1e-6}])

@@ -173,11 +173,11 @@ class Step(Table):
             return [self]
         out = []
         for x, y in self.impacts.places:
-            there = {"travel_x": x, "travel_y": y}
+            away = Step(normal_load=0.0, travel_x=x, travel_y=y)
             if self.increments > 1:  # the ramp to the load would be one to the place as well
-                out.append(Step(normal_load=0.0, **there))
-            out.append(Step(normal_load=self.normal_load, increments=self.increments, **there))
-            out.append(Step(normal_load=0.0, **there))
+                out.append(away)
+            pressed = away.model_copy(update={"normal_load": self.normal_load, "increments": self.increments})
+            out += [pressed, away]
         return out
 
     @model_validator(mode="after")
