@@ -206,7 +206,7 @@ def test_references_of_finite_elements(name):
         grid = {"cells_per_contact_radius": cells, "margin": 1.5}
         steps = [{**PRESS, "increments": 8}, {**FREE, "increments": 2}]
         found = run(**tables, steps=steps, grid=grid, numerics={"inclusion_pitch": pitch})
-        assert float(found["approach"].max()) + prior == close(depth, rel=1e-3)
+        assert float(found["approach"].max()) + prior == close(depth, rel=1e-3 if cells == 16 else 2e-3)
         at = {"x": 0.0, "y": 0.0, "method": "nearest"}
         sunk = float(found["residual_displacement_z"][-1].sel(**at)) + prior
         pressed = 0.0 if middle is None else float(found["pressure"][7].sel(**at)) / middle - 1.0

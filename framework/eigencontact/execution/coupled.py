@@ -101,10 +101,11 @@ class Coupled:
 
     def at_rest(self, increment: Increment) -> Solved:
         """The interiors without any load, at the start of a first step; nothing where nothing follows from it."""
+        adopted = {name: record for interior in self._interiors for name, record in interior.adopted().items()}
         if not self._responding and (self._contact is None or self._contact.directions == "z"):
-            return Solved(contact=None, displacement={}, remembered={})
+            return Solved(contact=None, displacement={}, remembered=adopted)
         for interior in self._interiors:
-            interior.begin(increment.at_start(), {})
+            interior.begin(increment.at_start(), adopted)
         return self._alone()
 
     def solve(self, increment: Increment, memory: Any, before: Solved) -> Solved:

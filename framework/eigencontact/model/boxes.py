@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor
+from types import MappingProxyType
 
 import numpy as np
 
@@ -85,11 +86,17 @@ def with_lattices(sources: Sequence[Source], scene: Scene, grid: Grid) -> tuple[
     return tuple(fitted)
 
 
-def with_cells(sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid) -> tuple[Inhomogeneity, ...]:
-    """Inhomogeneities with their cells: columns of the grid, layers of one height in each body."""
+def with_cells(
+    sources: Sequence[Inhomogeneity], scene: Scene, grid: Grid, known: Mapping[int, float] = MappingProxyType({})
+) -> tuple[Inhomogeneity, ...]:
+    """Inhomogeneities with their cells: columns of the grid, layers of one height in each body.
+
+    Heights [m] that are `known`, by body, count where the scene gives none.
+    """
     members = {body: [source for source in sources if source.body == body] for body in (1, 2)}
-    heights = {body: _layer_height(some, scene, grid) for body, some in members.items() if some}
     pitch = scene.numerics.inclusion_pitch
+    free = {} if pitch is not None else known
+    heights = {body: free.get(body) or _layer_height(some, scene, grid) for body, some in members.items() if some}
     setting = None if pitch is None else ("numerics.inclusion-pitch", pitch, -1)
     return tuple(replace(source, lattice=_around(source, heights[source.body], grid, setting)) for source in sources)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from eigencontact.model.close_up import resolved
 from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.coupling import Coupling, coupling_of
 from eigencontact.model.grids import given_grid, grid_around
+from eigencontact.model.initial import InitialState
 from eigencontact.model.kernels import Bodies
 from eigencontact.model.observing import Observing, observing
 from eigencontact.model.resolution import refuse_coarse_regions
@@ -67,6 +69,8 @@ class Model:
         By traction.
     prescribed, inhomogeneities : tuple of Source
         Regions with eigenstrain, and those with a law of their own.
+    initial : mapping of int to InitialState
+        States of earlier runs that bodies begin with.
     requests : tuple of StressRequest
         Regions of results, those around inclusions with the places that they stand for.
     laws : tuple of ConstitutiveLaw
@@ -88,6 +92,7 @@ class Model:
     influences: Mapping[str, SurfaceInfluence]
     prescribed: tuple[Source, ...]
     inhomogeneities: tuple[Inhomogeneity, ...]
+    initial: Mapping[int, InitialState]
     requests: tuple[StressRequest, ...]
     laws: tuple[ConstitutiveLaw, ...]
 
@@ -137,8 +142,14 @@ class Model:
         return sum_separations(self.geometries, x - travel[0], y - travel[1])
 
 
-def build_model(scene: Scene, registry: Registry) -> Model:
+def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialState] = MappingProxyType({})) -> Model:
     """Build and check everything that a scene names, and choose its window and cells.
+
+    Parameters
+    ----------
+    scene, registry : Scene, Registry
+    initial : mapping of int to InitialState
+        States that bodies begin with: cells are then of the same height, unless the scene gives another.
 
     Raises
     ------
@@ -169,14 +180,15 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         laws = laws_of_bodies(scene, registry, bodies)
         # First, so that inhomogeneities win where they lie in what yields.
         regions = (*prescribed, *inhomogeneities)
-        own = yielding_bodies(laws, scene, registry, bodies, geometries, influences, friction, grid, regions)
+        own = yielding_bodies(laws, scene, registry, bodies, geometries, influences, friction, grid, regions, initial)
         inhomogeneities = (*own, *inhomogeneities)
     if friction is not None and (prescribed or inhomogeneities):
         coupling = coupling_of(scene, bodies, dragged=True)
         influences = _influences(coupling, registry, bodies)
     prescribed = with_lattices(prescribed, scene, grid)
     if scene.numerics.inclusion_resolution == "cells":
-        inhomogeneities = with_cells(inhomogeneities, scene, grid)
+        heights = {body: state.height for body, state in initial.items()}
+        inhomogeneities = with_cells(inhomogeneities, scene, grid, heights)
     if not scene.numerics.allow_coarse:
         refuse_coarse_regions((*prescribed, *inhomogeneities))
     return Model(
@@ -195,6 +207,7 @@ def build_model(scene: Scene, registry: Registry) -> Model:
         influences=influences,
         prescribed=prescribed,
         inhomogeneities=inhomogeneities,
+        initial=initial,
         requests=tuple(resolved(scene.stress, (*prescribed, *inhomogeneities), grid)),
         laws=(*laws.values(), *(source.law for source in inhomogeneities)),
     )

@@ -21,6 +21,7 @@ from eigencontact.core.tensors import COMPONENTS, SQRT2
 from eigencontact.errors import EigencontactError, SceneError, require
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.contact_window import contacts_of_steps
+from eigencontact.model.initial import InitialState
 from eigencontact.model.kernels import Bodies, PairCoefficients
 from eigencontact.model.sources import Inhomogeneity, Patch, Source, build_law
 from eigencontact.model.window import coarse_contact
@@ -97,11 +98,12 @@ def yielding_bodies(
     friction: FrictionLaw | None,
     grid: Grid,
     sources: Sequence[Source],
+    initial: Mapping[int, InitialState],
 ) -> tuple[YieldingBody, ...]:
     """Boxes of the bodies with a law; none of a body that stays elastic, which then is an elastic one.
 
-    Beside the `sources` of a body the box holds those that stand in stress enough. Prior stress that alone is beyond
-    the limit of the law, far from the contact, is not looked for.
+    Beside the `sources` of a body the box holds those that stand in stress enough, and the cells of an `initial` state.
+    Prior stress that alone is beyond the limit of the law, far from the contact, is not looked for.
     """
     found = []
     for number, law in laws.items():
@@ -114,6 +116,8 @@ def yielding_bodies(
         ]
         beside = [source.shape for source in sources if source.body == number]
         patch = _box_where(_Trial(law, material, where), loads, influences, beside, scene.numerics.law_room)
+        if number in initial:
+            patch = _with(patch, initial[number].bounds(grid))
         if patch is not None:
             field = build_component(registry, "eigenstrain-field", {"type": "uniform", "value": 0.0}, where)
             name = f"body {number}"
@@ -191,6 +195,14 @@ def _box_where(
     low, high = box
     (x0, y0, _), (x1, y1, depth) = low - room * (high - low), high + room * (high - low)
     return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth))))
+
+
+def _with(patch: Patch | None, held: _Bounds) -> Patch:
+    """Patch that holds other bounds too."""
+    own = [] if patch is None else [tuple(np.asarray(corner, dtype=float) for corner in patch.bounds)]
+    both = np.array([*own, held])
+    low, high = both[:, 0].min(axis=0), both[:, 1].max(axis=0)
+    return Patch(((float(low[0]), float(low[1]), 0.0), (float(high[0]), float(high[1]), float(high[2]))))
 
 
 def _around(found: Sequence[_Bounds]) -> _Bounds | None:

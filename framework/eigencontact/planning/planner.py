@@ -9,6 +9,7 @@ from math import ceil
 from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
 from eigencontact.execution.block import Block
+from eigencontact.execution.initial import initial_states
 from eigencontact.execution.mechanics import mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
@@ -16,6 +17,7 @@ from eigencontact.model.sizes import MEMORY_SHARE
 from eigencontact.planning.left_out import left_out
 from eigencontact.planning.order import in_order
 from eigencontact.planning.plan import Plan
+from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Scene
 from eigencontact.worth.foreseen import foreseen
 
@@ -31,7 +33,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
-    model = build_model(scene, registry)
+    model = build_model(scene, registry, initial_states(anchored(scene, registry)[0]))
     mechanics = list(_mechanics(model))
     blocks = [*_beside_the_contact(model), *mechanics, *_regions(model), *_observers(model, mechanics)]
     known = {item.name: getattr(model, item.name) for item in fields(model)}

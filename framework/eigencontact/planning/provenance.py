@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from eigencontact.planning.plan import Plan
+from eigencontact.results.ownership import RESULTS
 from eigencontact.results.records import RunInfo
 
 __all__ = ["run_info"]
@@ -55,7 +56,8 @@ def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
     digest = hashlib.sha256(json.dumps(resolved, sort_keys=True).encode())
     if plan.geometries:
         digest.update(plan.separation().tobytes())  # another surface is another scene
-    for path in plan.files:
+    for given in plan.files:
+        path = given / RESULTS if given.is_dir() else given  # of an earlier run
         if path.is_file():
             with path.open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())

@@ -29,6 +29,7 @@ def check_contents(scene: Scene) -> None:
     _check_steps(scene)
     _check_eigenstrain(scene)
     _check_materials(scene)
+    _check_initial(scene)
     _check_names(scene)
     for request in scene.stress:
         _check_region(scene, request)
@@ -158,6 +159,19 @@ def _check_materials(scene: Scene) -> None:
             raise ValueError(
                 f"!{where}.material must lie in a body of one material (body{item.body} is a layered medium); "
                 "give the layers as inclusions with a material, or leave them out"
+            )
+
+
+def _check_initial(scene: Scene) -> None:
+    """A state is one of cells with a law."""
+    for number, body in ((1, scene.body1), (2, scene.body2)):
+        laws = body.law is not None or any(
+            item.material is not None and item.body == number for item in scene.inclusions
+        )
+        if body.initial is not None and not laws:
+            raise ValueError(
+                f"!body{number}.initial must stand beside a law that remembers it (got none in body {number}); give "
+                f"body{number}.law as in the earlier run"
             )
 
 

@@ -59,6 +59,8 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
         kind = next((mark.kind for mark in item.metadata if isinstance(mark, OfKind)), None)
         if kind is not None:
             changes[name] = _in_component(value, kind, registry, place)
+        elif any(isinstance(mark, FileMark) for mark in item.metadata):
+            changes[name] = place(value)
         elif isinstance(value, Table):
             changes[name] = _in_model(value, registry, place)
         elif isinstance(value, list) and value and isinstance(value[0], Table):

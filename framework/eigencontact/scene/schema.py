@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from eigencontact.core.quantities import Angle, Force, Moment, Stress
+from eigencontact.core.quantities import Angle, FileMark, Force, Moment, Stress
 from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
 from eigencontact.core.units import LARGEST
 from eigencontact.scene.checks import (
@@ -39,11 +39,24 @@ def _medium_table(value: Any) -> Any:
     return _table(value)
 
 
+class InitialTable(Table):
+    """State of a body after a step of an earlier run: what its cells remember.
+
+    ``results`` is the folder of that run or its ``results.nc``, ``step`` a number from 1, by default the last. Of that
+    run everything but the state of the body is forgotten. In the same cells the state is what it was, in others the
+    means over them.
+    """
+
+    results: Annotated[str, FileMark()]
+    step: Annotated[int, AfterValidator(at_least(1))] | None = None
+
+
 class Body(Table):
     """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
 
     ``medium`` is the table of a layered medium, ``law`` that of the constitutive law which an elastic body obeys under
-    the contact (its constants are those of the body); their ``type`` names the plugin.
+    the contact (its constants are those of the body); their ``type`` names the plugin. ``initial`` is the state of an
+    earlier run that the laws in the body begin with.
     """
 
     rigid: bool = False
@@ -51,6 +64,7 @@ class Body(Table):
     poisson_ratio: Annotated[float, AfterValidator(in_range(-1.0, 0.5, "[-]", open_low=True))] | None = None
     medium: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("layered-medium")] = None
     law: Annotated[dict[str, Any] | None, BeforeValidator(_medium_table), OfKind("constitutive-law")] = None
+    initial: InitialTable | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Body:

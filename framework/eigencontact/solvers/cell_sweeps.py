@@ -35,7 +35,8 @@ class Sweep:
         Eigenstrain that the cells would take.
     residual : float
         Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
-        strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment.
+        strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment; without
+        either to the answer.
     remembered : list of mappings
         What the cells of each law that is not linear would then remember.
     """
@@ -97,7 +98,9 @@ class CellSweeps:
         size = self._size(applied_stress, prestrain)
         if start is not None:
             size = max(size, _LEFT * float(np.linalg.norm(start)))
-        residual = change / size if size > 0.0 else (0.0 if change == 0.0 else np.inf)
+        if size == 0.0:  # nothing loads the cells but what they remember
+            size = max(float(np.linalg.norm(image)), float(np.linalg.norm(eigenstrain)))
+        residual = change / size if change > 0.0 else 0.0
         return Sweep(image.reshape(eigenstrain.shape), residual, remembered)
 
     def misfit(

@@ -65,6 +65,10 @@ class Interior(Part):
             The state fills more cells than this interior has.
         """
 
+    def adopted(self) -> Remembered:
+        """What was remembered by an earlier run, as this interior would; it begins with that."""
+        return {}
+
     @property
     def unknown(self) -> FloatArray:
         """What is iterated on from outside; empty where an image is the whole answer to the tractions."""

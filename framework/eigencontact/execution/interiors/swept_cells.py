@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from eigencontact.core.elasticity import shear_ratios
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
+from eigencontact.execution.initial import moved_state
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.interior import Outgrown, Remembered
 from eigencontact.execution.material_cells import is_linear
@@ -90,6 +91,11 @@ class SweptCells(Cells):
             shape = (variable.components, cells.size)
             found[name] = np.zeros(shape) if known is None else self.fitted(known).reshape(shape[0], -1)[:, cells]
         return found
+
+    def adopted(self) -> Remembered:
+        """See `Interior.adopted`."""
+        state = self._model.initial.get(self.body)
+        return {} if state is None else moved_state(state, self._laws, self._coords, self._box.lattice.edges)
 
     @property
     def unknown(self) -> FloatArray:

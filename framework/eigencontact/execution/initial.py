@@ -1,0 +1,106 @@
+"""State of an earlier run as the start of another: read from its results, and moved to other cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import SceneError
+from eigencontact.model.initial import InitialState, overlaps
+from eigencontact.plugin import ConstitutiveLaw
+from eigencontact.results.reader import results_file
+from eigencontact.results.records import HistoryRecord
+from eigencontact.results.stepfile import read_attributes, read_history, stored_steps
+from eigencontact.scene.schema import Scene
+
+__all__ = ["initial_states", "moved_state"]
+
+FloatArray = NDArray[np.float64]
+
+#: Part of what was remembered that may lie where nothing is.
+_LOST = 1e-6
+
+
+def initial_states(scene: Scene) -> dict[int, InitialState]:
+    """States that the bodies of a scene begin with, by body; its paths are absolute.
+
+    Raises
+    ------
+    ResultsError
+        Results that are missing, unfinished or damaged.
+    SceneError
+        A step that they do not hold, or after which the body remembered nothing.
+    """
+    found = {}
+    for body, table in ((1, scene.body1.initial), (2, scene.body2.initial)):
+        if table is None:
+            continue
+        where, file = f"body{body}.initial", results_file(table.results)
+        steps = stored_steps(file)
+        step = steps[-1] if table.step is None else table.step
+        if step not in steps:
+            raise SceneError(f"{where}.step must be one that {file} holds, {steps[0]} to {steps[-1]} (got {step})")
+        known = read_history(file, str(read_attributes(file)["scene_hash"]), step)
+        records = {name: item for name, item in known.items() if item.body == body and item.coords}
+        if not records:
+            raise SceneError(
+                f"{where}.step must be one whose history is stored (got {step}, after which {file} holds nothing of "
+                f"cells of body {body}); the last is, or all with output.history = 'all'"
+            )
+        found[body] = InitialState(where=where, records=records)
+    return found
+
+
+def moved_state(
+    state: InitialState,
+    laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]],
+    coords: Mapping[str, FloatArray],
+    edges: tuple[float, float, float],
+) -> dict[str, HistoryRecord]:
+    """State in the cells of a lattice: as it was in the same cells, means over others.
+
+    Parameters
+    ----------
+    state : InitialState
+    laws : list of (law, cells)
+        Which cells, as flat indices, have which law; what they remember is taken over.
+    coords : mapping of str to (n,)
+        Centres of the cells along z, y, x [m].
+    edges : (float, float, float)
+        (dz, dy, dx) [m].
+
+    Raises
+    ------
+    SceneError
+        Something was remembered that no law of the new scene remembers, or in cells without such a law.
+    """
+    parts = [overlaps(state.coords[a], coords[a], edge) for a, edge in zip("zyx", edges, strict=True)]
+    same = all(np.array_equal(part, part.astype(bool)) for part in parts)
+    shape, found = tuple(len(coords[axis]) for axis in "zyx"), {}
+    for name, record in state.records.items():
+        values = np.einsum("ckji,Kk,Jj,Ii->cKJI", record.values, *parts, optimize=True)
+        if name == f"equivalent_eigenstrain_{record.body}":
+            if same:  # where the iteration begins; from other cells it begins anew
+                found[name] = replace(record, values=values, coords=dict(coords))
+            continue
+        plain, cells = name.removesuffix(f"_{record.body}"), np.zeros(shape, dtype=bool)
+        for law, places in laws:
+            variable = law.variables.get(plain)
+            if variable is not None:
+                rule = f"of [{variable.unit}] with {variable.components} components"
+                got = f"[{record.unit}] with {len(record.values)}"
+                if got != rule.removeprefix("of ").removesuffix(" components"):
+                    raise SceneError(f"{plain!r} of {state.where} must be {rule}, as {law.key!r} has it (got {got})")
+                cells.ravel()[places] = True
+        total = float(np.abs(values).sum())
+        lost = float(np.abs(values[:, ~cells]).sum())
+        if lost > _LOST * total:
+            raise SceneError(
+                f"{plain!r} of {state.where} must lie where a law remembers it (got {100 * lost / total:.2g} % of it "
+                f"elsewhere); give the body the law of the earlier run, {state.where.split('.')[0]}.law"
+            )
+        found[name] = replace(record, values=np.where(cells, values, 0.0), coords=dict(coords))
+    return found
