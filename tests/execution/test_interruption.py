@@ -62,12 +62,12 @@ def scene(scene_file, install):
     return site, path
 
 
-def run(scene, folder, *arguments, step=0, number=0):
+def stop(scene, folder, step, number):
     """Run in a process of its own, which gets a signal in a step."""
     site, path = scene
     environment = os.environ | {"PYTHONPATH": str(site), "FATAL_STEP": str(step), "FATAL_SIGNAL": str(int(number))}
     return subprocess.run(
-        [sys.executable, "-m", "eigencontact.cli", "run", str(path), "-o", str(folder), "-q", *arguments],
+        [sys.executable, "-m", "eigencontact.cli", "run", str(path), "-o", str(folder), "-q"],
         env=environment,
         capture_output=True,
         text=True,
@@ -94,8 +94,8 @@ def same(one, other):
 
 
 @pytest.mark.parametrize("step", [1, pytest.param(2, marks=pytest.mark.slow), 4])
-def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path):
-    killed = run(scene, tmp_path / "killed", step=step, number=signal.SIGKILL)
+def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path, command):
+    killed = stop(scene, tmp_path / "killed", step, signal.SIGKILL)
     assert killed.returncode == -signal.SIGKILL
     stored = sorted(path.name for path in (tmp_path / "killed" / "steps").glob("*.step"))
     assert stored == [f"{index:04d}.step" for index in range(1, step)]
@@ -103,38 +103,35 @@ def test_a_killed_run_continues_to_the_same_numbers(step, scene, tmp_path):
         ec.open_results(tmp_path / "killed")
     if stored:
         before = (tmp_path / "killed" / "steps" / "0001.step").stat().st_mtime_ns
-        again = run(scene, tmp_path / "killed")
-        assert again.returncode == 5
-        assert "--resume continues it" in again.stderr
+        again = command("run", scene[1], "-o", tmp_path / "killed", "-q")
+        assert again.code == 5
+        assert "--resume continues it" in again.err
         assert (tmp_path / "killed" / "steps" / "0001.step").stat().st_mtime_ns == before
-    resumed = run(scene, tmp_path / "killed", "--resume")
-    assert (resumed.returncode, resumed.stderr) == (0, "")
+    resumed = command("run", scene[1], "-o", tmp_path / "killed", "-q", "--resume")
+    assert (resumed.code, resumed.err) == (0, "")
     assert not (tmp_path / "killed" / "steps").exists()
-    ec.run(scene[1], tmp_path / "whole").dataset.close()
+    ec.run(scene[1], tmp_path / "whole")
     same(tmp_path / "killed", tmp_path / "whole")
 
 
-def test_ctrl_c_returns_130_and_keeps_the_accepted_steps(scene, tmp_path):
-    stopped = run(scene, tmp_path / "out", step=3, number=signal.SIGINT)
+def test_ctrl_c_returns_130_and_keeps_the_accepted_steps(scene, tmp_path, command):
+    stopped = stop(scene, tmp_path / "out", 3, signal.SIGINT)
     assert stopped.returncode == 130
     assert stopped.stdout == ""
     assert stopped.stderr == "eigencontact: interrupted; accepted steps are kept, continue with --resume\n"
     assert len(list((tmp_path / "out" / "steps").glob("*.step"))) == 2
-    assert run(scene, tmp_path / "out", "--resume").returncode == 0
-    ec.run(scene[1], tmp_path / "whole").dataset.close()
+    assert command("run", scene[1], "-o", tmp_path / "out", "-q", "--resume").code == 0
+    ec.run(scene[1], tmp_path / "whole")
     same(tmp_path / "out", tmp_path / "whole")
 
 
-def test_plot_of_an_interrupted_run_says_so(scene, tmp_path, command):
-    run(scene, tmp_path / "out", step=3, number=signal.SIGKILL)
-    outcome = command("plot", tmp_path / "out")
-    assert outcome.code == 5
-    assert "(got an interrupted run with 2 stored steps); continue it with --resume" in outcome.err
-
-
-def test_a_changed_scene_does_not_continue(scene, tmp_path):
-    run(scene, tmp_path / "out", step=3, number=signal.SIGKILL)
-    outcome = run(scene, tmp_path / "out", "--resume", "--set", "body1.poisson-ratio=0.29")
-    assert outcome.returncode == 5
-    assert "--resume continues the same scene only" in outcome.stderr
-    assert run(scene, tmp_path / "out", "--overwrite", "--set", "body1.poisson-ratio=0.29").returncode == 0
+def test_an_interrupted_run_is_not_drawn_and_a_changed_scene_does_not_continue_it(scene, tmp_path, command):
+    stop(scene, tmp_path / "out", 3, signal.SIGKILL)
+    drawn = command("plot", tmp_path / "out")
+    assert drawn.code == 5
+    assert "(got an interrupted run with 2 stored steps); continue it with --resume" in drawn.err
+    changed = ("run", scene[1], "-o", tmp_path / "out", "-q", "--set", "body1.poisson-ratio=0.29")
+    refused = command(*changed, "--resume")
+    assert refused.code == 5
+    assert "--resume continues the same scene only" in refused.err
+    assert command(*changed, "--overwrite").code == 0
