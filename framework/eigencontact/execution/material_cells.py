@@ -113,13 +113,16 @@ class MaterialCells:
                 found.append((law, filled))
         return [(law, cells) for law, cells in found if cells.any()]
 
-    def rim(self) -> NDArray[np.bool_]:
-        """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound."""
+    def rim(self, width: tuple[int, int, int] = (1, 1, 1)) -> NDArray[np.bool_]:
+        """Outermost cells ``(nz, ny, nx)`` of the regions whose bounds were guessed; the surface is no bound.
+
+        A rim of several cells along z, y, x is one of all neighbourhoods that reach beyond the bounds.
+        """
         out = np.zeros(self.shape, dtype=bool)
         for source in self._sources:
             if source.guessed and source.lattice is not None:
-                part = out[place_in(self._box, source.lattice)]
-                part[-1] = part[:, [0, -1]] = part[:, :, [0, -1]] = True
+                part, (k, j, i) = out[place_in(self._box, source.lattice)], width
+                part[-k:] = part[:, :j] = part[:, -j:] = part[:, :, :i] = part[:, :, -i:] = True
         return out
 
     def _share(self, member: int) -> tuple[Place, FloatArray]:

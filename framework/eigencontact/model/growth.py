@@ -21,7 +21,7 @@ IntArray = NDArray[np.intp]
 _SHARE, _LEAST = 0.35, 2
 
 
-def enlarged(lattice: Lattice, reached: IntArray) -> Lattice:
+def enlarged(lattice: Lattice, reached: IntArray, width: tuple[int, int, int] = (1, 1, 1)) -> Lattice:
     """Lattice with room beyond the faces that some of its cells have reached.
 
     Parameters
@@ -29,11 +29,13 @@ def enlarged(lattice: Lattice, reached: IntArray) -> Lattice:
     lattice : Lattice
     reached : (n, 3) of int
         Indices (layer, row, column) of the cells, counted in the lattice.
+    width : (int, int, int)
+        Of the rim along z, y, x [cells].
     """
     low, high = np.zeros(3, dtype=int), np.array(lattice.shape)
-    more = np.maximum(np.ceil(_SHARE * high).astype(int), _LEAST)
-    below = (reached.min(axis=0) == 0) * more
-    above = (reached.max(axis=0) == high - 1) * more
+    more = np.maximum(np.ceil(_SHARE * high).astype(int), np.maximum(width, _LEAST))
+    below = (reached.min(axis=0) < width) * more
+    above = (reached.max(axis=0) >= high - width) * more
     below[0] = min(int(below[0]), lattice.first[0])  # no cell lies above the surface
     return _between(np.array(lattice.first) + low - below, np.array(lattice.first) + high + above, lattice.edges)
 

@@ -33,6 +33,7 @@ from eigencontact.plugin import (
     InclusionShape,
     LawStep,
     LinearLaw,
+    NonLocal,
     SurfaceInfluence,
     VariesInSpace,
 )
@@ -193,7 +194,10 @@ def _box_where(
         far = bounds(_BESIDE[-1]) or box
         box = _around([box, *(held for shape in beside if (held := _held(shape, far)))]) or box
     low, high = box
-    (x0, y0, _), (x1, y1, depth) = low - room * (high - low), high + room * (high - low)
+    margin = room * (high - low)
+    if isinstance(trial.law, NonLocal):
+        margin += max(trial.law.averaged.values(), default=0.0)
+    (x0, y0, _), (x1, y1, depth) = low - margin, high + margin
     return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth))))
 
 

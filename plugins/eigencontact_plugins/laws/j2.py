@@ -54,7 +54,7 @@ class J2(ConstitutiveLaw):
     young_modulus, poisson_ratio : float, optional
         E [Pa], positive and finite, and ν [-] in (-1, 0.5); those of the body where they are not given.
     damage : PlasticDamage, optional
-        Loss of stiffness by plastic strain.
+        Loss of stiffness by plastic strain; with a length, by its mean over a neighbourhood.
     yield_on : str
         Of a material with damage: ``"nominal"``, the stress itself, or ``"effective"``, that in the part of the
         material that still bears, ``σ / (1 - D)``; the nominal strength falls then with damage.
@@ -87,6 +87,8 @@ class J2(ConstitutiveLaw):
         if E is not None:
             for law in self.hardening:
                 law.of_material(E)
+        if self.damage is not None:
+            self.damage.averaged("equivalent_plastic_strain")
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> J2:
         """See `OfBody.of_body`."""
@@ -111,6 +113,11 @@ class J2(ConstitutiveLaw):
         if self.damage is not None:
             found["damage"] = Variable("1", "part of the stiffness that is lost", largest="max_damage")
         return found
+
+    @property
+    def averaged(self) -> Mapping[str, float]:
+        """See `NonLocal.averaged`."""
+        return {} if self.damage is None else self.damage.averaged("equivalent_plastic_strain")
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]
@@ -150,7 +157,7 @@ class J2(ConstitutiveLaw):
             effective=self.yield_on == "effective",
         )
 
-    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:  # noqa: ARG002
+    def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
         """See `ConstitutiveLaw.update`; the tangent is that of the implicit step, not symmetric with damage.
 
         Raises
@@ -159,7 +166,7 @@ class J2(ConstitutiveLaw):
             Points that soften faster than -3G.
         """
         bulk, volume = self._constants[1], _UNIT @ strain
-        drive = self._drive(_DEVIATOR @ strain, 0.0, before)
+        drive = self._drive(_DEVIATOR @ strain, 0.0, before, step)
         now = self._return.state(drive, self._return.increments(drive))
         deviator, after = self._after(drive, now, before)
         stress = deviator + now.sound * bulk * volume * _UNIT[:, None]
@@ -171,12 +178,12 @@ class J2(ConstitutiveLaw):
         prestrain: FloatArray,
         around: Surroundings,
         before: Mapping[str, FloatArray],
-        step: LawStep,  # noqa: ARG002
+        step: LawStep,
     ) -> tuple[FloatArray, dict[str, FloatArray]]:
         """See `HasCellAnswer.cell_answer`."""
         mean = _UNIT @ foreign / 3.0
         shear, bulk = around.shear_stiffness, around.bulk_stiffness
-        drive = self._drive(_DEVIATOR @ (foreign / shear - prestrain), around.shear_give, before)
+        drive = self._drive(_DEVIATOR @ (foreign / shear - prestrain), around.shear_give, before, step)
         now = self._return.state(drive, self._return.increments(drive))
         deviator, after = self._after(drive, now, before)
         soft = 1.0 / (3.0 * self._constants[1] * now.sound)
@@ -187,10 +194,12 @@ class J2(ConstitutiveLaw):
         away = after["plastic_strain"] + further * deviator + (soft - around.bulk_compliance) * pressed * _UNIT[:, None]
         return away + prestrain, after
 
-    def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray]) -> Drive:
+    def _drive(self, deviator: FloatArray, give: float, before: Mapping[str, FloatArray], step: LawStep) -> Drive:
         back = [before[f"back_stress_{number}"] for number in range(1, len(self._kinematic) + 1)]
+        about = step.means.get("equivalent_plastic_strain")
+        mean = None if about is None else np.maximum(about[0], 0.0)
         stacked = np.stack(back) if back else np.zeros((0, *deviator.shape))
-        return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked)
+        return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked, mean)
 
     def _after(
         self, drive: Drive, now: Returned, before: Mapping[str, FloatArray]

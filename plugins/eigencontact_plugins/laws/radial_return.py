@@ -51,16 +51,20 @@ class Drive:
         Equivalent plastic strain.
     back : (k, 6, n)
         Back-stresses [Pa].
+    mean : (n,), optional
+        Equivalent plastic strain that damage follows from, where it is not that of the point.
     """
 
     tau: FloatArray
     give: float
     p: FloatArray
     back: FloatArray
+    mean: FloatArray | None = None
 
     def of(self, points: NDArray[np.bool_]) -> Drive:
         """Some of the points."""
-        return Drive(self.tau[:, points], self.give, self.p[points], self.back[:, :, points])
+        mean = None if self.mean is None else self.mean[points]
+        return Drive(self.tau[:, points], self.give, self.p[points], self.back[:, :, points], mean)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +140,7 @@ class RadialReturn:
         """State after increments dp."""
         p = drive.p + dp
         flow_stress, hardening = self.isotropic.flow_stress(p)
-        damage, growth = (np.zeros_like(p), np.zeros_like(p)) if self.damage is None else self.damage.damage(p)
+        damage, growth = self._damage(p, drive.mean)
         sound, twice = 1.0 - damage, 2.0 * self.shear_modulus
         around = 1.0 + sound * twice * drive.give
         if self.effective:
@@ -161,6 +165,14 @@ class RadialReturn:
             dp=dp, residual=residual, slope=slope, w=w, dw=dw, sound=sound, dsound=-growth, drecalled=drecalled,
             reached=reached, flow=flow, theta=theta,
         )  # fmt: skip
+
+    def _damage(self, p: FloatArray, mean: FloatArray | None) -> tuple[FloatArray, FloatArray]:
+        """Damage, and its derivative by the plastic strain of the point: none where a mean decides."""
+        if self.damage is None:
+            return np.zeros_like(p), np.zeros_like(p)
+        if mean is None:
+            return self.damage.damage(p)
+        return self.damage.damage(mean)[0], np.zeros_like(p)
 
     def _root(self, drive: Drive, active: NDArray[np.bool_]) -> FloatArray:
         """Root of f in a bracket: Newton's step, or the middle where that is no better."""

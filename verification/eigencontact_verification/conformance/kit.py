@@ -73,6 +73,7 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
         law_abilities.check_parts_of_law,
         law_abilities.check_law_of_body,
         law_abilities.check_cell_answer,
+        law_abilities.check_means,
         law_elastic.check_stiffness,
         law_elastic.check_factors,
         law_mechanics.check_tangent,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import HasCellAnswer, MadeOfLaws, OfBody, Surroundings, VariesInSpace
+from eigencontact.plugin import HasCellAnswer, MadeOfLaws, NonLocal, OfBody, Surroundings, VariesInSpace
 from eigencontact_verification.conformance.law_questions import (
     Question,
     answered,
@@ -16,12 +16,13 @@ from eigencontact_verification.conformance.law_questions import (
     history,
     law_check,
     pairs,
+    rest,
     some_strains,
     there,
 )
 from eigencontact_verification.conformance.report import check, ensure
 
-__all__ = ["check_cell_answer", "check_law_at_places", "check_law_of_body", "check_parts_of_law"]
+__all__ = ["check_cell_answer", "check_law_at_places", "check_law_of_body", "check_means", "check_parts_of_law"]
 
 FloatArray = NDArray[np.float64]
 
@@ -116,6 +117,34 @@ def check_cell_answer(law: Any) -> None:
         for name, values in answer.variables.items():
             near = np.allclose(after[name], values, rtol=0.0, atol=_ITERATED * float(np.abs(values).max()))
             ensure(near, f"variable {name!r} of cell_answer", "that of update", "something else", "")
+
+
+@law_check
+def check_means(law: Any) -> None:
+    """Where the means about the points are their own values, the answer is that without means; else it is another."""
+    averaged = dict(law.averaged) if isinstance(law, NonLocal) else {}
+    if not averaged:
+        return
+    declared: Any = rest(law, 0)
+    unknown = sorted(set(averaged) - set(declared))
+    ensure(not unknown, "averaged", f"names of variables, {sorted(declared)}", unknown, "declare them")
+    for name, radius in averaged.items():
+        ensure(0 < radius < np.inf, f"radius of {name!r}", "positive and finite [m]", radius, "")
+    differs = False
+    for question, answer in history(law):
+        own = {name: np.array(answer.variables[name]) for name in averaged}
+        same = answered(law, Question(question.strain, question.before, replace(question.step, means=own)))
+        twice = {name: 2.0 * values for name, values in own.items()}
+        other = answered(law, Question(question.strain, question.before, replace(question.step, means=twice)))
+        for what, without, told in pairs(answer, same):
+            size = float(np.abs(without).max(initial=0.0))
+            ensure(
+                what == "tangent" or np.allclose(without, told, rtol=0.0, atol=_ITERATED * size),
+                f"{what} where means are the points' own", "that without means", "something else",
+                "take step.means[name] where it is there, the value after the increment elsewhere",
+            )  # fmt: skip
+        differs |= not np.allclose(answer.stress, other.stress, rtol=1e-6, atol=0.0)
+    ensure(differs, "stress at twice the means", "another one", "the same", "let what is averaged act by step.means")
 
 
 def _taken(eigenstrain: FloatArray) -> FloatArray:

@@ -22,6 +22,7 @@ from eigencontact.core.elasticity import shear_ratios
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.initial import moved_state
+from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.interior import Outgrown, Remembered
 from eigencontact.execution.material_cells import is_linear
@@ -64,7 +65,8 @@ class SweptCells(Cells):
 
         super().start()
         self._laws = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
-        self._rim = self._content.rim().ravel()
+        self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
+        self._rim = self._content.rim(self._averages.width).ravel()
         matrix = self._half_space.material
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
         cells = LawCells(matrix, self._system.alone, self._laws, around)
@@ -76,7 +78,9 @@ class SweptCells(Cells):
         self._sweeping, self._start = True, self.eigenstrain
         self._before = [self._variables(law, cells, last) for law, cells in self._laws]
         self._after = self._before
-        self._steps = [self._law_step(cells, increment) for _, cells in self._laws]
+        self._about = self._averages.of(self._before)
+        steps = [self._law_step(cells, increment) for _, cells in self._laws]
+        self._steps = self._averages.told(steps, self._about)
 
     def _law_step(self, cells: NDArray[np.intp], increment: Increment) -> LawStep:
         x, y, z = (axis[cells] for axis in self._places)
@@ -100,11 +104,14 @@ class SweptCells(Cells):
     @property
     def unknown(self) -> FloatArray:
         """See `Interior.unknown`."""
-        return self.eigenstrain if self._sweeping else np.zeros(0)
+        if not self._sweeping:
+            return np.zeros(0)
+        return np.concatenate([self.eigenstrain, self._about]) if self._about.size else self.eigenstrain
 
     def take(self, unknown: FloatArray) -> None:
         """See `Interior.take`."""
-        self.eigenstrain = unknown
+        self.eigenstrain, self._about = unknown[:6], unknown[6:]
+        self._steps = self._averages.told(self._steps, self._about)
 
     def answer_as_a_whole(self) -> bool:
         """See `Interior.answer_as_a_whole`."""
@@ -121,7 +128,13 @@ class SweptCells(Cells):
         found = self._sweeps.sweep(self.eigenstrain, self._load, self._own, self._before, self._steps, self._start)
         self._after, self._residual = found.remembered, found.residual
         self._spent += self._sweeps.applications - before
-        return found.image, found.residual
+        if not self._about.size:
+            return found.image, found.residual
+        means = self._averages.of(found.remembered)
+        size = float(np.linalg.norm(means))
+        change = float(np.linalg.norm(means - self._about)) / size if size > 0.0 else 0.0
+        self._residual = max(found.residual, change)
+        return np.concatenate([found.image, means]), self._residual
 
     def scalars(self) -> dict[str, float]:
         """See `Interior.scalars`; with the certificate of laws that are not linear."""
@@ -141,12 +154,13 @@ class SweptCells(Cells):
         if not self._rim.any():
             return
         reached = np.zeros(self._rim.shape, dtype=bool)
-        for (_, cells), variables in zip(self._laws, self._after, strict=True):
-            reached[cells] |= np.any([values.any(axis=0) for values in variables.values()], axis=0)
+        for (law, cells), variables in zip(self._laws, self._after, strict=True):
+            changed = [values.any(axis=0) for name, values in variables.items() if not law.variables[name].elastic]
+            reached[cells] |= np.any(changed, axis=0)
         reached &= self._rim
         if reached.any():
             cells = np.argwhere(reached.reshape(self._content.shape))
-            raise Outgrown(self, self._with(enlarged(self._box.lattice, cells)))
+            raise Outgrown(self, self._with(enlarged(self._box.lattice, cells, self._averages.width)))
 
     def _with(self, lattice: Lattice) -> SweptCells:
         return type(self)(with_lattice(self._model, self.body, lattice), self.body, self._directions)

@@ -1,0 +1,75 @@
+"""Means of what the cells of an interior remember, for laws that act by a neighbourhood."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import ConstitutiveLaw, LawStep, NonLocal
+from eigencontact.solvers.neighbourhood import Neighbourhood, reach_of
+
+__all__ = ["Averages"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Averages:
+    """What the `NonLocal` laws of a box average, each over its own cells, as fields of the box.
+
+    Parameters
+    ----------
+    laws : sequence of (law, cells)
+        Flat indices of the cells of each law.
+    shape : (int, int, int)
+        Of the box.
+    edges : (float, float, float)
+        Of a cell along z, y, x [m].
+
+    Attributes
+    ----------
+    width : (int, int, int)
+        Cells along z, y, x that the outermost neighbourhoods are wide, 1 without any.
+    """
+
+    def __init__(
+        self,
+        laws: Sequence[tuple[ConstitutiveLaw, NDArray[np.intp]]],
+        shape: tuple[int, int, int],
+        edges: tuple[float, float, float],
+    ) -> None:
+        self._shape, self._laws = shape, laws
+        # Law, variable, rows of the fields, neighbourhood.
+        self._parts: list[tuple[int, str, slice, Neighbourhood]] = []
+        reach, rows = [(0, 0, 0)], 0
+        for number, (law, cells) in enumerate(laws):
+            inside = np.zeros(shape, dtype=bool)
+            inside.reshape(-1)[cells] = True
+            for name, radius in (law.averaged if isinstance(law, NonLocal) else {}).items():
+                count = law.variables[name].components
+                about = Neighbourhood(inside, edges, radius)
+                self._parts.append((number, name, slice(rows, rows + count), about))
+                reach.append(reach_of(radius, edges))
+                rows += count
+        self._rows = rows
+        k, j, i = (int(most) + 1 for most in np.max(reach, axis=0))
+        self.width = k, j, i
+
+    def of(self, variables: Sequence[Mapping[str, FloatArray]]) -> FloatArray:
+        """Fields ``(rows, nz, ny, nx)`` of the means of what the cells of each law remember; zero in other cells."""
+        out = np.zeros((self._rows, *self._shape))
+        for number, name, rows, about in self._parts:
+            out[rows].reshape(rows.stop - rows.start, -1)[:, self._laws[number][1]] = about.means(
+                variables[number][name]
+            )
+        return out
+
+    def told(self, steps: Sequence[LawStep], fields: FloatArray) -> list[LawStep]:
+        """Questions to the laws, with the means that these fields give."""
+        means: list[dict[str, FloatArray]] = [{} for _ in steps]
+        for number, name, rows, _ in self._parts:
+            flat = fields[rows].reshape(rows.stop - rows.start, -1)
+            means[number][name] = flat[:, self._laws[number][1]]
+        return [replace(step, means=own) for step, own in zip(steps, means, strict=True)]

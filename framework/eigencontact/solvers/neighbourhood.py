@@ -1,0 +1,63 @@
+"""Means over a neighbourhood in some cells of a box: what a softening material needs to have a width of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import fftconvolve
+
+__all__ = ["Neighbourhood", "reach_of"]
+
+FloatArray = NDArray[np.float64]
+
+#: Means below this part of the largest are rounding of the transforms, and zero.
+_ROUNDING = 1e-12
+
+
+def reach_of(radius: float, edges: tuple[float, float, float]) -> tuple[int, int, int]:
+    """Cells along z, y, x, beyond its own, that a neighbourhood reaches [cells]; the bell is zero at its radius."""
+    k, j, i = (max(int(np.ceil(radius / edge)) - 1, 0) for edge in edges)
+    return k, j, i
+
+
+class Neighbourhood:
+    """Means over a radius R with the weight ``(1 - r²/R²)²``, r the distance of the middles of two cells.
+
+    Only the cells that are given count, with weights that sum to one: a constant stays a constant at their edges.
+
+    Parameters
+    ----------
+    cells : (nz, ny, nx) of bool
+        Those that count.
+    edges : (float, float, float)
+        Of a cell along z, y, x [m].
+    radius : float
+        R [m].
+
+    Examples
+    --------
+    >>> about = Neighbourhood(np.ones((1, 1, 4), dtype=bool), (1.0, 1.0, 1.0), 2.0)
+    >>> about.means(np.array([[0.0, 0.0, 1.0, 1.0]])).round(3).tolist()
+    [[0.0, 0.265, 0.735, 1.0]]
+    """
+
+    def __init__(self, cells: NDArray[np.bool_], edges: tuple[float, float, float], radius: float) -> None:
+        self._cells = cells
+        reach = np.minimum(reach_of(radius, edges), np.subtract(cells.shape, 1))
+        z, y, x = np.ogrid[tuple(slice(-int(n), int(n) + 1) for n in reach)]
+        squared = (z * edges[0]) ** 2 + (y * edges[1]) ** 2 + (x * edges[2]) ** 2
+        self._weight = np.maximum(1.0 - squared / radius**2, 0.0) ** 2
+        self._whole = self._summed(np.ones((1, int(cells.sum()))))
+
+    def means(self, values: FloatArray) -> FloatArray:
+        """Means ``(k, n)`` of k numbers in each of the n cells that count, in their order in the box."""
+        out = self._summed(values) / self._whole
+        out[np.abs(out) <= _ROUNDING * np.abs(values).max(initial=0.0)] = 0.0
+        return np.asarray(out)
+
+    def _summed(self, values: FloatArray) -> FloatArray:
+        if self._weight.size == 1:
+            return np.array(values)
+        box = np.zeros((len(values), *self._cells.shape))
+        box[:, self._cells] = values
+        return np.asarray(fftconvolve(box, self._weight[None], mode="same", axes=(1, 2, 3)))[:, self._cells]
