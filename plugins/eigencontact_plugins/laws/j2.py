@@ -111,7 +111,9 @@ class J2(ConstitutiveLaw):
         for number in range(1, len(self._kinematic) + 1):
             found[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
         if self.damage is not None:
-            found["damage"] = Variable("1", "part of the stiffness that is lost", largest="max_damage")
+            found["damage"] = Variable(
+                "1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"
+            )
         return found
 
     @property
