@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import dblquad
 
 from close import close
-from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, trade
+from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, plasticity, trade
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.campaign import run_campaign
@@ -456,6 +456,17 @@ def test_stress_in_layers_is_measured_beside_that_in_the_bare_body(case):
     row = layers.BENCHMARK.summarise(asked, [sample, sample])
     assert row["depths"] == (64 if case.startswith("line") else 3)
     assert min(row[name] for name in ("coated_step_s", "bare_step_s", "first", "again")) > 0
+
+
+def test_load_steps_of_a_body_that_yields_are_counted_and_timed():
+    asked = Task(benchmark="plasticity", code="eigencontact", n=4, case="EP-2")
+    sample = perform(asked)
+    assert sample["status"] == "ok", sample
+    row = plasticity.BENCHMARK.summarise(asked, [sample])
+    assert 0 < row["loading"] <= 8
+    assert row["unloading"] <= 1
+    assert row["depth"] > row["print"] > 0
+    assert min(row["step_s"], row["bare_s"]) > 0
 
 
 def test_nothing_measured_is_a_failure(fake, capsys):

@@ -9,6 +9,7 @@ from eigencontact_verification.benchmarks import (
     hertz,
     inhomogeneity,
     layers,
+    plasticity,
     stress,
     tangential,
     trade,
@@ -17,5 +18,5 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark
 
 __all__ = ["BENCHMARKS"]
 
-_MODULES = (hertz, stress, fidelity, eigenstrain, cloud, trade, tangential, inhomogeneity, layers)
+_MODULES = (hertz, stress, fidelity, eigenstrain, cloud, trade, tangential, inhomogeneity, layers, plasticity)
 BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}

@@ -20,11 +20,11 @@ class Task:
     ----------
     benchmark : str
         ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"``,
-        ``"tangential"``, ``"inhomogeneity"`` or ``"layers"``.
+        ``"tangential"``, ``"inhomogeneity"``, ``"layers"`` or ``"plasticity"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
-        Cells along each side; inclusions of a cloud.
+        Cells along each side; inclusions of a cloud; cells per contact radius (plasticity).
     threads : int
         Threads that the code may use.
     precision : str

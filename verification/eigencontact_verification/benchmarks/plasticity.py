@@ -1,0 +1,128 @@
+"""Bodies that yield: applications of the volume operator and time of a load step, and how both grow with the cells.
+
+``EP-1`` is the bundled scene ``plastic-indentation`` (Swift's law), ``EP-2`` a sphere of 200 um under 12.307 N on a
+perfectly plastic body of 7344 MPa: ten load steps and four back, n cells per contact radius of the elastic contact,
+without pictures and regions. An application is that of the operator from eigenstrain to mean stress in all cells of
+the box; ``step / bare`` is the wall time of a loading step, contact included, by the time of one bare application.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.clock import timed
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.table import Column
+
+if TYPE_CHECKING:
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = ["BENCHMARK", "CASES", "METHODS", "measure"]
+
+CASES = ("EP-1", "EP-2")
+METHODS = {
+    "eigencontact": Code(
+        name="eigencontact",
+        distribution="eigencontact",
+        modules=("pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.solvers.cell_sweeps"),
+        settings="tolerance 1e-6, double precision, exact half-space",
+    )
+}
+_LOADING = 10
+_STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
+_SCENES: dict[str, dict[str, Any]] = {
+    "EP-1": {
+        "hardening": {"type": "swift", "B": "1240 MPa", "C": 30, "n": 0.085},
+        "radius": "105 um",
+        "load": "0.65 N",
+    },
+    "EP-2": {"hardening": {"type": "perfect", "yield-stress": "7344 MPa"}, "radius": "200 um", "load": "12.307 N"},
+}
+
+
+def measure(code: Code, task: Task) -> Sample:
+    """Measure one case in this process, which is a fresh one."""
+    code.load()
+    import eigencontact as ec
+
+    given = _SCENES[task.case]
+    scene = ec.Scene(
+        body1=_STEEL | {"law": {"type": "j2", "hardening": given["hardening"]}},
+        geometry={"type": "sphere", "radius": given["radius"]},
+        grid={"cells_per_contact_radius": task.n, "margin": 1.8},
+        steps=[
+            {"normal_load": given["load"], "increments": _LOADING},
+            {"normal_load": "0 N", "increments": 4},
+        ],
+        numerics={"threads": task.threads},
+        output={"pictures": False},
+    )
+
+    def judge(result: Any) -> dict[str, Any]:
+        data = result.dataset
+        applied, spent = (data[name].values for name in ("inclusion_iterations", "solve_seconds"))
+        eigenstrain = data["equivalent_eigenstrain_1"][-1]
+        bare = _bare(eigenstrain, task.threads)
+        step = float(np.mean(spent[:_LOADING]))
+        return {
+            "cells": int(eigenstrain[0].size),
+            "box": " x ".join(str(size) for size in reversed(eigenstrain.shape[1:])),
+            "loading": float(applied[:_LOADING].mean()),
+            "unloading": int(applied[_LOADING:].sum()),
+            "step_s": step,
+            "bare_s": bare,
+            "against": step / bare,
+            "depth": float(data["approach"].max()),
+            "print": float(data["print_depth"][-1]),
+            "certificate": float(data["law_residual"].max()),
+        }
+
+    return Trial(call=lambda: ec.run(scene), judge=judge).run(task, warm=0)
+
+
+def _bare(eigenstrain: Any, threads: int) -> float:
+    """Wall time of one application of the operator to an eigenstrain in its cells [s]."""
+    from eigencontact.solvers.cells import Cells
+    from eigencontact.solvers.mean_stress import MeanVolumeField
+    from eigencontact_plugins.shapes.cuboid import Cuboid
+
+    axes = [eigenstrain[f"cells_1_{name}"].values for name in "xyz"]
+    dx, dy, dz = tuple(float(axis[1] - axis[0]) for axis in axes)
+    first = (float(axes[0][0]), float(axes[1][0]), float(axes[2][0]))
+    cells = Cells(first=first, pitch=(dx, dy, dz), shape=eigenstrain.shape[1:])
+    cell = Cuboid(center=(0.0, 0.0, 0.5 * dz), edges=(dx, dy, dz))
+    operator = MeanVolumeField(cell, cells, cells, poisson_ratio=0.3, shear_modulus=1.0, threads=threads)
+    values = np.ascontiguousarray(eigenstrain.values)
+    operator.apply(values)
+    return median(timed(lambda: operator.apply(values))[1] for _ in range(3))
+
+
+BENCHMARK = Benchmark(
+    name="plasticity",
+    help="load steps of bodies that yield",
+    measure=measure,
+    medians=("step_s", "against"),
+    methods=METHODS,
+    cases=CASES,
+    sizes=(8, 12, 16),
+    unit="CELLS-PER-CONTACT-RADIUS",
+    columns=(
+        Column("case", "case"),
+        Column("cells per radius", "n", "d"),
+        Column("box", "box"),
+        Column("cells", "cells", "d", brief=False),
+        Column("applications a loading step", "loading", ".1f"),
+        Column("on unloading", "unloading", "d"),
+        Column("loading step [s]", "step_s", ".2g"),
+        Column("step / bare application", "against", ".1f"),
+        Column("depth [nm]", "depth", ".2f", scale=1e9),
+        Column("print [nm]", "print", ".2f", scale=1e9),
+        Column("certificate", "certificate", ".0e"),
+        Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("processes", "processes", "d", brief=False),
+    ),
+)
