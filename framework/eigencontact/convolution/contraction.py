@@ -53,18 +53,20 @@ class _Contraction:
 
 
 class BlockContraction(_Contraction):
-    """Kernels assembled by one matrix product, then one multiplication and one sum for each row."""
+    """Kernels assembled by one sparse matrix product, then one multiplication and one sum for each row."""
 
     def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
         super().__init__(sums, active, depths, size, dtype)
+        from scipy.sparse import csr_array
+
         n, signs, kz = len(active), self._signs, self._kz
-        self._matrix = np.concatenate([matrix for *_, matrix in self._matrices]).astype(self._real)
+        # Sparse, as most entries are zero, and as the threads of a dense product would spin beside ours.
+        self._matrix = csr_array(np.concatenate([matrix for *_, matrix in self._matrices]).astype(self._real))
         # Folded: at each kz >= 0 the values there and the conjugates of those at -kz; kernels multiply both alike.
         self._columns = self._empty(2 * n, signs, signs, size, kz)
         self._product = self._empty(max(last - first for first, last, _ in self._matrices), signs, signs, size, kz)
         self._lower = self._empty(signs, size, kz)
-        self._parts = self._empty(len(self._matrix), size * kz, dtype=self._real)
-        self._assembled = self._empty(len(self._matrix), 1, 1, size, kz)
+        self._assembled = self._empty(self._matrix.shape[0], 1, 1, size, kz)
         self._sum, self._part = self._empty(signs, size, self._targets), self._empty(signs, size, self._targets)
 
     def multiply(self, waves: Array, kernels: Array, piece: slice, out: Array) -> None:
@@ -88,9 +90,8 @@ class BlockContraction(_Contraction):
         if self._signs == 2:
             np.conjugate(mirrored, out=columns[:n, 1])
             np.conjugate(waves[..., :kz], out=columns[n:, 1])
-        parts = self._parts[:, : size * kz]
         for part, values in enumerate((self._assembled.real, self._assembled.imag)):
-            np.matmul(self._matrix, kernels[:, part, piece].reshape(len(kernels), -1), out=parts)
+            parts = self._matrix @ kernels[:, part, piece].reshape(len(kernels), -1)
             values[..., :size, :] = parts.reshape(-1, 1, 1, size, kz)
         upper, position = slice(1, out.shape[-1] - kz + 1), 0
         for row, (first, last, matrix) in enumerate(self._matrices):

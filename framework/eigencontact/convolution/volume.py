@@ -26,8 +26,8 @@ Array = NDArray[Any]
 
 # Bytes of the kernels assembled for one piece, small enough for the second-level cache (measured optimum).
 _PIECE_BYTES = 600_000
-# Padded points from which compiled loops repay their import.
-_WORTH_COMPILING = 100_000
+# Padded points from which compiled loops repay their import: applied a few times, and some hundred times.
+_WORTH_COMPILING = {"auto": 100_000, "repeated": 5_000}
 
 
 class VolumeConvolver:
@@ -44,8 +44,9 @@ class VolumeConvolver:
     library : {"auto", "pyfftw", "scipy"}
         FFT library; ``"auto"`` takes pyFFTW where it is installed.
 
-    loops : {"auto", "compiled", "numpy"}
-        Who multiplies kernels and sources; ``"auto"`` takes numba for large boxes where it is installed.
+    loops : {"auto", "repeated", "compiled", "numpy"}
+        Who multiplies kernels and sources; ``"auto"`` takes numba for large boxes where it is installed, ``"repeated"``
+        for small ones as well, which are worth it where they are applied some hundred times.
 
     Notes
     -----
@@ -72,8 +73,10 @@ class VolumeConvolver:
         self.depths = depths
         self.fft = backend(library)
         points = layout.x.length * layout.y.length * layout.z.length
-        require(loops in ("auto", "compiled", "numpy"), "numerics", "loops", loops, "'auto', 'compiled' or 'numpy'")
-        self.compiled = can_compile() and points >= _WORTH_COMPILING if loops == "auto" else loops == "compiled"
+        rule = "'auto', 'repeated', 'compiled' or 'numpy'"
+        require(loops in (*_WORTH_COMPILING, "compiled", "numpy"), "numerics", "loops", loops, rule)
+        least = _WORTH_COMPILING.get(loops)
+        self.compiled = loops == "compiled" if least is None else can_compile() and points >= least
         self.threads = min(threads or available_threads(), max(1, points // 16_384))
         self._half: Array = np.empty(0, self.complex)
         self._workers: dict[tuple[int, ...], list[_Worker]] = {}

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,6 +76,9 @@ class VolumeField:
     y and x. On a face between cells stress and strain are the means of both sides.
     """
 
+    #: See `VolumeConvolver`.
+    _loops: ClassVar[str] = "auto"
+
     def __init__(
         self,
         cell: HasCornerPotentials,
@@ -102,7 +105,7 @@ class VolumeField:
         self._local = self._scale * local_matrix(forms)
         self._kernels = self._sampled(cell, forms, precision)
         depths = target.centres(2) / self._unit
-        self._convolver = VolumeConvolver(self._sums(forms), depths, threads=threads)
+        self._convolver = VolumeConvolver(self._sums(forms), depths, threads=threads, loops=self._loops)
 
     def _sampled(self, cell: HasCornerPotentials, forms: Forms, precision: str) -> VolumeKernels:
         layout, unit, pitch = self.layout, self._unit, self.source.pitch
