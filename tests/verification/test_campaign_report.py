@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,8 +17,15 @@ from eigencontact_verification.campaign.run import Solved, tasks_of
 from eigencontact_verification.campaign.worker import Outcome, perform
 
 
+@cache
+def outcomes(fault, error):
+    """What the campaign finds of the made-up case; its name changes nothing."""
+    return tuple(perform(task) for task in tasks_of(analytic("case", fault, error=error)))
+
+
 def solved(case):
-    return Solved(case=case, outcomes=tuple((task, perform(task)) for task in tasks_of(case)))
+    found = outcomes(case.fault, case.parameters["error"])
+    return Solved(case=case, outcomes=tuple(zip(tasks_of(case), found, strict=True)))
 
 
 VERDICTS = [
