@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Case", "Curve", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
 
-Quantity = Literal["displacement", "stress"]
+Quantity = Literal["displacement", "stress", "strain"]
 #: Mesh of a case: 0 coarse, 1 medium, 2 fine.
 Level = Literal[0, 1, 2]
 #: Boundary condition on the outer faces of the finite-element model.
@@ -43,7 +43,7 @@ class Profile:
     ----------
     name : str
         Unique within the case.
-    quantity : {"displacement", "stress"}
+    quantity : {"displacement", "stress", "strain"}
         What is compared.
     points : (n, 3) float64
         Coordinates, z into the body; neighbours along the profile are neighbours in this array.

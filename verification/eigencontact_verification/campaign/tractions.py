@@ -100,7 +100,7 @@ class RectangleCase(Case):
                 points,
                 young_modulus=_MODULUS,
                 poisson_ratio=self.parameters["poisson_ratio"],
-                quantity=quantity,
+                quantity="stress" if quantity == "stress" else "displacement",
             )
         )
 

@@ -92,9 +92,9 @@ class IndentationSolution:
         points = np.stack((r, 0 * r), axis=1)
         return np.asarray(self.body.displacement(self.moments[moment].displacement, points)[1])
 
-    def plastic_strain(self, points: ArrayLike, moment: int = -1) -> FloatArray:
-        """Equivalent plastic strain at points (r, z), (n, 2)."""
-        return self.body.read(self.body.of_state(self.moments[moment].states), points)
+    def remembered(self, points: ArrayLike, name: str = "p", moment: int = -1) -> FloatArray:
+        """One number of the state at points (r, z), (n, 2); by default equivalent plastic strain."""
+        return self.body.read(self.body.of_state(self.moments[moment].states, name), points)
 
     def peak_plastic_strain(self, moment: int = -1) -> tuple[float, float, float]:
         """Largest equivalent plastic strain of an integration point, and its r and z."""

@@ -20,14 +20,25 @@ J. C. Simo, T. J. R. Hughes, Computational Inelasticity, 1998, chapter 3; J.-L. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Answer", "PointLaw", "YieldingLaw", "fading_damage", "linear", "ludwik", "perfect", "swift", "voce"]
+__all__ = [
+    "Answer",
+    "PointLaw",
+    "YieldingLaw",
+    "fading_damage",
+    "linear",
+    "ludwik",
+    "perfect",
+    "swift",
+    "tabulated",
+    "voce",
+]
 
 FloatArray = NDArray[np.float64]
 State = Mapping[str, FloatArray]
@@ -76,6 +87,20 @@ def ludwik(stress: float, K: float, n: float) -> Curve:
 def voce(stress: float, Q: float, b: float) -> Curve:
     """Y + Q (1 - exp(-b p))."""
     return lambda p: (stress + Q * (1 - np.exp(-b * p)), Q * b * np.exp(-b * p))
+
+
+def tabulated(strain: Sequence[float], stress: Sequence[float]) -> Curve:
+    """Lines between points whose strains rise from 0; constant beyond the last."""
+
+    def curve(p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        value, slope = np.full_like(p, stress[-1]), np.zeros_like(p)
+        for a, b, Y, Z in zip(strain[:-1], strain[1:], stress[:-1], stress[1:], strict=True):
+            here = (p >= a) & (p < b)
+            rise = (Z - Y) / (b - a)
+            value[here], slope[here] = Y + rise * (p[here] - a), rise
+        return value, slope
+
+    return curve
 
 
 def fading_damage(saturation: float, strain: float) -> Curve:

@@ -1,0 +1,384 @@
+"""Cases of bodies that yield: indentation by a rigid sphere, loaded and unloaded, with every law and in regions.
+
+Both methods take the same increments, by backward Euler: what they share of its error is not judged. Lengths are in
+contact radii a of the elastic body, displacements in a²/R, stresses in its largest pressure p0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, Profile, own_error
+from eigencontact_verification.campaign.indentation import Problem, by_cells
+from eigencontact_verification.fem import yielding_law
+from eigencontact_verification.fem.yielding import Indentation, IndentationSolution, YieldingRegion, solve_indentation
+from eigencontact_verification.fem.yielding_law import Curve, PointLaw, YieldingLaw
+
+__all__ = ["KEY", "PlasticCase", "plastic_case", "plastic_cases"]
+
+FloatArray = NDArray[np.float64]
+
+#: Name under which bodies that yield are verified; it is no plugin's key.
+KEY = "plasticity"
+#: Code that decides what the finite elements of a case compute.
+_CODE = (
+    *(f"{__name__}:PlasticCase.{name}" for name in ("problem", "law_of", "model", "reference", "read")),
+    *(f"{__name__}:{name}" for name in ("_curve", "_point_law", "_region")),
+    "eigencontact_verification.campaign.indentation:Problem",
+)
+#: Cells to a contact radius of what is judged, and of the coarser runs that give its error.
+_CELLS, _COARSER = 10, (5, 6)
+#: Orders at which that error is taken to fall, 1 where none is given. Observed from 5 to 12 cells to a radius, in a
+#: perfectly plastic body: 1.7 depth and print, 2.1 pressure, 1.6 to 2.8 residual stress, 2.3 plastic strain.
+#: Beside the steps of a ball it is 1 for all.
+_ORDERS = {"axis-stress": 1.5, "axis-strain": 2.0}
+#: Elements to a contact radius are `_FINE` times these parts; growth of the undivided mesh; its size.
+_FINE, _DIVISIONS, _GROWTH, _EXTENT, _REACH = 1.2, (3, 6, 12), 2.5, 1.6, 40.0
+#: Steel under the load of case HZ-1: p0 = 8470 MPa.
+_BODY = {"young_modulus": 210e9, "poisson_ratio": 0.3, "radius": 105e-6, "load": 0.65}
+_PATH = (0.4, 0.7, 1.0, 0.0)
+_CYCLED = (0.5, 1.0, 0.0, 0.5, 1.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlasticCase(Case):
+    """A sphere pressed into a body that yields.
+
+    Parameters
+    ----------
+    cells, coarser : int, tuple of int
+        Cells to a contact radius of what is judged, and of the runs that give its error.
+    stop : int
+        Steps after which the run is interrupted, and resumed from what is stored; 0: it is not.
+    title : str
+        What yields, in words.
+    """
+
+    cells: int = _CELLS
+    coarser: tuple[int, ...] = _COARSER
+    stop: int = 0
+    title: str = ""
+
+    code: ClassVar[tuple[str, ...]] = _CODE
+    #: What the elements call a variable, by its name in profiles.
+    states: ClassVar[Mapping[str, str]] = {"e_p": "p"}
+
+    @property
+    def problem(self) -> Problem:
+        """What is solved."""
+        given = self.parameters
+        names = ("young_modulus", "poisson_ratio", "radius", "load", "law")
+        path, regions = tuple(given["path"]), tuple(given["regions"])
+        return Problem(path=path, regions=regions, **{name: given[name] for name in names})
+
+    def law_of(self, table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> PointLaw:
+        """Law of the integration points for the fields of a law in a scene."""
+        return _point_law(table, young_modulus, poisson_ratio)
+
+    def model(self, level: Level, outer: Outer) -> Indentation:
+        """Finite-element model of one level."""
+        given, problem = self.parameters, self.problem
+        a, E, nu = problem.contact_radius, problem.young_modulus, problem.poisson_ratio
+        return Indentation(
+            young_modulus=E,
+            poisson_ratio=nu,
+            law=None if problem.law is None else self.law_of(problem.law, E, nu),
+            regions=tuple(_region(self, region) for region in problem.regions),
+            radius=problem.radius,
+            fine=a / given["fine"],
+            extent=given["extent"] * a,
+            reach=given["reach"] * a,
+            outer=outer,
+            growth=given["growth"],
+            divisions=given["divisions"][level],
+        )
+
+    def reference(self, level: Level, outer: Outer) -> Fields:
+        """Values of the finite-element model, in Hertz's units."""
+        problem = self.problem
+        solution = solve_indentation(self.model(level, outer), [part * problem.load for part in problem.path])
+        return {profile.name: self.read(solution, profile) for profile in self.profiles}
+
+    def read(self, solution: IndentationSolution, profile: Profile) -> FloatArray:
+        """Values of one profile, (n, components)."""
+        problem, at = self.problem, profile.points[:, [0, 2]] * self.problem.contact_radius
+        if profile.name == "depth":
+            return np.array([[moment.depth] for moment in solution.moments]) / problem.depth
+        if profile.name == "pressure":
+            x, y = solution.surface.r**2, solution.moments[problem.peak].pressure ** 2  # Hertz's is linear
+            middle = y[0] - x[0] * (y[1] - y[0]) / (x[1] - x[0])
+            squares = np.interp(at[:, 0] ** 2, np.insert(x, 0, 0.0), np.insert(y, 0, middle))
+            return -np.sqrt(squares)[:, None] / problem.pressure
+        if profile.name == "print":
+            return solution.surface_displacement(at[:, 0])[:, None] / problem.depth
+        if profile.name == "axis-stress":
+            rows = [("s_xx", "s_yy", "s_zz").index(component) for component in profile.components]
+            return solution.stress(at)[rows].T / problem.pressure
+        (component,) = profile.components
+        return solution.remembered(at, self.states.get(component, component))[:, None]
+
+    def by_cells(self, cells: int) -> Fields:
+        """Values by so many cells to a contact radius."""
+        return by_cells(self.problem, self.profiles, cells, stop=self.stop)
+
+    def judged(self) -> Fields:
+        """Values by the finest cells, with what the coarser ones say of their error."""
+        fine, *coarser = (self.by_cells(cells) for cells in (self.cells, *self.coarser))
+        fields: Fields = dict(fine)
+        ratios = [self.cells / cells for cells in self.coarser]
+        balls = any(region["kind"] == "ball" for region in self.problem.regions)
+        for profile in self.profiles:
+            values = [found[profile.name] for found in coarser]
+            order = 1.0 if balls else _ORDERS.get(profile.name, 1.0)
+            fields[own_error(profile.name)] = _error_of_cells(fine[profile.name], values, ratios, order)
+        return fields
+
+    @property
+    def words(self) -> str:
+        """What is solved, for the figures."""
+        return f"{self.kernel}: {self.title}; {self.cells} cells to a contact radius"
+
+
+def _error_of_cells(
+    fine: FloatArray, coarser: Sequence[FloatArray], ratios: Sequence[float], order: float
+) -> FloatArray:
+    """Error of the finest cells if it falls with that order: the worst of all comparisons and of three neighbours.
+
+    Where all cuttings happen to agree it is not nought: half of the largest of the profile is the least.
+    """
+    parts = [np.abs(fine - values) / (ratio**order - 1.0) for values, ratio in zip(coarser, ratios, strict=True)]
+    worst, index = np.maximum.reduce(parts), np.arange(len(fine))
+    near = [worst[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
+    return np.asarray(np.maximum.reduce([*near, np.broadcast_to(0.5 * worst.max(axis=0), worst.shape)]))
+
+
+def _curve(table: Mapping[str, Any], young_modulus: float) -> Curve:
+    """Yield stress over plastic strain for an isotropic hardening of a scene."""
+    given = dict(table)
+    kind = given.pop("type")
+    if "tangent_modulus" in given:
+        slope = given.pop("tangent_modulus")
+        given["modulus"] = young_modulus * slope / (young_modulus - slope)
+    names = {"yield_stress": "stress", "strength": "K", "saturation": "Q", "rate": "b"}
+    makers: dict[str, Callable[..., Curve]] = {
+        name: getattr(yielding_law, name) for name in ("perfect", "linear", "swift", "ludwik", "voce", "tabulated")
+    }
+    return makers[kind](**{names.get(name, name): value for name, value in given.items()})
+
+
+def _point_law(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> YieldingLaw:
+    """The finite elements' own law for the fields of a scene's law."""
+    hardening = list(table["hardening"])
+    backs = [one for one in hardening if one["type"] in ("prager", "armstrong-frederick")]
+    (size,) = (one for one in hardening if one not in backs)
+    damage = table.get("damage")
+    return YieldingLaw(
+        young_modulus=young_modulus,
+        poisson_ratio=poisson_ratio,
+        hardening=_curve(size, young_modulus),
+        back_stresses=tuple((one["modulus"], one.get("recovery", 0.0)) for one in backs),
+        damage=None if damage is None else yielding_law.fading_damage(damage["saturation"], damage["strain"]),
+        effective=table.get("yield_on", "nominal") == "effective",
+    )
+
+
+def _region(case: PlasticCase, given: Mapping[str, Any]) -> YieldingRegion:
+    """A region for the elements; a layer goes on to the rim of the body."""
+    problem, reach = case.problem, case.parameters["reach"]
+    a, law = problem.contact_radius, given.get("law")
+    young = given.get("young_modulus", 1.0) * problem.young_modulus
+    nu = given.get("poisson_ratio", problem.poisson_ratio)
+    contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
+    if given["kind"] == "layer":
+        top, bottom = given["top"] * a, given["bottom"] * a
+        bounds = ((0.0, top), (reach * a, bottom))
+
+        def contains(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+            return np.asarray((r >= 0) & (z > top) & (z < bottom))
+    elif given["kind"] == "disc":
+        top, bottom, radius = given["top"] * a, given["bottom"] * a, given["radius"] * a
+        bounds = ((0.0, top), (radius, bottom))
+
+        def contains(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+            return np.asarray((r < radius) & (z > top) & (z < bottom))
+    else:
+        depth, radius = given["depth"] * a, given["radius"] * a
+        bounds = ((0.0, depth - radius), (radius, depth + radius))
+
+        def contains(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+            return np.asarray(r * r + (z - depth) ** 2 < radius**2)
+
+    return YieldingRegion(
+        contains=contains,
+        bounds=bounds,
+        eigenstrain=(given.get("eigenstrain", 0.0), 0.0),
+        young_modulus=young if "young_modulus" in given else None,
+        poisson_ratio=nu if "poisson_ratio" in given else None,
+        law=None if law is None else case.law_of(law, young, nu),
+        fitted=given["kind"] == "ball",
+    )
+
+
+def plastic_case(
+    name: str,
+    words: str,
+    *hardening: Mapping[str, Any],
+    law: Mapping[str, Any] | None = None,
+    regions: Sequence[Mapping[str, Any]] = (),
+    path: Sequence[float] = _PATH,
+    body: Mapping[str, float] = _BODY,
+    stop: int = 0,
+    quick: bool = False,
+) -> PlasticCase:
+    """Case of one body.
+
+    Parameters
+    ----------
+    name, words : str
+        Of the case; what yields, for the figures.
+    hardening : mappings
+        Tables of the hardening of the body, as in a scene; none: the body is elastic.
+    law : mapping, optional
+        Further fields of its law.
+    regions : sequence of mappings
+        See `Problem`.
+    path : sequence of float
+        See `Problem`.
+    body : mapping
+        Elastic constants, radius of the sphere and load.
+    stop, quick : int, bool
+        See `PlasticCase`, and `Case`.
+    """
+    edges = [edge for region in regions for edge in _edges(region)]
+    parameters: dict[str, Any] = {
+        **body,
+        "path": list(path),
+        "law": {**({"hardening": [dict(one) for one in hardening]} if hardening else {}), **(law or {})} or None,
+        "regions": [dict(region) for region in regions],
+        "fine": _FINE,
+        "extent": _EXTENT,
+        "reach": _REACH,
+        "growth": _GROWTH,
+        "divisions": list(_DIVISIONS),
+    }
+    return PlasticCase(
+        kernel=KEY,
+        name=name,
+        title=words,
+        parameters=parameters,
+        quick=quick,
+        profiles=_profiles(path, edges),
+        ratio=2.0,
+        stop=stop,
+    )
+
+
+def _edges(region: Mapping[str, Any]) -> tuple[float, float]:
+    """Depths at which the axis enters and leaves a region."""
+    if region["kind"] == "ball":
+        return region["depth"] - region["radius"], region["depth"] + region["radius"]
+    return region["top"], region["bottom"]
+
+
+#: Distance from a boundary, in contact radii, where the steps of the coarsest cells are not felt.
+_MARGIN = 0.25
+
+
+def _profiles(path: Sequence[float], edges: Sequence[float]) -> tuple[Profile, ...]:
+    """Depth of every increment, pressure at the largest load, and what stays: surface, strain and stress below it."""
+    r, z = np.linspace(0.0, 1.4, 15), np.linspace(0.35, 2.25, 20)
+    z = z[np.all(np.abs(z[:, None] - np.asarray([-1.0, *edges])) > _MARGIN, axis=1)]
+    inner, number = np.linspace(0.0, 0.45, 10), np.arange(1.0, len(path) + 1.0)
+
+    def line(name: str, quantity: Any, x: FloatArray, depth: FloatArray, along: FloatArray, **rest: Any) -> Profile:
+        points = np.stack([x, 0 * x, depth], axis=1)
+        return Profile(name=name, quantity=quantity, points=points, along=along, formal_order=2.0, **rest)
+
+    shift, stress, below = "a²/R", "p0", "depth [a]"
+    away = "distance from the axis [a]"
+    return (
+        line("depth", "displacement", 0 * number, 0 * number, number, label="step", components=("u_z",), unit=shift),
+        line("pressure", "stress", inner, 0 * inner, inner, label=away, components=("s_zz",), unit=stress),
+        line("print", "displacement", r, 0 * r, r, label=away, components=("u_z",), unit=shift),
+        line("axis-strain", "strain", 0 * z, z, z, label=below, components=("e_p",), unit=""),
+        line("axis-stress", "stress", 0 * z, z, z, label=below, components=("s_xx", "s_zz"), unit=stress),
+    )
+
+
+def _perfect(stress: float) -> dict[str, Any]:
+    return {"type": "perfect", "yield_stress": stress}
+
+
+def plastic_cases() -> tuple[PlasticCase, ...]:
+    """All cases: every hardening law, damage, layers, inclusions, prior stress, cycles."""
+    swift = {"type": "swift", "B": 1240e6, "C": 30.0, "n": 0.085}
+    linear = {"type": "linear", "yield_stress": 2.5e9, "modulus": 30e9}
+    softer = {"young_modulus": 0.8}
+    stiff = {"kind": "ball", "depth": 1.0, "radius": 0.5, "young_modulus": 2.0}
+    fading = {"type": "exponential", "saturation": 0.4, "strain": 0.02}
+
+    def back(modulus: float, recovery: float) -> dict[str, Any]:
+        return {"type": "armstrong-frederick", "modulus": modulus, "recovery": recovery}
+
+    chaboche = (_perfect(1.5e9), back(200e9, 100.0), back(40e9, 20.0))
+    return (
+        plastic_case("perfect", "perfectly plastic", _perfect(3e9), quick=True),
+        plastic_case("linear", "linear hardening", linear),
+        plastic_case("swift", "Swift's hardening", swift),
+        plastic_case(
+            "ludwik", "Ludwik's hardening", {"type": "ludwik", "yield_stress": 2.5e9, "strength": 6e9, "n": 0.4}
+        ),
+        plastic_case(
+            "voce", "Voce's hardening", {"type": "voce", "yield_stress": 2.5e9, "saturation": 1e9, "rate": 80.0}
+        ),
+        plastic_case(
+            "tabulated",
+            "hardening by a table",
+            {"type": "tabulated", "strain": [0.0, 0.005, 0.02], "stress": [2.5e9, 2.9e9, 3.2e9]},
+        ),
+        plastic_case(
+            "prager",
+            "Prager's hardening, loaded twice",
+            _perfect(1.8e9),
+            {"type": "prager", "modulus": 40e9},
+            path=_CYCLED,
+            quick=True,
+        ),
+        plastic_case(
+            "chaboche", "two back-stresses that fade, loaded twice by two runs", *chaboche, path=_CYCLED, stop=3
+        ),
+        plastic_case("damage", "perfectly plastic, with damage", _perfect(3e9), law={"damage": fading}),
+        plastic_case(
+            "damage-effective",
+            "damage, yield on the effective stress",
+            linear,
+            law={"damage": fading, "yield_on": "effective"},
+        ),
+        plastic_case(
+            "layer-yields",
+            "a layer of one radius yields",
+            regions=[{"kind": "layer", "top": 0.0, "bottom": 1.0, "law": {"hardening": [_perfect(3e9)]}}],
+        ),
+        plastic_case(
+            "substrate-yields",
+            "all below one radius yields",
+            regions=[{"kind": "layer", "top": 1.0, "bottom": 3.0, "law": {"hardening": [_perfect(2.9e9)]}}],
+        ),
+        plastic_case(
+            "ball-yields",
+            "a ball of 0.8 E yields in an elastic body",
+            regions=[{"kind": "ball", "depth": 0.7, "radius": 0.5, "law": {"hardening": [_perfect(2.5e9)]}, **softer}],
+        ),
+        plastic_case("stiff-ball", "an elastic ball of 2 E in a body that yields", _perfect(3e9), regions=[stiff]),
+        plastic_case(
+            "prior-stress",
+            "a disc that expands along the surface",
+            _perfect(3.5e9),
+            regions=[{"kind": "disc", "top": 0.0, "bottom": 1.0, "radius": 2.0, "eigenstrain": 2e-3}],
+        ),
+    )
