@@ -175,8 +175,9 @@ def test_figures_say_units(kernel):
             assert (
                 profile.unit
                 in {
-                    "displacement": {"p a / E", "q a / E", f"ε* {profile.label.rpartition('[')[2][:-1]}"},
-                    "stress": {"p", "q", "E ε*"},
+                    "displacement": {"p a / E", "q a / E", "a²/R", f"ε* {profile.label.rpartition('[')[2][:-1]}"},
+                    "stress": {"p", "q", "p0", "E ε*"},
+                    "strain": {"1"},
                 }[profile.quantity]
             )
 

@@ -141,7 +141,8 @@ class PlasticCase(Case):
     @property
     def words(self) -> str:
         """What is solved, for the figures."""
-        return f"{self.kernel}: {self.title}; {self.cells} cells to a contact radius"
+        nu = f"ν = {self.parameters['poisson_ratio']:g}"
+        return f"{self.kernel}: {self.title}, {nu}, loaded and unloaded; {self.cells} cells to a contact radius"
 
 
 def _error_of_cells(
@@ -291,7 +292,7 @@ _MARGIN = 0.25
 
 def _profiles(path: Sequence[float], edges: Sequence[float]) -> tuple[Profile, ...]:
     """Depth of every increment, pressure at the largest load, and what stays: surface, strain and stress below it."""
-    r, z = np.linspace(0.0, 1.4, 15), np.linspace(0.35, 2.25, 20)
+    r, z = np.linspace(0.0, 1.4, 15), np.linspace(0.35, 2.45, 22)
     z = z[np.all(np.abs(z[:, None] - np.asarray([-1.0, *edges])) > _MARGIN, axis=1)]
     inner, number = np.linspace(0.0, 0.45, 10), np.arange(1.0, len(path) + 1.0)
 
@@ -302,10 +303,12 @@ def _profiles(path: Sequence[float], edges: Sequence[float]) -> tuple[Profile, .
     shift, stress, below = "a²/R", "p0", "depth [a]"
     away = "distance from the axis [a]"
     return (
-        line("depth", "displacement", 0 * number, 0 * number, number, label="step", components=("u_z",), unit=shift),
+        line(
+            "depth", "displacement", 0 * number, 0 * number, number, label="step [1]", components=("u_z",), unit=shift
+        ),
         line("pressure", "stress", inner, 0 * inner, inner, label=away, components=("s_zz",), unit=stress),
         line("print", "displacement", r, 0 * r, r, label=away, components=("u_z",), unit=shift),
-        line("axis-strain", "strain", 0 * z, z, z, label=below, components=("e_p",), unit=""),
+        line("axis-strain", "strain", 0 * z, z, z, label=below, components=("e_p",), unit="1"),
         line("axis-stress", "stress", 0 * z, z, z, label=below, components=("s_xx", "s_zz"), unit=stress),
     )
 
