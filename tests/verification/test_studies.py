@@ -52,6 +52,7 @@ def test_finished_variants_are_read_again(tmp_path):
         ("coating-pressure", {"inhomogeneities", "normal-contact"}),
         ("coating-thickness", {"normal-contact"}),
         ("coating-fretting", {"frictional-contact"}),
+        ("plastic-friction", {"inhomogeneities", "frictional-contact"}),
     ],
 )
 def test_scenes_can_be_planned(name, blocks):

@@ -114,7 +114,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
     if struck(dataset):
         sentence = "Impacts that each place has felt; crosses are their middles."
         wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
-    elif rolls(dataset):
+    elif rolls(dataset) and not unloads(dataset):
         sentence = "Largest pressure, and stress at points, against the place of the geometry."
         wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
     several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)

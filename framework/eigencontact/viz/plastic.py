@@ -83,8 +83,9 @@ def load_depth(dataset: xr.Dataset) -> Figure:
             )
             labelled.add(name)
         words = f"largest {length.text(depths.max())}"
+        left = float(depths[-1])
         if loads[-1] <= FALL * loads.max():
-            words += f", {length.text(depths[-1])} when the load has gone"
+            words += f", {scale_for([left], 'm').text(left)} when the load has gone"
         axes.set(xlabel=f"Approach [{length.unit}]", ylabel=f"Normal load [{force.unit}]")
         axes.set_title(f"Load and depth\n{words}")
         axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
@@ -135,7 +136,7 @@ def plastic_section(dataset: xr.Dataset, field: CellField, step: int = -1) -> Fi
         axes.set_aspect("equal")
         levels = MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top)
         filled = axes.contourf(length(x), length(z), PERCENT * values, levels=levels, cmap="viridis")
-        axes.set_facecolor(filled.cmap(0.0))
+        axes.set_facecolor(filled.cmap(filled.norm(0.5 * levels[1])))
         draw_zone(axes, field, "y", at["y"], length)
         for colour, size in (("black", 9), ("white", 7)):
             mark: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": size / 3.5 - 0.6}

@@ -21,6 +21,10 @@ _MODULES = (
     "coating_thickness",
     "coating_sliding",
     "coating_friction",
+    "plastic_friction",
+    "plastic_fretting",
+    "plastic_cells",
+    "bone",
 )
 
 
