@@ -64,8 +64,8 @@ def _draw(found: Sequence[Finished]) -> Figure:
         for n, at in enumerate((pressed, (pressed + pulled + 1) // 2, pulled)):
             now = data.isel(step=at)
             share = float(now["tangential_load_x"]) / (item["μ"] * BIG.load)
-            for field, dash in (("pressure", "-"), ("shear_x", "--")):
-                x, values = line_of(now, field)
+            for quantity, dash in (("pressure", "-"), ("shear_x", "--")):
+                x, values = line_of(now, quantity)
                 label = f"{abs(share):.2f}" if dash == "-" else None
                 tractions.plot(x, values / BIG.peak, dash, color=COLOURS[n], label=label)
         tractions.set(title="tractions $/p_0$", xlim=(-1.3, 1.3))

@@ -69,7 +69,8 @@ def _read(_variant: Variant, dataset: xr.Dataset) -> Row:
 def _draw(found: Sequence[Finished]) -> Figure:
     rates, mus = levels(found, "p0/Sy"), levels(found, "μ")
     figure = new_figure(2.45 * max(4, len(mus)) + 1.2, 5.4)
-    above, below = figure.subfigures(2, 1)
+    halves: Any = figure.subfigures(2, 1)
+    above, below = halves
     strain, stick, depth, across = above.subplots(1, 4)
     for n, rate in enumerate(rates):
         group, style = having(found, "p0/Sy", rate), {"color": COLOURS[n], "marker": _MARKS[n % 4]}
@@ -82,8 +83,8 @@ def _draw(found: Sequence[Finished]) -> Figure:
         last, tint = item.dataset.isel(step=-1), COLOURS[n % len(COLOURS)]
         for axes, name in ((depth, "residual_displacement_z"), (across, "residual_displacement_x")):
             if name in last:
-                x, u = line_of(last, name)
-                axes.plot(x, 1e9 * u, color=tint, label=rf"$\mu$ = {item['μ']:g}")
+                place, u = line_of(last, name)
+                axes.plot(place, 1e9 * u, color=tint, label=rf"$\mu$ = {item['μ']:g}")
     strain.set(xlabel=r"$\mu/\beta$", ylabel="[%]", title="Largest plastic strain")
     stick.set(xlabel=r"$\mu/\beta$", ylabel="$c/a$", title="Stick radius over contact radius", ylim=(0, 1))
     depth.set(xlabel="$x/a$", ylabel="$u_z$ [nm]", title=f"Print, $p_0/S_y$ = {rates[-1]:g}")
@@ -98,8 +99,8 @@ def _draw(found: Sequence[Finished]) -> Figure:
             peak, tint = _peak(item.dataset), COLOURS[rates.index(item["p0/Sy"])]
             for name, dash in (("pressure", "-"), ("shear_x", "--")):
                 if name in peak:
-                    x, values = line_of(peak, name)
-                    axes.plot(x, values / BIG.peak, dash, color=tint)
+                    place, values = line_of(peak, name)
+                    axes.plot(place, values / BIG.peak, dash, color=tint)
         axes.set(xlabel="$x/a$", title=rf"$\mu$ = {mu:g}", xlim=(-1.3, 1.3))
         axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     panels[0].set_ylabel("pressure (solid), shear (dashed) $/p_0$")
