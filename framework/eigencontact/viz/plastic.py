@@ -136,7 +136,7 @@ def plastic_section(dataset: xr.Dataset, field: CellField, step: int = -1) -> Fi
         axes.set_aspect("equal")
         levels = MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top)
         filled = axes.contourf(length(x), length(z), PERCENT * values, levels=levels, cmap="viridis")
-        axes.set_facecolor(filled.cmap(float(filled.norm(np.array(0.5 * levels[1])))))
+        axes.set_facecolor(filled.cmap(0.5 / (len(levels) - 1)))  # the colour of the lowest band
         draw_zone(axes, field, "y", at["y"], length)
         for colour, size in (("black", 9), ("white", 7)):
             mark: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": size / 3.5 - 0.6}

@@ -193,7 +193,8 @@ def stress_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
             axes.set(xlabel=f"distance along {region} [{length.unit}]", ylabel=f"Stress [{stress.unit}]")
             axes.margins(x=0)
         unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
-        axes.set_title(heading(dataset, step, f"{'Residual stresses' if unloaded else 'Stresses'} along {region}"))
+        title = heading(dataset, step, f"{'Residual stresses' if unloaded else 'Stresses'} along {region}")
+        axes.set_title(title.replace(f"{region} at", f"{region}\nat"))  # the legend lies beside
         figure.legend(loc="outside right upper")
     return figure
 
