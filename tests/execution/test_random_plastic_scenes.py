@@ -62,7 +62,7 @@ def scene(number):
     return ec.Scene(
         **bodies,
         geometry={"type": "sphere", "radius": RADIUS},
-        grid={"cells": [14, 14], "size": ["26 um", "26 um"]},
+        grid={"cells": [12, 12], "size": ["26 um", "26 um"]},
         steps=steps,
         output={"pictures": False},
         **more,

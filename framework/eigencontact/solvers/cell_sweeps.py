@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.products import norm_of
 from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 from eigencontact.solvers.law_cells import LawCells, Remembered
 
@@ -94,12 +95,12 @@ class CellSweeps:
         if cells.size:
             e, sigma, own = (values.reshape(6, -1)[:, cells] for values in (eigenstrain, stress, prestrain))
             image[:, cells], remembered = self._laws.answer(e, sigma, own, before, steps)
-        change = float(np.linalg.norm(image - eigenstrain.reshape(6, -1)))
+        change = norm_of(image - eigenstrain.reshape(6, -1))
         size = self._size(applied_stress, prestrain)
         if start is not None:
-            size = max(size, _LEFT * float(np.linalg.norm(start)))
+            size = max(size, _LEFT * norm_of(start))
         if size == 0.0:  # nothing loads the cells but what they remember
-            size = max(float(np.linalg.norm(image)), float(np.linalg.norm(eigenstrain)))
+            size = max(norm_of(image), norm_of(eigenstrain))
         residual = change / size if change > 0.0 else 0.0
         return Sweep(image.reshape(eigenstrain.shape), residual, remembered)
 
@@ -129,7 +130,7 @@ class CellSweeps:
             self._own = prestrain, self._stress_of(prestrain)
         load = (applied_stress + self._own[1]).reshape(6, -1)
         cells = np.concatenate([self._linear.cells, self._laws.cells])
-        return float(np.linalg.norm(load[:, cells])) / (2.0 * self._linear.matrix.shear_modulus)
+        return norm_of(load[:, cells]) / (2.0 * self._linear.matrix.shear_modulus)
 
     def _caused(self, eigenstrain: FloatArray) -> FloatArray:
         """Stress by an eigenstrain; that of the last one is known, so that elastic increments apply nothing."""

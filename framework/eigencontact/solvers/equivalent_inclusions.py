@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
+from eigencontact.core.products import norm_of
 from eigencontact.errors import NotConverged, require
 from eigencontact.solvers.cell_conditions import Conditions, Shares
 from eigencontact.solvers.cells import Cells
@@ -231,7 +232,7 @@ class InhomogeneousCells:
         load = given + self._apply(fixed)
         cells = load.reshape(6, -1)[:, self._cells]
         shift = self._shift(fixed)
-        size = float(np.linalg.norm(cells)) / (2.0 * self.matrix.shear_modulus)
+        size = norm_of(cells) / (2.0 * self.matrix.shear_modulus)
         found = np.zeros_like(cells)
         if start is not None:
             found = (_field("start", start, self.shape) - fixed).reshape(6, -1)[:, self._cells]
@@ -253,7 +254,7 @@ class InhomogeneousCells:
             ).reshape(6, -1)
         eigenstrain = fixed + self._spread(found)
         stress = given + self._apply(eigenstrain)
-        left = float(np.linalg.norm(self._residual(found, stress.reshape(6, -1)[:, self._cells]) + shift))
+        left = norm_of(self._residual(found, stress.reshape(6, -1)[:, self._cells]) + shift)
         report.residual = left / size if size > 0.0 else 0.0
         report.seconds = perf_counter() - began
         if not report.holds:

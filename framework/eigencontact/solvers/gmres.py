@@ -15,6 +15,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.products import norm_of
+
 __all__ = ["gmres"]
 
 FloatArray = NDArray[np.float64]
@@ -57,14 +59,14 @@ def gmres(
     """
     total = np.zeros_like(residual)
     left, rest = max_iterations, residual
-    while left > 0 and float(np.linalg.norm(rest)) > bound:
+    while left > 0 and norm_of(rest) > bound:
         size = min(restart, left)
         step, used = _cycle(operator, rest, bound, size, watch)
         left -= used
         if left <= 0:
             return total + step
-        before, rest = float(np.linalg.norm(rest)), residual - operator(total + step)
-        after = float(np.linalg.norm(rest))
+        before, rest = norm_of(rest), residual - operator(total + step)
+        after = norm_of(rest)
         if after < before:
             total += step
         if not after < 0.999 * before:
@@ -80,7 +82,7 @@ def _cycle(
     watch: Callable[[float], None] | None,
 ) -> tuple[FloatArray, int]:
     """One cycle without restart: correction and iterations."""
-    norm = float(np.linalg.norm(residual))
+    norm = norm_of(residual)
     block = np.empty((size + 1, residual.size))  # rows not reached are never touched, and cost no memory
     block[0] = residual / norm
     upper, turns, right = np.zeros((size, size)), np.zeros((size, 2)), np.zeros(size + 1)
@@ -88,15 +90,15 @@ def _cycle(
     count = 0
     while count < size:
         vector = operator(block[count])
-        first = float(np.linalg.norm(vector))
+        first = norm_of(vector)
         known = block[: count + 1]
         column = np.zeros(count + 2)
         height = first
         for _ in range(2):
-            before, part = height, known @ vector
-            vector = vector - part @ known
+            before, part = height, np.einsum("ij,j->i", known, vector)
+            vector = vector - np.einsum("i,ij->j", part, known)
             column[:-1] += part
-            height = float(np.linalg.norm(vector))
+            height = norm_of(vector)
             if height > 0.5 * before:
                 break  # little was taken away: once more only where rounding may have left some of it
         column[-1] = height

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
+from eigencontact.core.products import product
 from eigencontact.errors import NotConverged
 from eigencontact.solvers.cell_conditions import compliance
 from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_of, cell_answer_of, place_of, refuse
@@ -103,7 +104,7 @@ class LawCells:
         PluginError
             A law that answers what it must not; see `eigencontact.solvers.law_answers`.
         """
-        foreign = stress - self._body.alone @ eigenstrain
+        foreign = stress - product(self._body.alone, eigenstrain)
         out, remembered = np.empty_like(eigenstrain), []
         for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
             if self._around is not None and isinstance(law, AnsweringLaw):
@@ -130,7 +131,7 @@ class LawCells:
         A stress beyond what a law bears is such a difference, so this is its yield condition as well. See `answer` for
         the parameters.
         """
-        strain = self._body.compliance @ stress + eigenstrain - prestrain
+        strain = product(self._body.compliance, stress) + eigenstrain - prestrain
         worst = 0.0
         for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
             count = cells.stop - cells.start
@@ -174,8 +175,8 @@ class _Question:
 
     def at(self, eigenstrain: FloatArray) -> _State:
         """The law at the strain under an eigenstrain."""
-        stress = self.foreign + self.body.alone @ eigenstrain
-        strain = self.body.compliance @ stress + eigenstrain - self.prestrain
+        stress = self.foreign + product(self.body.alone, eigenstrain)
+        strain = product(self.body.compliance, stress) + eigenstrain - self.prestrain
         answer = answer_of(self.law, strain, self.before, self.step)
         residual = answer.stress - stress
         error = np.where(answer.finite, np.linalg.norm(residual, axis=0), np.inf)

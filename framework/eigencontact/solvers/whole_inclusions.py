@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
+from eigencontact.core.products import norm_of
 from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.region_means import RegionMeans
@@ -143,7 +144,7 @@ class WholeInclusions:
         given = self._field("applied_stress", applied_stress)
         fixed = np.zeros_like(given) if prestrain is None else self._field("prestrain", prestrain)
         load = given + self._caused(fixed)
-        size = float(np.linalg.norm(load)) / (2.0 * self.matrix.shear_modulus)
+        size = norm_of(load) / (2.0 * self.matrix.shear_modulus)
         found = np.zeros_like(given) if start is None else self._field("start", start) - fixed
 
         def watch(norm: float) -> None:
@@ -160,7 +161,7 @@ class WholeInclusions:
                 watch=watch,
             ).reshape(6, -1)
         stress = given + self._caused(fixed + found)
-        left = float(np.linalg.norm(self._residual(found, stress)))
+        left = norm_of(self._residual(found, stress))
         report.residual = left / size if size > 0.0 else 0.0
         report.seconds = perf_counter() - began
         if not report.holds:
