@@ -106,7 +106,7 @@ class J2(ConstitutiveLaw):
                 "1", "equivalent plastic strain", largest="max_plastic_strain", extent="plastic_volume"
             ),
             "plastic_strain": Variable("1", "plastic strain", 6),
-            "plastic_work_density": Variable("J/m3", "plastic work", total=("plastic_work", "J")),
+            "plastic_work_density": Variable("J/m^3", "plastic work", total=("plastic_work", "J")),
         }
         for number in range(1, len(self._kinematic) + 1):
             found[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)

@@ -52,6 +52,10 @@ def verify(
     kernel: Annotated[
         list[str] | None, typer.Option("--kernel", metavar="KEY", help="The same as KERNEL; repeatable.")
     ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements ask as well; repeatable."),
+    ] = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of report and finished solutions.")
     ] = Path("cross-check"),
@@ -96,6 +100,8 @@ def verify(
     Exit codes: 0 nothing disagrees (read what is inconclusive), 1 something disagrees or could not be solved,
     2 wrong input, 130 interrupted.
 
+    With --law the finite elements ask the law itself in their integration points: what is judged is all around it.
+
     Example: `eigencontact verify --quick --kernel cuboid`
     """
     from eigencontact.errors import EigencontactError
@@ -107,16 +113,18 @@ def verify(
     try:
         from eigencontact_verification.campaign import cases
 
-        chosen = _chosen(cases, names, quick=quick)
+        chosen = _chosen(cases, names, quick=quick) if names or not law else ()
+        chosen += _of_laws(law or [], quick=quick)
         copies = _copies(chosen, figure or [])
         if markdown is not None:
             check_section(markdown, _SECTION, family="verify")
         executor = _executor(workers or _cores(), memory * 1e9, cluster)
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
+    gaps = _gaps(cases, names, law or [])
     try:
         report, files = campaign(
-            chosen, _gaps(cases, names), output, executor=executor, limit=limit, quick=quick, pictures=pictures,
+            chosen, gaps, output, executor=executor, limit=limit, quick=quick, pictures=pictures,
             show=not (quiet or as_json),
         )  # fmt: skip
     except KeyboardInterrupt:
@@ -216,12 +224,23 @@ def _written(report: Report, files: dict[str, Path], markdown: Path | None, copi
     return ""
 
 
-def _gaps(cases: CaseList, names: Sequence[str]) -> tuple[Gap, ...]:
+def _of_laws(keys: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
+    """Cases of laws, each once."""
+    if not keys:
+        return ()
+    from eigencontact_verification.campaign.laws import law_cases
+
+    return tuple(case for key in dict.fromkeys(keys) for case in law_cases(key) if case.quick or not quick)
+
+
+def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[Gap, ...]:
     """Gaps of what was asked for, and the kernels that were not."""
     from eigencontact_verification.campaign.case import Gap
 
-    told = tuple(gap for gap in cases.gaps() if not names or gap.kernel in names)
-    left = [key for key in cases.kernels() if names and key not in names]
+    some = bool(names or laws)
+    told = tuple(gap for gap in cases.gaps() if not some or gap.kernel in names)
+    told += tuple(Gap(kernel=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
+    left = [key for key in cases.kernels() if some and key not in names]
     return told + tuple(Gap(kernel=key, what="everything", reason="not asked for in this run") for key in left)
 
 

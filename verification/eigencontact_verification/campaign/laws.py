@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError
 from eigencontact.library import installed_plugins, make
-from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, OfBody, VariesInSpace
+from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, NonLocal, OfBody, PlasticDamage, VariesInSpace
 from eigencontact_verification.campaign.case import Profile
 from eigencontact_verification.campaign.indentation import VARIABLES
 from eigencontact_verification.campaign.plasticity import PlasticCase, plastic_case
@@ -166,6 +166,10 @@ def _table(key: str, component: Any) -> dict[str, Any]:
     if component.kind == "constitutive-law":
         return own
     if component.kind == "damage-law":
+        if not issubclass(component, PlasticDamage):
+            raise ValueError(
+                f"law {key!r} must be a law of plastic strain; what softens by stretch has no one answer here"
+            )
         return {"type": "j2", "hardening": [perfect], "damage": own}
     isotropic = issubclass(component, IsotropicHardening)
     return {"type": "j2", "hardening": [own] if isotropic else [{**perfect, "yield_stress": 1.8e9}, own]}
@@ -181,6 +185,8 @@ def _refusal(law: Any) -> str:
     """What the law would have to be; empty if it can be judged."""
     if isinstance(law, LinearLaw):
         return "more than elastic; one that is linear is verified as an inhomogeneity"
+    if isinstance(law, NonLocal) and law.averaged:
+        return "local; the finite elements take no means over a neighbourhood"
     if isinstance(law, VariesInSpace):
         return "the same everywhere; the finite elements tell it no place"
     return "" if law.isotropic else "isotropic; the finite elements are of revolution"
