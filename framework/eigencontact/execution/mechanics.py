@@ -28,7 +28,9 @@ _HALVINGS = 5
 class Mechanics(Block):
     """A contact, interiors, or both together.
 
-    An increment that does not converge is halved; what the first half leaves behind is the start of the second.
+    An increment that does not converge is halved; what the first half leaves behind is the start of the second. So is
+    one in which cells flow, where `numerics.plastic-error` asks for it: the whole and its halves differ by the error
+    that the halves still have (implicit steps are of first order), and where that is too large each is halved again.
 
     Parameters
     ----------
@@ -57,6 +59,8 @@ class Mechanics(Block):
         self._numbers = tuple(numbers)
         self._contact, self._interiors, self._grid, self._numerics = contact, list(interiors), grid, numerics
         self._directions = directions if interiors else ""
+        self._tried: list[Solved] = []
+        self._error = 0.0
         self._coupled = Coupled(contact, self._interiors, numerics, self._directions, grid.shape)
         parts: list[Part] = [*([] if contact is None else [contact]), *interiors]
         self._parts = tuple(parts)
@@ -88,7 +92,7 @@ class Mechanics(Block):
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
         step.history |= last.remembered
         spent: dict[str, float] = defaultdict(float)
-        for one in found:
+        for one in (*found, *self._tried):
             for name, value in one.scalars.items():
                 spent[name] += value
         for name in [name for name in spent if name.endswith("residual")]:
@@ -98,6 +102,8 @@ class Mechanics(Block):
             self._store(step, self._contact, answers)
             spent["solve_seconds"] = perf_counter() - began
             spent["substeps"] = len(found)
+        if self._numerics.plastic_error is not None:
+            spent["plastic_error"] = self._error
         step.scalars |= spent
         if "z" in last.displacement:
             sunk = last.displacement["z"]
@@ -118,7 +124,10 @@ class Mechanics(Block):
                 memory = None
                 if self._contact is not None:
                     memory = self._contact.recall(step.previous, before.displacement)
-                return self._solved(increment, memory, before, 0)
+                self._tried, self._error = [], 0.0
+                if self._numerics.plastic_error is None:
+                    return self._solved(increment, memory, before, 0)
+                return self._accurate(increment, memory, before, None, 0)
             except Outgrown as short:
                 short.larger.start()
                 self._interiors[self._interiors.index(short.interior)] = short.larger
@@ -152,9 +161,38 @@ class Mechanics(Block):
                 raise
         first, second = increment.halves()
         found = self._solved(first, memory, before, depth + 1)
-        reached = found[-1]
-        memory = None if reached.contact is None else reached.contact.memory
-        return found + self._solved(second, memory, reached, depth + 1)
+        return found + self._solved(second, _memory(found), found[-1], depth + 1)
+
+    def _accurate(
+        self, increment: Increment, memory: Any, before: Solved, whole: list[Solved] | None, depth: int
+    ) -> list[Solved]:
+        """The increments that one is solved in so that the strain of cells that flow is known well enough.
+
+        `whole` is the increment in one, where it is known. Those that are tried and not taken cost as much as others.
+        """
+        limit = self._numerics.plastic_error
+        assert limit is not None
+        whole = whole or self._solved(increment, memory, before, depth)
+        flowed = any(one.flowed(before.remembered, whole[-1].remembered) for one in self._interiors)
+        if depth == _HALVINGS or not flowed:
+            return whole
+        first, second = increment.halves()
+        half = self._solved(first, memory, before, depth + 1)
+        rest = self._solved(second, _memory(half), half[-1], depth + 1)
+        error = max(one.distance(whole[-1].remembered, rest[-1].remembered) for one in self._interiors)
+        self._tried += whole
+        if error <= limit or depth + 1 == _HALVINGS:
+            self._error = max(self._error, error)
+            return half + rest
+        self._tried += rest
+        found = self._accurate(first, memory, before, half, depth + 1)
+        return found + self._accurate(second, _memory(found), found[-1], None, depth + 1)
+
+
+def _memory(found: Sequence[Solved]) -> Any:
+    """What the contact needs of increments that are solved."""
+    last = found[-1].contact
+    return None if last is None else last.memory
 
 
 def mechanics_of(model: Model) -> Mechanics | None:

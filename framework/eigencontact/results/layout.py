@@ -78,7 +78,10 @@ SCALARS: dict[str, Quantity] = {
     "law_residual": Quantity("1", "largest misfit of stress and strain to the law of a cell, by the largest stress"),
     "tangential_convolutions": Quantity("1", "convolutions of the tangential operator"),
     "coupling_rounds": Quantity("1", "normal and tangential solves until they agreed"),
-    "substeps": Quantity("1", "increments that the step was cut into to converge"),
+    "plastic_error": Quantity(
+        "1", "estimated error of the strain of cells that flow, by halving, in parts of the load's"
+    ),
+    "substeps": Quantity("1", "increments that the step was cut into, to converge or for the accuracy asked for"),
 }
 
 _AXES = {

@@ -231,6 +231,10 @@ class Numerics(Table):
     the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along the
     surface makes the surfaces slip at every level.
 
+    ``plastic_error`` halves load steps in which cells flow until the whole and its halves differ by no more than this
+    part of the strain (five times at most; ``plastic_error`` of a step tells what is left): three times the work of a
+    step that is fine enough, none where nothing flows. Without it steps are those of the scene.
+
     ``allow_coarse`` accepts cells that cannot show a contact or a region inside a body; results then carry a warning.
     """
 
@@ -245,6 +249,7 @@ class Numerics(Table):
     tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
     max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
     threads: Annotated[int, AfterValidator(in_range(1, 1024, "threads"))] | None = None
+    plastic_error: Annotated[float, AfterValidator(in_range(1e-6, 1.0, "[-]"))] | None = None
     allow_contact_at_edge: bool = False
     allow_coarse: bool = False
 

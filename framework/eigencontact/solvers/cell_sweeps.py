@@ -38,12 +38,15 @@ class Sweep:
         Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
         strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment; without
         either to the answer.
+    size : float
+        What the residual is relative to: root of the sum over the cells of the squares of a strain.
     remembered : list of mappings
         What the cells of each law that is not linear would then remember.
     """
 
     image: FloatArray
     residual: float
+    size: float
     remembered: list[Remembered]
 
 
@@ -102,7 +105,7 @@ class CellSweeps:
         if size == 0.0:  # nothing loads the cells but what they remember
             size = max(norm_of(image), norm_of(eigenstrain))
         residual = change / size if change > 0.0 else 0.0
-        return Sweep(image.reshape(eigenstrain.shape), residual, remembered)
+        return Sweep(image.reshape(eigenstrain.shape), residual, size, remembered)
 
     def misfit(
         self,

@@ -96,6 +96,14 @@ class Interior(Part):
         """What must be stored of the present state, for the next increment and for other regions."""
         return {}
 
+    def flowed(self, before: Remembered, after: Remembered) -> bool:  # noqa: ARG002
+        """Whether cells remember, after an increment, other than before it."""
+        return False
+
+    def distance(self, one: Remembered, other: Remembered) -> float:  # noqa: ARG002
+        """How far the strains of two states under the present load are apart, in parts of that load's strain."""
+        return 0.0
+
     @property
     def tries_elastic(self) -> bool:
         """Whether an increment often leaves the unknown as it is: the contact is then solved to the end at once."""

@@ -24,7 +24,7 @@ from eigencontact.execution.increment import Increment
 from eigencontact.execution.initial import moved_state
 from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
-from eigencontact.execution.interiors.interior import Outgrown, Remembered
+from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
 from eigencontact.execution.material_cells import is_linear
 from eigencontact.model.growth import enlarged, lattice_of, with_lattice
 from eigencontact.model.model import Model
@@ -126,7 +126,7 @@ class SweptCells(Cells):
             return super().image(tractions, tolerance)
         before, self._load = self._sweeps.applications, self.applied(tractions)
         found = self._sweeps.sweep(self.eigenstrain, self._load, self._own, self._before, self._steps, self._start)
-        self._after, self._residual = found.remembered, found.residual
+        self._after, self._residual, self._size = found.remembered, found.residual, found.size
         self._spent += self._sweeps.applications - before
         if not self._about.size:
             return found.image, found.residual
@@ -143,6 +143,19 @@ class SweptCells(Cells):
             misfit = self._sweeps.misfit(self.eigenstrain, self._load, self._own, self._before, self._steps)
             found["law_residual"] = misfit
         return found
+
+    def flowed(self, before: Remembered, after: Remembered) -> bool:
+        """See `Interior.flowed`."""
+        names = self.remembers - {eigenstrain_name(self.body)}
+        return any(
+            not np.array_equal(after[name].values, before[name].values) if name in before else after[name].values.any()
+            for name in names & after.keys()
+        )
+
+    def distance(self, one: Remembered, other: Remembered) -> float:
+        """See `Interior.distance`; where more has flowed than the load strains, in parts of that."""
+        first, second = (state[eigenstrain_name(self.body)].values for state in (one, other))
+        return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
 
     @property
     def tries_elastic(self) -> bool:
