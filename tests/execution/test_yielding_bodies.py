@@ -192,3 +192,13 @@ def test_indentation_of_the_reference(cells, rims):
     spent = found["inclusion_iterations"].values
     assert spent[:10].sum() <= 80  # eight applications of the volume operator a step
     assert spent[10:].sum() <= 2
+
+
+def test_a_contact_harder_than_its_estimate_is_a_warning():
+    """A rough ball: coarse cells see 11.3 GPa of the 13 GPa that the tips of the roughness bear."""
+    changes = ["output.pictures=false", 'body1.law={type="j2", hardening={type="perfect", yield-stress="%s"}}']
+    found = ec.run(ec.load_scene("rough-surface", [changes[0], changes[1] % "8 GPa"]))
+    assert found.summary["max_plastic_strain"] == 0.0
+    assert "law-cells" in [one["code"] for one in found.summary["warnings"]]
+    plain = ec.run(ec.load_scene("rough-surface", changes[:1]))
+    assert "law-cells" not in [one["code"] for one in plain.summary["warnings"]]

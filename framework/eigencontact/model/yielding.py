@@ -41,7 +41,7 @@ from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Scene
 from eigencontact.solvers.cell_conditions import compliance
 
-__all__ = ["YieldingBody", "laws_of_bodies", "yielding_bodies"]
+__all__ = ["SAFETY", "YieldingBody", "laws_of_bodies", "yielding_bodies"]
 
 FloatArray = NDArray[np.float64]
 _Bounds = tuple[FloatArray, FloatArray]
@@ -49,7 +49,7 @@ _Bounds = tuple[FloatArray, FloatArray]
 #: Coarse cells across a contact, and times that the box that is searched may be doubled.
 _ACROSS, _DOUBLINGS = 16, 5
 #: Stress that is tried, as a multiple of the elastic one: the coarse contact errs by some 3 %.
-_SAFETY = 1.1
+SAFETY = 1.1
 #: The same beside inclusions and eigenstrain, one after another until a place is found: stress next to a void or to a
 #: hard ball is up to three times that far from it. The box grows from there.
 _BESIDE = (1.1, 1.5, 2.0, 3.0)
@@ -187,7 +187,7 @@ def _box_where(
         found = [_extent(trial, window, fields, influences, factor) for window, fields in loads]
         return _around([one for one in found if one is not None])
 
-    box = next((found for factor in (_BESIDE if beside else [_SAFETY]) if (found := bounds(factor))), None)
+    box = next((found for factor in (_BESIDE if beside else [SAFETY]) if (found := bounds(factor))), None)
     if box is None:
         return None
     if beside:

@@ -39,6 +39,7 @@ def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Cau
         Scalars of every step, in order.
     """
     found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
+    found += _taken_for_elastic(model, history)
     known = {caution.code for caution in found}
     earlier = [one for one in foreseen(model) if one.code not in known or one.code == "load-steps"]
     return (*earlier, *found)
@@ -77,6 +78,24 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
             "resolved; give finer cells"
         )
         yield Caution("slip-cells", words)
+
+
+def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
+    """Bodies with a law whose cells were found from a smaller pressure than the contact turned out to have."""
+    scene = model.scene
+    bodies = [number for number, body in ((1, scene.body1), (2, scene.body2)) if body.law is not None]
+    if not bodies or model.expected is None:
+        return
+    from eigencontact.model.yielding import SAFETY
+
+    reached, expected = max(row["max_pressure"] for row in history), model.expected.peak
+    if reached > SAFETY * expected:
+        words = (
+            f"the largest pressure is {readable(reached, 'Pa')} where {readable(expected, 'Pa')} was expected: where "
+            f"body {' and body '.join(map(str, bodies))} may yield was found from the latter; give the rest as an "
+            "inclusion with this law"
+        )
+        yield Caution("law-cells", words)
 
 
 def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
