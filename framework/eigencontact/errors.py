@@ -5,7 +5,7 @@ Every message follows the pattern ``<where> must be <rule> (got <value>); <what 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -13,6 +13,7 @@ __all__ = [
     "DomainTooSmall",
     "EigencontactError",
     "NotConverged",
+    "NotUnique",
     "PlanError",
     "PluginError",
     "ResultsError",
@@ -73,6 +74,20 @@ class NotConverged(EigencontactError):
     def __init__(self, message: str, report: Any = None) -> None:
         super().__init__(message)
         self.report = report
+
+
+class NotUnique(NotConverged):
+    """A material that softens so fast that some points have several answers, or none.
+
+    Attributes
+    ----------
+    points : sequence of int
+        Numbers of those points in the question.
+    """
+
+    def __init__(self, message: str, points: Sequence[int] = ()) -> None:
+        super().__init__(message)
+        self.points = points
 
 
 def require(condition: object, where: str, field: str, value: object, rule: str) -> None:

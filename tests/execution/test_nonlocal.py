@@ -6,6 +6,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.errors import NotUnique
 from eigencontact.execution.interiors.averages import Averages
 from eigencontact.plugin import LawStep
 
@@ -15,13 +16,13 @@ PERFECT = {"type": "perfect", "yield-stress": "100 MPa"}
 FADING = {"type": "exponential", "saturation": 0.6, "strain": 0.02}
 
 
-def bone(length=None, steps=(LOAD,), **numerics):
-    damage = FADING if length is None else FADING | {"length": length}
+def bone(length=None, steps=(LOAD,), hardening=PERFECT, fading=FADING, **numerics):
+    damage = fading if length is None else fading | {"length": length}
     return ec.Scene(
         body1={
             "young_modulus": "18.6 GPa",
             "poisson_ratio": 0.3,
-            "law": {"type": "j2", "hardening": PERFECT, "damage": damage, "yield-on": "effective"},
+            "law": {"type": "j2", "hardening": hardening, "damage": damage, "yield-on": "effective"},
         },
         geometry={"type": "sphere", "radius": "2 um"},
         grid={"cells": [CELLS, CELLS], "size": [SIDE, SIDE]},
@@ -94,3 +95,24 @@ def test_two_laws_side_by_side_average_each_its_own_cells():
     np.testing.assert_allclose(first.means["other"], known["other"], rtol=1e-13)
     assert second.means == {}
     assert found.width == (2, 2, 2)
+
+
+STEEP = {"type": "linear", "yield-stress": "100 MPa", "modulus": "-30 GPa"}  # 3 G is 21.5 GPa
+BRITTLE = {"type": "exponential", "saturation": 0.9, "strain": 0.0035}
+
+
+@pytest.mark.parametrize(
+    ("changes", "advice"),
+    [({"hardening": STEEP}, "give it hardening that falls less steeply"), ({"fading": BRITTLE}, "a length in damage")],
+)
+def test_what_has_no_unique_answer_is_refused_by_cell_law_and_remedy(changes, advice):
+    place = r"first cell \(\d+, \d+, \d+\) \(layer, row, column\) at x = \S+ m, y = \S+ m, z = \S+ m"
+    with pytest.raises(NotUnique, match=rf"'j2' softens so fast .* no unique answer, {place}; .*{advice}"):
+        ec.run(bone(**changes))
+
+
+def test_a_length_gives_one_answer_where_there_was_none():
+    """The strength falls at the rate of -3.6 G at first."""
+    found = ec.run(bone("120 nm", fading=BRITTLE, steps=[LOAD | {"normal_load": "3 uN"}])).dataset
+    assert 0.1 < float(found["damage_1"].max()) < 0.95
+    assert float(found["coupling_residual"].max()) <= 1e-5

@@ -154,7 +154,7 @@ class Coupled:
                 if number == _ROUNDS:
                     raise NotConverged(
                         f"interior of body {interior.body}: residual {residual:.1e} after {number} sweeps (tolerance "
-                        f"{self._tolerance:.1e}); use smaller steps or a larger tolerance"
+                        f"{self._tolerance:.1e}){interior.trouble()}; use smaller steps or a larger tolerance"
                     )
                 interior.take(mixer.next(interior.unknown, image))
         return self._solved(None, {})
@@ -233,7 +233,8 @@ class Coupled:
             last, loaded = residual, pressed
         raise NotConverged(
             f"contact and inhomogeneities: residual {residual:.1e} after {number} rounds "
-            f"(tolerance {self._tolerance:.1e}); use smaller load steps or a larger tolerance"
+            f"(tolerance {self._tolerance:.1e}){''.join(interior.trouble() for interior in self._responding)}; "
+            "use smaller load steps or a larger tolerance"
         )
 
     def _stacked(self, interiors: Sequence[Interior], names: str) -> FloatArray:

@@ -26,7 +26,7 @@ from eigencontact.core.quantities import Angle, DataFile, Direction, Force, Leng
 from eigencontact.core.rotation import Rotation, Row, as_tuple, rotation_matrix, turned_derivatives
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.core.units import readable
-from eigencontact.errors import NotConverged, SceneError, require
+from eigencontact.errors import NotConverged, NotUnique, SceneError, require
 from eigencontact.halfspace.mirror import integrated_chi
 from eigencontact.halfspace.point_kernels import PointKernels
 from eigencontact.halfspace.potentials import (
@@ -110,6 +110,7 @@ __all__ = [
     "Moment",
     "NonLocal",
     "NotConverged",
+    "NotUnique",
     "Observer",
     "OfBody",
     "Order",

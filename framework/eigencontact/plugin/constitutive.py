@@ -123,12 +123,15 @@ class ConstitutiveLaw(Component, ABC):
     isotropic : bool
         Class attribute; whether the material has no directions of its own. One that has them gives them in fields that
         are annotated `Direction` or `Rotation`: turned with the strain and what is remembered, they turn the stress.
+    advice : str
+        Class attribute; what helps where cells of the material find no answer, or several, for messages.
     """
 
     kind: ClassVar[str] = "constitutive-law"
     variables: ClassVar[Mapping[str, Variable]] = {}
     symmetric: ClassVar[bool] = True
     isotropic: ClassVar[bool] = False
+    advice: ClassVar[str] = "give it a law that softens less"
 
     @abstractmethod
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
@@ -142,6 +145,11 @@ class ConstitutiveLaw(Component, ABC):
             Variables at the start of the increment.
         step : LawStep
             Where the points lie, and when.
+
+        Raises
+        ------
+        NotUnique
+            Points that soften so fast that a strain has several answers; `NotConverged` for other reasons.
         """
 
     @property

@@ -29,6 +29,11 @@ class Law(Protocol):
         ...
 
     @property
+    def advice(self) -> str:
+        """What helps where it softens."""
+        ...
+
+    @property
     def variables(self) -> Any:
         """Mapping of names to what is remembered, with ``components`` each."""
         ...

@@ -9,7 +9,8 @@ exact, and the answer of a ball serves cells of any shape.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
 from eigencontact.core.products import product
-from eigencontact.errors import NotConverged
+from eigencontact.errors import NotConverged, NotUnique
 from eigencontact.solvers.cell_conditions import compliance
 from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_of, cell_answer_of, place_of, refuse
 
@@ -63,6 +64,8 @@ class LawCells:
         Flat indices of the cells of each law.
     around : Surroundings, optional
         The matrix as laws that answer as cells are told of it; without it no law is asked so.
+    shape : (int, int, int), optional
+        Of the box that the indices count in, for messages.
     """
 
     def __init__(
@@ -71,8 +74,9 @@ class LawCells:
         alone: FloatArray,
         groups: Sequence[tuple[Law, NDArray[np.intp]]],
         around: Around | None = None,
+        shape: tuple[int, int, int] | None = None,
     ) -> None:
-        self._around = around
+        self._around, self._shape = around, shape
         self._body = _Body(alone, compliance(matrix), 2.0 * matrix.shear_modulus)
         self.cells = np.concatenate([cells for _, cells in groups]) if groups else np.zeros(0, dtype=np.intp)
         stops = np.cumsum([0, *(cells.size for _, cells in groups)])
@@ -107,16 +111,39 @@ class LawCells:
         foreign = stress - product(self._body.alone, eigenstrain)
         out, remembered = np.empty_like(eigenstrain), []
         for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
-            if self._around is not None and isinstance(law, AnsweringLaw):
-                ball = stress[:, cells] + self._ball(eigenstrain[:, cells])
-                out[:, cells], after = cell_answer_of(law, ball, prestrain[:, cells], self._around, known, step)
-                remembered.append(after)
-                continue
-            question = _Question(self._body, law, foreign[:, cells], prestrain[:, cells], known, step)
-            found = _solved(question, eigenstrain[:, cells])
-            out[:, cells] = found.eigenstrain
-            remembered.append(found.answer.variables)
+            with self._named(law, cells, step):
+                if self._around is not None and isinstance(law, AnsweringLaw):
+                    ball = stress[:, cells] + self._ball(eigenstrain[:, cells])
+                    out[:, cells], after = cell_answer_of(law, ball, prestrain[:, cells], self._around, known, step)
+                    remembered.append(after)
+                    continue
+                question = _Question(self._body, law, foreign[:, cells], prestrain[:, cells], known, step)
+                found = _solved(question, eigenstrain[:, cells])
+                out[:, cells] = found.eigenstrain
+                remembered.append(found.answer.variables)
         return out, remembered
+
+    def words(self, law: Law, cell: int, step: Any) -> str:
+        """Words for the cell of a law, counted among those of the law, with its index in the box and its place."""
+        cells = next(cells for other, cells in self.groups if other is law)
+        index = int(self.cells[cells][cell])
+        where = index if self._shape is None else tuple(int(n) for n in np.unravel_index(index, self._shape))
+        return f"cell {where}{'' if self._shape is None else ' (layer, row, column)'} {place_of(cell, step)}"
+
+    @contextmanager
+    def _named(self, law: Law, cells: slice, step: Any) -> Iterator[None]:
+        """Cells without a unique answer are named, and what helps."""
+        try:
+            yield
+        except NotUnique as problem:
+            if not len(problem.points):
+                raise
+            count, first = len(problem.points), self.words(law, int(problem.points[0]), step)
+            raise NotUnique(
+                f"constitutive law {law.key!r} softens so fast that {count} of {cells.stop - cells.start} cells have "
+                f"no unique answer, first {first}; {law.advice}",
+                problem.points,
+            ) from None
 
     def misfit(
         self,
@@ -207,9 +234,13 @@ def _solved(question: _Question, start: FloatArray) -> _State:
     body, state = question.body, question.at(start.copy())
     for _ in range(_STEPS):
         refuse(question.law, state.strain, state.answer, question.step)
-        if np.all(state.error <= question.limit(state)):
-            return state
         jacobian = state.answer.tangent @ (body.compliance @ body.alone + np.eye(6)) - body.alone
+        if np.all(state.error <= question.limit(state)):
+            # A determinant that has changed its sign has been zero on the way: there another answer branches off.
+            several = np.flatnonzero(np.linalg.slogdet(jacobian)[0] <= 0.0)
+            if several.size:
+                raise NotUnique(f"{several.size} points have more than one answer", several.tolist())
+            return state
         try:
             change = -np.linalg.solve(jacobian, state.residual.T[..., None])[..., 0].T
         except np.linalg.LinAlgError:
@@ -221,7 +252,7 @@ def _solved(question: _Question, start: FloatArray) -> _State:
     worst = int(np.argmax(state.error / question.limit(state)))
     raise NotConverged(
         f"constitutive law {question.law.key!r} found no stress for the strain {place_of(worst, question.step)} in "
-        f"{_STEPS} steps; take smaller load steps"
+        f"{_STEPS} steps; take smaller load steps, or where it softens {question.law.advice}"
     )
 
 

@@ -64,7 +64,7 @@ class Brittle(ConstitutiveLaw):
     symmetric: ClassVar[bool] = False
     variables: ClassVar[Mapping[str, Variable]] = {
         "equivalent_strain": Variable("1", "largest stretch, by Mazars' equivalent strain", elastic=True),
-        "damage": Variable("1", "part of the stiffness that is lost", largest="max_damage"),
+        "damage": Variable("1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"),
     }
 
     damage: StrainDamage
@@ -93,6 +93,11 @@ class Brittle(ConstitutiveLaw):
     def averaged(self) -> Mapping[str, float]:
         """See `NonLocal.averaged`."""
         return self.damage.averaged("equivalent_strain")
+
+    @property
+    def advice(self) -> str:  # type: ignore[override]
+        """See `ConstitutiveLaw.advice`."""
+        return "give its damage a length" if self.damage.length is None else "give its damage a larger length"
 
     @property
     def words(self) -> str:

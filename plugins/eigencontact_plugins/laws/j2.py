@@ -122,6 +122,14 @@ class J2(ConstitutiveLaw):
         return {} if self.damage is None else self.damage.averaged("equivalent_plastic_strain")
 
     @property
+    def advice(self) -> str:  # type: ignore[override]
+        """See `ConstitutiveLaw.advice`."""
+        ways = ["hardening that falls less steeply"]
+        if self.damage is not None and self.yield_on == "effective":
+            ways += [f"a {'larger ' if self.damage.length else ''}length in damage", 'yield-on = "nominal"']
+        return f"give it {' or '.join(ways)}"
+
+    @property
     def symmetric(self) -> bool:  # type: ignore[override]
         """See `ConstitutiveLaw`: neither with damage nor with a back-stress that fades."""
         return self.damage is None and all(law.recall(np.ones(1))[0][0] == 1.0 for law in self._kinematic)
@@ -164,7 +172,7 @@ class J2(ConstitutiveLaw):
 
         Raises
         ------
-        NotConverged
+        NotUnique
             Points that soften faster than -3G.
         """
         bulk, volume = self._constants[1], _UNIT @ strain

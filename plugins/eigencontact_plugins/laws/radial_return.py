@@ -26,7 +26,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import IsotropicHardening, KinematicHardening, NotConverged, PlasticDamage
+from eigencontact.plugin import IsotropicHardening, KinematicHardening, NotUnique, PlasticDamage
 
 __all__ = ["Drive", "RadialReturn", "Returned"]
 
@@ -127,7 +127,7 @@ class RadialReturn:
 
         Raises
         ------
-        NotConverged
+        NotUnique
             Points that soften faster than what drives them gives way: their answer is not unique.
         """
         dp = np.zeros_like(drive.p)
@@ -210,9 +210,10 @@ class RadialReturn:
             raise self._refusal(active, unclear)
         return dp
 
-    def _refusal(self, active: NDArray[np.bool_], which: NDArray[np.bool_]) -> NotConverged:
-        first = int(np.flatnonzero(active)[which][0])
-        return NotConverged(
-            f"{int(which.sum())} points soften so fast that their answer is not unique, point {first} the first of "
-            f"{active.size}; take a less steep law, or smaller load steps"
+    def _refusal(self, active: NDArray[np.bool_], which: NDArray[np.bool_]) -> NotUnique:
+        points = np.flatnonzero(active)[which]
+        return NotUnique(
+            f"{points.size} points soften so fast that their answer is not unique, point {points[0]} the first of "
+            f"{active.size}",
+            points.tolist(),
         )

@@ -109,6 +109,10 @@ class Interior(Part):
         """Whether an increment often leaves the unknown as it is: the contact is then solved to the end at once."""
         return False
 
+    def trouble(self) -> str:
+        """Words for where the last image differs most from the unknown, and what may help; none by default."""
+        return ""
+
     def check(self) -> None:
         """Look whether the interior can stand for the state that it converged to.
 

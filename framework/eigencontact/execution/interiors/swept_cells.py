@@ -69,7 +69,7 @@ class SweptCells(Cells):
         self._rim = self._content.rim(self._averages.width).ravel()
         matrix = self._half_space.material
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
-        cells = LawCells(matrix, self._system.alone, self._laws, around)
+        self._cells = cells = LawCells(matrix, self._system.alone, self._laws, around, self._content.shape)
         self._sweeps = CellSweeps(self._system, cells)
 
     def begin(self, increment: Increment, last: Remembered) -> None:
@@ -128,6 +128,7 @@ class SweptCells(Cells):
         found = self._sweeps.sweep(self.eigenstrain, self._load, self._own, self._before, self._steps, self._start)
         self._after, self._residual, self._size = found.remembered, found.residual, found.size
         self._spent += self._sweeps.applications - before
+        self._change = found.image - self.eigenstrain
         if not self._about.size:
             return found.image, found.residual
         means = self._averages.of(found.remembered)
@@ -146,7 +147,7 @@ class SweptCells(Cells):
 
     def flowed(self, before: Remembered, after: Remembered) -> bool:
         """See `Interior.flowed`."""
-        names = self.remembers - {eigenstrain_name(self.body)}
+        names = {f"{n}_{self.body}" for law, _ in self._laws for n, kept in law.variables.items() if not kept.elastic}
         return any(
             not np.array_equal(after[name].values, before[name].values) if name in before else after[name].values.any()
             for name in names & after.keys()
@@ -156,6 +157,16 @@ class SweptCells(Cells):
         """See `Interior.distance`; where more has flowed than the load strains, in parts of that."""
         first, second = (state[eigenstrain_name(self.body)].values for state in (one, other))
         return float(np.linalg.norm(first - second)) / max(self._size, float(np.linalg.norm(second)))
+
+    def trouble(self) -> str:
+        """See `Interior.trouble`."""
+        sizes = np.linalg.norm(self._change.reshape(6, -1), axis=0) if self._sweeping else np.zeros(0)
+        found = [(float(sizes[cells].max()), n) for n, (_, cells) in enumerate(self._laws)] if sizes.size else []
+        if not found:
+            return ""
+        law, cells = self._laws[max(found)[1]]
+        words = self._cells.words(law, int(sizes[cells].argmax()), self._steps[max(found)[1]])
+        return f", most in {words} of {law.key!r} (where it softens, {law.advice})"
 
     @property
     def tries_elastic(self) -> bool:
