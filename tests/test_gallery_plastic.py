@@ -283,3 +283,27 @@ def test_refined_it_meets_the_finite_elements():
     assert fine < 0.5 * coarse
     assert fine_print < 0.02
     assert fine_print < coarse_print
+
+
+@pytest.mark.slow
+def test_trends_of_friction_beyond_yield():
+    """EP-3, at six cells a radius: what friction does to depth, print, wall and zone (the stick radius takes more)."""
+    from eigencontact_verification.studies.catalogue import find
+
+    study = find("plastic-friction")
+
+    def row(mu):
+        values = {"μ": mu, "p0/Sy": 2.0}
+        scene = study.scene(values, coarse=True)
+        edge = A / 6
+        finer = scene.grid.model_copy(update={"cells": (19, 19), "spacing": (edge, edge)})
+        dataset = ec.run(scene.model_copy(update={"grid": finer})).dataset
+        return study.read(study.variants(coarse=True)[0], dataset)
+
+    plastic = [row(mu) for mu in (0.0, 0.2, 0.5)]
+    for name, sign in (("depth / elastic depth", -1), ("print [m]", 1), ("wall [m]", 1)):
+        assert np.all(sign * np.diff([one[name] for one in plastic]) > 0), name
+    assert plastic[2]["wall [m]"] > 2 * plastic[0]["wall [m]"]
+    assert plastic[2]["print [m]"] == close(1.4 * 77.5e-9, rel=0.06)  # 1.4 times that without friction, converged
+    assert plastic[0]["top of the zone / a"] > 0.1
+    assert plastic[1]["top of the zone / a"] < 1e-6
