@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from eigencontact.library import installed_plugins
-from eigencontact_verification.campaign import inhomogeneities, layers, plasticity
+from eigencontact_verification.campaign import inhomogeneities, layers, plastic_cases, plasticity
 from eigencontact_verification.campaign.case import Case, Gap
 from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusion_case, shape_of
 from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
@@ -145,7 +145,7 @@ _OWN: dict[str, Callable[[], tuple[Case, ...]]] = {
 _OTHERS: dict[str, Callable[[], tuple[Case, ...]]] = {
     inhomogeneities.KEY: inhomogeneities.inhomogeneity_cases,
     layers.KEY: layers.layered_cases,
-    plasticity.KEY: plasticity.plastic_cases,
+    plasticity.KEY: plastic_cases.plastic_cases,
 }
 
 

@@ -21,7 +21,8 @@ from eigencontact.library import installed_plugins, make
 from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, NonLocal, OfBody, PlasticDamage, VariesInSpace
 from eigencontact_verification.campaign.case import Profile
 from eigencontact_verification.campaign.indentation import VARIABLES
-from eigencontact_verification.campaign.plasticity import PlasticCase, plastic_case
+from eigencontact_verification.campaign.plastic_cases import plastic_case
+from eigencontact_verification.campaign.plasticity import PlasticCase
 from eigencontact_verification.fem.yielding_law import Answer, PointLaw, State
 
 __all__ = ["LawCase", "LawOfPlugin", "law_cases"]
