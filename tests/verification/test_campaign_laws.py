@@ -76,6 +76,17 @@ def test_a_law_of_damage_is_put_into_metal_plasticity(my_damage):
     assert law.law.damage.key == "my-damage"
 
 
+def test_what_the_law_remembers_is_compared(my_damage):
+    """The elements' damage is that of their plastic strain where both are read, and what is left of it stays."""
+    case = law_cases("my-damage")[0]
+    case = replace(case, parameters={**case.parameters, "fine": 1.0, "divisions": [2, 2, 2]})
+    found = case.reference(0, "fixed")
+    strain, damage = found["axis-equivalent_plastic_strain"], found["axis-damage"]
+    assert damage.shape == (len(case.profiles[-1].points), 1)
+    assert strain.max() > 5e-3
+    assert damage.max() == close(0.3 * np.tanh(strain.max() / 0.01), rel=0.05)
+
+
 def test_a_law_of_a_material_brings_its_own_constants(install):
     install(MY_LAW.format(base="Yielding", example=STRONG))
     loaded, _ = law_cases("my-law")

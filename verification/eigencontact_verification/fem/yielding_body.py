@@ -124,7 +124,7 @@ class YieldingBody:
         """One number of the state at every integration point, (elements, 9)."""
         found = np.zeros(self.material.shape)
         for k, state in enumerate(states):
-            found[self.material == k] = state[name]
+            found[self.material == k] = np.reshape(state[name], -1)
         return found
 
     def read(self, field: FloatArray, points: ArrayLike) -> FloatArray:
