@@ -125,8 +125,12 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
 
 
 def _size_of_field(fine: Fields, case: Case, profile: Profile) -> float:
-    """Largest value of the profile's quantity in the whole case: the field whose parts the profiles are."""
-    alike = (other.name for other in case.profiles if other.quantity == profile.quantity)
+    """Largest value of the profile's quantity in the whole case: the field whose parts the profiles are.
+
+    What a material remembers is a field of its own for every variable.
+    """
+    alike = [other.name for other in case.profiles if other.quantity == profile.quantity]
+    alike = [profile.name] if profile.quantity == "strain" else alike
     return max(float(np.max(np.abs(fine[name]))) for name in alike)
 
 

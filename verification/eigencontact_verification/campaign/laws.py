@@ -120,7 +120,9 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
     numbers = [name for name, it in law.variables.items() if it.components == 1 and it.unit == "1"]
     cases = []
     for name, path in (("loaded", (0.4, 0.7, 1.0, 0.0)), ("cycled", (0.5, 1.0, 0.0, 0.5, 1.0, 0.0))):
-        case = plastic_case(name, f"{key}, {name}", law=table, path=path, body=body, quick=name == "loaded")
+        case = plastic_case(
+            name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded"
+        )
         given = {**case.parameters, "text": _digest(component)}
         profiles = _with_variables(case.profiles, numbers)
         cases.append(
