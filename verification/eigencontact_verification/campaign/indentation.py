@@ -42,7 +42,8 @@ class Problem:
     radius, load : float
         Of the sphere, and its largest force.
     path : tuple of float
-        Load at the end of each increment, in largest loads; the last one is zero.
+        Load at the end of each increment, in largest loads; the last one is zero. The first may be zero as well: only
+        eigenstrain acts then.
     law : dict or None
         Fields of the body's law as a scene writes them, ``type`` "j2" by default; None: elastic.
     regions : tuple of dict
@@ -82,6 +83,10 @@ class Problem:
     def peak(self) -> int:
         """Last increment that ends with the largest load."""
         return int(np.flatnonzero(np.asarray(self.path) == max(self.path))[-1])
+
+    def from_touch(self, depths: FloatArray) -> FloatArray:
+        """Depths (n, 1) counted from the first touch, where the first increment is one of no load."""
+        return depths - depths[0] if self.path[0] == 0 else depths
 
     def scene(self, cells: int) -> Any:
         """Scene with so many cells to a contact radius."""
@@ -180,7 +185,7 @@ def by_cells(problem: Problem, profiles: tuple[Profile, ...], cells: int, *, sto
     for profile in profiles:
         values: FloatArray
         if profile.name == "depth":
-            values = np.asarray(data["approach"])[:, None] / problem.depth
+            values = problem.from_touch(np.asarray(data["approach"])[:, None]) / problem.depth
         elif profile.name == "pressure":
             row = np.asarray(data["pressure"])[problem.peak, middle] / problem.pressure
             values = -np.sqrt(PchipInterpolator(x, row**2)(profile.along))[:, None]  # p² ends with a slope

@@ -121,7 +121,7 @@ def plastic_cases() -> tuple[PlasticCase, ...]:
     swift = {"type": "swift", "B": 1240e6, "C": 30.0, "n": 0.085}
     linear = {"type": "linear", "yield_stress": 2.5e9, "modulus": 30e9}
     softer = {"young_modulus": 0.8}
-    stiff = {"kind": "ball", "depth": 1.0, "radius": 0.5, "young_modulus": 2.0}
+    stiff = {"kind": "ball", "depth": 1.3, "radius": 0.4, "young_modulus": 2.0}
     fading = {"type": "exponential", "saturation": 0.4, "strain": 0.02}
 
     def back(modulus: float, recovery: float) -> dict[str, Any]:
@@ -182,5 +182,6 @@ def plastic_cases() -> tuple[PlasticCase, ...]:
             "a disc that expands along the surface",
             _perfect(3.5e9),
             regions=[{"kind": "disc", "top": 0.0, "bottom": 1.0, "radius": 2.0, "eigenstrain": 2e-3}],
+            path=(0.0, *_PATH),
         ),
     )

@@ -31,7 +31,7 @@ _CODE = (
     *(f"{__name__}:{name}" for name in ("_curve", "_point_law", "_region")),
     *(
         f"eigencontact_verification.campaign.indentation:Problem.{name}"
-        for name in ("contact_modulus", "contact_radius", "depth", "pressure", "peak")
+        for name in ("contact_modulus", "contact_radius", "depth", "from_touch", "pressure", "peak")
     ),
 )
 #: Cells to a contact radius of what is judged, and of the coarser runs that give its error.
@@ -105,7 +105,7 @@ class PlasticCase(Case):
         """Values of one profile, (n, components)."""
         problem, at = self.problem, profile.points[:, [0, 2]] * self.problem.contact_radius
         if profile.name == "depth":
-            return np.array([[moment.depth] for moment in solution.moments]) / problem.depth
+            return problem.from_touch(np.array([[moment.depth] for moment in solution.moments])) / problem.depth
         if profile.name == "pressure":
             x, y = solution.surface.r**2, solution.moments[problem.peak].pressure ** 2  # Hertz's is linear
             middle = y[0] - x[0] * (y[1] - y[0]) / (x[1] - x[0])
