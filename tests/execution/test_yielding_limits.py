@@ -214,5 +214,6 @@ def test_a_cyclic_run_that_is_killed_within_a_step_continues_to_the_bit(tmp_path
     whole = ec.run(str(path)).dataset
     with ec.open_results(tmp_path / "killed") as found:
         assert float(abs(found["back_stress_1_1"]).max()) > 1e8
-        for name in set(whole.variables) - {"solve_seconds"}:
+        # The stress of the last state is found once more: one application that the process before had kept.
+        for name in set(whole.variables) - {"solve_seconds", "inclusion_iterations"}:
             np.testing.assert_array_equal(found[name], whole[name], err_msg=name)

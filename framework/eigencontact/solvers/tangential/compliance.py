@@ -123,10 +123,14 @@ class MatrixOperator:
         return layout.spectrum(table, parity, precision=self.precision)
 
     def _table(self, pair: Pair, ny: int, nx: int) -> FloatArray:
-        """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, sampled once as far as needed."""
+        """Coefficients at the offsets 0..ny-1, 0..nx-1 in cells, sampled once for the window.
+
+        Values differ in the last bit with the number of offsets that they are sampled at: were there fewer at first, a
+        resumed run would differ from one that met smaller contacts before.
+        """
         known = self._tables.get(pair, np.empty((0, 0)))
         if known.shape[0] < ny or known.shape[1] < nx:
-            rows, columns = max(ny, known.shape[0]), max(nx, known.shape[1])
+            rows, columns = max(ny, self.grid.ny), max(nx, self.grid.nx)
             dx, dy = self.grid.dx, self.grid.dy
             x, y = np.arange(columns, dtype=float) * dx, np.arange(rows, dtype=float) * dy
             known = self._tables[pair] = self._coefficients[pair].table(x, y, (0.5 * dx, 0.5 * dy))
