@@ -52,3 +52,22 @@ def test_yield_on_the_effective_stress_is_deeper_and_leaves_more(bone):
     assert soft.max() == close(5.76e-9, rel=0.06)
     assert soft[-1] == close(2.9e-9, rel=0.18)
     assert soft[-1] > 1.1 * sound[-1]
+
+
+CRUDE = [
+    "grid.cells=12", "grid.spacing=['3 mm', '3 mm']", "numerics.inclusion-pitch='3 mm'", "numerics.tolerance=1e-4",
+    "numerics.allow-coarse=true", "steps.0.increments=1", "stress=[]", "output.pictures=false",
+]  # fmt: skip
+
+
+def test_concrete_is_damaged_for_good_and_gives_way():
+    """Damage stays without the load, which sinks deeper than into concrete that does not break."""
+    result = ec.run(ec.load_scene("concrete-bars-damage", CRUDE))
+    assert result.summary["converged"] is True
+    data = result.dataset
+    loaded, unloaded = data["max_damage"].values
+    assert 0.3 < loaded <= unloaded < 1.0
+    assert 0.0 < data["damaged_volume"][0] <= data["damaged_volume"][1]
+    sound = ec.run(ec.load_scene("concrete-bars-damage", [*CRUDE, "body1.law.damage.threshold=1"])).dataset
+    assert sound["max_damage"].max() == 0.0
+    assert float(data["approach"][0]) > 1.01 * float(sound["approach"][0])
