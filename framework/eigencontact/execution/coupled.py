@@ -34,8 +34,10 @@ __all__ = ["Coupled", "Solved"]
 
 FloatArray = NDArray[np.float64]
 
-#: Rounds of one attempt.
-_ROUNDS = 60
+#: Rounds of one attempt; further ones as long as so many halve the residual, but no more than these.
+_ROUNDS, _PATIENCE, _MOST = 60, 30, 240
+#: Rounds that do not halve it, after which Anderson begins anew: it stalls where cells change their state.
+_STUCK = 4
 #: Tolerance of the first round, and of later ones as part of the last change; part of the tolerance in the end.
 _LOOSEST, _SHARE, _INNER = 1e-3, 0.01, 0.3
 #: The same where every interior is swept: 0.3 in place of 0.03 takes 1.6 times as many sweeps.
@@ -186,10 +188,11 @@ class Coupled:
             loosest = self._least
         # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
         offset = self._stacked(whole, names)
-        share, best, last, loaded = 0.0, np.inf, np.inf, None
+        share, best, last, loaded, mark, limit, kept = 0.0, np.inf, np.inf, None, np.inf, _ROUNDS, 0
         answer: ContactAnswer | None = None
         number, residual = 0, np.inf
-        for number in range(1, _ROUNDS + 1):
+        while number < limit:
+            number += 1
             inner = float(np.clip(part * best, self._least, loosest))
             fields = dict(zip(names, offset + self._stacked(swept, names), strict=True))
             answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
@@ -205,6 +208,10 @@ class Coupled:
             changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
+            if best <= 0.5 * mark:
+                mark, limit, kept = best, min(max(limit, number + _PATIENCE), _MOST), number
+            elif number - kept >= _STUCK:
+                mixer, kept = Anderson(_DEPTH), number
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
             if residual <= self._tolerance and inner <= self._tolerance:
@@ -225,7 +232,7 @@ class Coupled:
                 mixer, share = Anderson(_DEPTH), wanted
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                units: list[FloatArray | float] = [scales[:, None, None], *map(_unit, answers[1:])]
+                units: list[FloatArray | float] = [scales[:, None, None], *map(_unit, guess[1:], answers[1:])]
                 mixed = _mixed(mixer, guess, answers, units)
             offset = mixed[0]
             for interior, values in zip(swept, mixed[1:], strict=True):
@@ -245,9 +252,9 @@ class Coupled:
         return np.asarray(np.sum([[part[name] for name in names] for part in parts], axis=0))
 
 
-def _unit(values: FloatArray) -> float:
-    """Size of an unknown."""
-    return max(float(np.abs(values).max()), np.finfo(float).tiny)
+def _unit(guess: FloatArray, image: FloatArray) -> float:
+    """Size of an unknown; 1 where it is zero: an image may vanish where the guess does not."""
+    return float(max(np.abs(guess).max(), np.abs(image).max())) or 1.0
 
 
 def _mixed(
