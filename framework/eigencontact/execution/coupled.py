@@ -34,10 +34,8 @@ __all__ = ["Coupled", "Solved"]
 
 FloatArray = NDArray[np.float64]
 
-#: Rounds of one attempt; further ones as long as so many halve the residual, but no more than these.
-_ROUNDS, _PATIENCE, _MOST = 60, 30, 240
-#: Rounds that do not halve it, after which Anderson begins anew: it stalls where cells change their state.
-_STUCK = 4
+#: Rounds of one attempt.
+_ROUNDS = 60
 #: Tolerance of the first round, and of later ones as part of the last change; part of the tolerance in the end.
 _LOOSEST, _SHARE, _INNER = 1e-3, 0.01, 0.3
 #: The same where every interior is swept: 0.3 in place of 0.03 takes 1.6 times as many sweeps.
@@ -179,7 +177,7 @@ class Coupled:
 
     def _iterated(self, contact: Contact, increment: Increment, memory: Any) -> Solved:
         """Rounds until what goes in comes out."""
-        names, mixer, seen, spent = contact.directions, Anderson(_DEPTH), _Seen(), Counter[str]()
+        names, mixer, seen, spent = contact.directions, _Mixer(), _Seen(), Counter[str]()
         swept = [interior for interior in self._interiors if interior.unknown.size]
         whole = [interior for interior in self._interiors if not interior.unknown.size]
         answering = any(interior.responds for interior in whole)
@@ -188,11 +186,10 @@ class Coupled:
             loosest = self._least
         # What goes in: the displacement by all that answer as a whole, and the unknowns of the others.
         offset = self._stacked(whole, names)
-        share, best, last, loaded, mark, limit, kept = 0.0, np.inf, np.inf, None, np.inf, _ROUNDS, 0
+        share, best, last, loaded = 0.0, np.inf, np.inf, None
         answer: ContactAnswer | None = None
         number, residual = 0, np.inf
-        while number < limit:
-            number += 1
+        for number in range(1, _ROUNDS + 1):
             inner = float(np.clip(part * best, self._least, loosest))
             fields = dict(zip(names, offset + self._stacked(swept, names), strict=True))
             answer = contact.solve(increment, memory, fields, softer=share, tolerance=inner, start=answer)
@@ -208,10 +205,6 @@ class Coupled:
             changed = float(np.max(np.abs(image - offset).max(axis=(1, 2)) / scales))
             residual = max([changed, *(left for _, left in images)])
             best = min(best, residual)
-            if best <= 0.5 * mark:
-                mark, limit, kept = best, min(max(limit, number + _PATIENCE), _MOST), number
-            elif number - kept >= _STUCK:
-                mixer, kept = Anderson(_DEPTH), number
             if increment.progress is not None:
                 increment.progress("contact and inhomogeneities", residual, self._tolerance)
             if residual <= self._tolerance and inner <= self._tolerance:
@@ -229,11 +222,11 @@ class Coupled:
             guess = [offset, *(interior.unknown for interior in swept)]
             answers = [image, *(taken for taken, _ in images)]
             if answering and (wanted != share or moved or residual > last):
-                mixer, share = Anderson(_DEPTH), wanted
+                mixer, share = _Mixer(), wanted
                 mixed = [now.residual - share * now.elastic, *answers[1:]]
             else:
-                units: list[FloatArray | float] = [scales[:, None, None], *map(_unit, guess[1:], answers[1:])]
-                mixed = _mixed(mixer, guess, answers, units)
+                sizes = [scales[:, None, None], *(np.abs(taken).max() for taken in answers[1:])]
+                mixed = mixer.next(guess, answers, sizes)
             offset = mixed[0]
             for interior, values in zip(swept, mixed[1:], strict=True):
                 interior.take(values)
@@ -252,26 +245,37 @@ class Coupled:
         return np.asarray(np.sum([[part[name] for name in names] for part in parts], axis=0))
 
 
-def _unit(guess: FloatArray, image: FloatArray) -> float:
-    """Size of an unknown; 1 where it is zero: an image may vanish where the guess does not."""
-    return float(max(np.abs(guess).max(), np.abs(image).max())) or 1.0
+class _Mixer:
+    """Anderson's combination of several arrays as one vector, each in its unit and weighed by its number of entries.
 
+    The units are those of the first round in which an array is not zero. They stay, as what is remembered is in them:
+    with units that follow the arrays the combination stalls.
+    """
 
-def _mixed(
-    mixer: Anderson, guess: Sequence[FloatArray], answers: Sequence[FloatArray], units: Sequence[FloatArray | float]
-) -> list[FloatArray]:
-    """Next guess; several arrays are one vector, each in its unit, and weighed by its number of entries."""
-    weights = [np.sqrt(one.size) if len(guess) > 1 else 1.0 for one in guess]
-    scaled = [np.asarray(unit) * weight for unit, weight in zip(units, weights, strict=True)]
+    def __init__(self) -> None:
+        self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
 
-    def packed(arrays: Sequence[FloatArray]) -> FloatArray:
-        return np.concatenate([(one / unit).ravel() for one, unit in zip(arrays, scaled, strict=True)])
+    def next(
+        self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """Next guess; `sizes` are those of the arrays, or of rows of them, as they are."""
+        known = [bool(unit.any()) for unit in self._units] or [False] * len(sizes)
+        if any(size.any() and not before for size, before in zip(sizes, known, strict=True)):
+            self._anderson = Anderson(_DEPTH)
+            self._units = [
+                unit if before else size for unit, size, before in zip(self._units or sizes, sizes, known, strict=True)
+            ]
+        weights = [np.sqrt(one.size) if len(guess) > 1 else 1.0 for one in guess]
+        scaled = [np.where(unit > 0.0, unit, 1.0) * weight for unit, weight in zip(self._units, weights, strict=True)]
 
-    vector, out, begin = mixer.next(packed(guess), packed(answers)), [], 0
-    for one, unit in zip(guess, scaled, strict=True):
-        out.append(vector[begin : begin + one.size].reshape(one.shape) * unit)
-        begin += one.size
-    return out
+        def packed(arrays: Sequence[FloatArray]) -> FloatArray:
+            return np.concatenate([(one / unit).ravel() for one, unit in zip(arrays, scaled, strict=True)])
+
+        vector, out, begin = self._anderson.next(packed(guess), packed(answers)), [], 0
+        for one, unit in zip(guess, scaled, strict=True):
+            out.append(vector[begin : begin + one.size].reshape(one.shape) * unit)
+            begin += one.size
+        return out
 
 
 @dataclass(frozen=True, slots=True)

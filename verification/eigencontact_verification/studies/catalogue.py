@@ -25,6 +25,7 @@ _MODULES = (
     "plastic_fretting",
     "plastic_cells",
     "bone",
+    "damage_mesh",
 )
 
 
