@@ -1,4 +1,4 @@
-"""Study of what softens on finer and finer cells: with a length the damage settles, without one it follows the cells."""
+"""Study of what softens on finer cells: with a length the damage settles, without one it follows the cells."""
 
 from __future__ import annotations
 
