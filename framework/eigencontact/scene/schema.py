@@ -5,19 +5,15 @@ Field names are snake_case in Python and kebab-case in TOML. Numbers are SI; tex
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
-from random import Random
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from eigencontact.core.quantities import Angle, FileMark, Force, Moment, Stress
-from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
+from eigencontact.core.quantities import FileMark, Stress
 from eigencontact.core.units import LARGEST
 from eigencontact.scene.checks import (
     at_least,
-    finite,
     folder_name,
     in_range,
     non_negative,
@@ -27,9 +23,10 @@ from eigencontact.scene.checks import (
     refuse_deep,
 )
 from eigencontact.scene.contents import check_contents
-from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
-from eigencontact.scene.table import Depth, FiniteLength, OfKind, PositiveLength, Table, Tables
+from eigencontact.scene.regions import StressRequest
+from eigencontact.scene.steps import Impacts, Step, each_impact
+from eigencontact.scene.table import FiniteLength, OfKind, PositiveLength, Table, Tables
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
@@ -126,91 +123,6 @@ class GridSpec(Table):
         return self.cells is None and self.size is None
 
 
-class Impacts(Table):
-    """Random places of a rectangle around a middle at which a geometry is pressed on and lifted, one after the other.
-
-    The places are drawn uniformly and depend on the seed alone; more of them begin with the same ones.
-    """
-
-    count: Annotated[int, AfterValidator(in_range(1, 1e5, "impacts"))]
-    seed: Annotated[int, AfterValidator(at_least(0))] = 0
-    size: tuple[PositiveLength, PositiveLength]
-    center: tuple[FiniteLength, FiniteLength] = (0.0, 0.0)
-
-    @property
-    def places(self) -> list[tuple[float, float]]:
-        """Places (x, y) [m]."""
-        drawn = Random(self.seed)  # noqa: S311
-        spans = tuple(zip(self.center, self.size, strict=True))
-        return [
-            (spans[0][0] + (drawn.random() - 0.5) * spans[0][1], spans[1][0] + (drawn.random() - 0.5) * spans[1][1])
-            for _ in range(self.count)
-        ]
-
-
-def _each_impact(steps: list[Step]) -> list[Step]:
-    """Steps in which those with impacts are written out: moved there without load, loaded, unloaded."""
-    return [single for step in steps for single in step.written_out()]
-
-
-class Step(Table):
-    """One piece of the load history: a linear ramp from the last state to the values given here.
-
-    A contact is controlled by normal-load or approach. With friction, loads and motions along the surface are given
-    beside them, those of body 2 against body 1, and what a step does not mention stays as an earlier step left it (see
-    `eigencontact.scene.holding`). Without friction the geometry may roll along the surface: at the end of the step it
-    has moved to (travel-x, travel-y). A scene without geometry has steps of `increments` alone, which are the times at
-    which eigenstrain that changes with time is evaluated. A step with `impacts` stands for one of loading to its
-    normal-load and one of unloading at each of their places.
-    """
-
-    normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
-    approach: FiniteLength | None = None
-    moment_x: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
-    tilt_x: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
-    moment_y: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
-    tilt_y: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
-    tangential_load_x: Annotated[Force, AfterValidator(finite("N"))] | None = None
-    shift_x: FiniteLength | None = None
-    tangential_load_y: Annotated[Force, AfterValidator(finite("N"))] | None = None
-    shift_y: FiniteLength | None = None
-    torsion_moment: Annotated[Moment, AfterValidator(finite("N m"))] | None = None
-    twist: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
-    travel_x: FiniteLength | None = None
-    travel_y: FiniteLength | None = None
-    increments: Annotated[int, AfterValidator(at_least(1))] = 1
-    impacts: Impacts | None = None
-
-    def written_out(self) -> list[Step]:
-        """The step itself, or those of its impacts."""
-        if self.impacts is None:
-            return [self]
-        out = []
-        for x, y in self.impacts.places:
-            away = Step(normal_load=0.0, travel_x=x, travel_y=y)
-            if self.increments > 1:  # the ramp to the load would be one to the place as well
-                out.append(away)
-            pressed = away.model_copy(update={"normal_load": self.normal_load, "increments": self.increments})
-            out += [pressed, away]
-        return out
-
-    @model_validator(mode="after")
-    def _controlled(self) -> Step:
-        if self.impacts is not None and (self.normal_load is None or len(self.prescribed) > 1):
-            raise ValueError("given impacts and normal-load, and nothing else that loads or moves")
-        for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
-            if getattr(self, mode.force) is not None and getattr(self, mode.displacement) is not None:
-                raise ValueError(f"controlled by {mode.force} or {mode.displacement}, not both".replace("_", "-"))
-        return self
-
-    @property
-    def prescribed(self) -> list[str]:
-        """Names of the loads and motions given, as written in a scene."""
-        modes = (*NORMAL_MODES, *TANGENTIAL_MODES)
-        names = [*(name for mode in modes for name in (mode.force, mode.displacement)), *TRAVEL]
-        return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
-
-
 class Numerics(Table):
     """Fidelity and effort. The defaults are accurate.
 
@@ -252,86 +164,6 @@ class Numerics(Table):
     plastic_error: Annotated[float, AfterValidator(in_range(1e-6, 1.0, "[-]"))] | None = None
     allow_contact_at_edge: bool = False
     allow_coarse: bool = False
-
-
-class StressRequest(Table):
-    """Points at which sub-surface fields are wanted.
-
-    ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
-    from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
-    with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
-
-    Down to ``depth_max`` there are ``depth_cells`` steps from the surface on, 48 by default; in a body that yields the
-    points lie by default in the middles of its cells, as eigenstrain is uniform in each of them.
-
-    At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
-    Less than a quarter of a cell below a surface that is not periodic, stress by tractions is a mean over each cell,
-    linear between their centres (`eigencontact.solvers.surface_means`).
-
-    ``around`` names an inclusion: a plane (through its middle by default) or a volume is then cut to the box around the
-    inclusion and some `room`, in sizes of the inclusion, with `refinement` points to an edge of a cell (8 by default).
-    Nothing is solved again: the fields are those of the tractions and eigenstrains found on the cells. A plane or
-    volume may also be cut to the x and y from `start` to `end`, and refined in x and y, by itself.
-    """
-
-    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""
-    shape: Literal["plane", "volume", "line", "points"]
-    body: Literal[1, 2] = 1
-    normal: Literal["x", "y", "z"] = "y"
-    position: FiniteLength | None = None
-    depths: list[Depth] | None = None
-    depth_max: PositiveLength | None = None
-    depth_cells: Annotated[int, AfterValidator(at_least(1))] | None = None
-    start: tuple[FiniteLength, FiniteLength, Depth] | None = None
-    end: tuple[FiniteLength, FiniteLength, Depth] | None = None
-    count: Annotated[int, AfterValidator(in_range(2, 1e7, "points"))] = 64
-    points: list[tuple[FiniteLength, FiniteLength, Depth]] | None = None
-    around: str | None = None
-    room: Annotated[float, AfterValidator(non_negative("sizes of the inclusion"))] = 0.5
-    refinement: Annotated[int, AfterValidator(at_least(1))] | None = None
-    fields: list[Literal["stress", "strain", "displacement"]] = Field(["stress"], min_length=1)
-    quantities: list[Literal["von_mises", "tresca", "principal", "hydrostatic"]] = Field(["von_mises"])
-
-    @model_validator(mode="after")
-    def _determined(self) -> StressRequest:
-        deep = self.shape == "volume" or (self.shape == "plane" and self.normal != "z")
-        if self.shape not in ("plane", "volume") and (self.around or self.refinement):
-            raise ValueError(f"a plane or volume with around or refinement (a {self.shape} has points of its own)")
-        if self.around is not None:
-            others = [name for name in ("depths", "depth_max", "start", "end") if getattr(self, name) is not None]
-            if others:
-                raise ValueError(f"given around alone: leave out {', '.join(others)}".replace("_", "-"))
-            return self
-        if self.shape in ("plane", "volume") and (self.start is None) != (self.end is None):
-            raise ValueError("given both start and end, or neither")
-        if deep and (self.depths is None) == (self.depth_max is None):
-            raise ValueError(f"given depths or depth-max (a {self.shape} needs one of them)")
-        if deep and self.depths is not None and not self.depths:
-            raise ValueError("given at least one depth")
-        if self.depths is not None and not all(low < high for low, high in pairwise(self.depths)):
-            raise ValueError("given depths that ascend, each once")
-        if self.shape == "plane" and self.normal == "z" and self.at < 0:
-            raise ValueError("at a depth (position) of 0 or more")
-        if self.shape == "line" and (self.start is None or self.end is None):
-            raise ValueError("given start and end (a line needs both)")
-        if self.shape == "points" and not self.points:
-            raise ValueError("given points")
-        return self
-
-    @property
-    def depth_steps(self) -> int:
-        """Steps down to ``depth_max``."""
-        return 48 if self.depth_cells is None else self.depth_cells
-
-    @property
-    def at(self) -> float:
-        """Place of a plane along its normal [m]; 0 where it is not given."""
-        return 0.0 if self.position is None else self.position
-
-    @property
-    def label(self) -> str:
-        """Name of the region in the results."""
-        return self.name or f"{self.shape}_{self.normal if self.shape == 'plane' else 'body'}{self.body}"
 
 
 class Output(Table):
@@ -396,7 +228,7 @@ class Scene(Table):
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
-    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1), AfterValidator(_each_impact)] = (
+    steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1), AfterValidator(each_impact)] = (
         Field([Step()])
     )
     numerics: Numerics = Numerics()

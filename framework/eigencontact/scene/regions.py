@@ -1,0 +1,93 @@
+"""Regions of a scene in which fields below the surface are wanted."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field, model_validator
+
+from eigencontact.scene.checks import at_least, in_range, non_negative
+from eigencontact.scene.table import Depth, FiniteLength, PositiveLength, Table
+
+__all__ = ["StressRequest"]
+
+
+class StressRequest(Table):
+    """Points at which sub-surface fields are wanted.
+
+    ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
+    from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
+    with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
+
+    Down to ``depth_max`` there are ``depth_cells`` steps from the surface on, 48 by default; in a body that yields the
+    points lie by default in the middles of its cells, as eigenstrain is uniform in each of them.
+
+    At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
+    Less than a quarter of a cell below a surface that is not periodic, stress by tractions is a mean over each cell,
+    linear between their centres (`eigencontact.solvers.surface_means`).
+
+    ``around`` names an inclusion: a plane (through its middle by default) or a volume is then cut to the box around the
+    inclusion and some `room`, in sizes of the inclusion, with `refinement` points to an edge of a cell (8 by default).
+    Nothing is solved again: the fields are those of the tractions and eigenstrains found on the cells. A plane or
+    volume may also be cut to the x and y from `start` to `end`, and refined in x and y, by itself.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""
+    shape: Literal["plane", "volume", "line", "points"]
+    body: Literal[1, 2] = 1
+    normal: Literal["x", "y", "z"] = "y"
+    position: FiniteLength | None = None
+    depths: list[Depth] | None = None
+    depth_max: PositiveLength | None = None
+    depth_cells: Annotated[int, AfterValidator(at_least(1))] | None = None
+    start: tuple[FiniteLength, FiniteLength, Depth] | None = None
+    end: tuple[FiniteLength, FiniteLength, Depth] | None = None
+    count: Annotated[int, AfterValidator(in_range(2, 1e7, "points"))] = 64
+    points: list[tuple[FiniteLength, FiniteLength, Depth]] | None = None
+    around: str | None = None
+    room: Annotated[float, AfterValidator(non_negative("sizes of the inclusion"))] = 0.5
+    refinement: Annotated[int, AfterValidator(at_least(1))] | None = None
+    fields: list[Literal["stress", "strain", "displacement"]] = Field(["stress"], min_length=1)
+    quantities: list[Literal["von_mises", "tresca", "principal", "hydrostatic"]] = Field(["von_mises"])
+
+    @model_validator(mode="after")
+    def _determined(self) -> StressRequest:
+        deep = self.shape == "volume" or (self.shape == "plane" and self.normal != "z")
+        if self.shape not in ("plane", "volume") and (self.around or self.refinement):
+            raise ValueError(f"a plane or volume with around or refinement (a {self.shape} has points of its own)")
+        if self.around is not None:
+            others = [name for name in ("depths", "depth_max", "start", "end") if getattr(self, name) is not None]
+            if others:
+                raise ValueError(f"given around alone: leave out {', '.join(others)}".replace("_", "-"))
+            return self
+        if self.shape in ("plane", "volume") and (self.start is None) != (self.end is None):
+            raise ValueError("given both start and end, or neither")
+        if deep and (self.depths is None) == (self.depth_max is None):
+            raise ValueError(f"given depths or depth-max (a {self.shape} needs one of them)")
+        if deep and self.depths is not None and not self.depths:
+            raise ValueError("given at least one depth")
+        if self.depths is not None and not all(low < high for low, high in pairwise(self.depths)):
+            raise ValueError("given depths that ascend, each once")
+        if self.shape == "plane" and self.normal == "z" and self.at < 0:
+            raise ValueError("at a depth (position) of 0 or more")
+        if self.shape == "line" and (self.start is None or self.end is None):
+            raise ValueError("given start and end (a line needs both)")
+        if self.shape == "points" and not self.points:
+            raise ValueError("given points")
+        return self
+
+    @property
+    def depth_steps(self) -> int:
+        """Steps down to ``depth_max``."""
+        return 48 if self.depth_cells is None else self.depth_cells
+
+    @property
+    def at(self) -> float:
+        """Place of a plane along its normal [m]; 0 where it is not given."""
+        return 0.0 if self.position is None else self.position
+
+    @property
+    def label(self) -> str:
+        """Name of the region in the results."""
+        return self.name or f"{self.shape}_{self.normal if self.shape == 'plane' else 'body'}{self.body}"
