@@ -47,6 +47,7 @@ def yielded(tmp_path_factory):
     kept = {
         "equivalent_plastic_strain_1": (strain[None], "equivalent plastic strain"),
         "plastic_strain_1": (tensor, "plastic strain"),
+        "damage_1": (20.0 * strain[None], "part of the stiffness that is lost"),
     }
     for number, load in enumerate(LOADS, 1):
         record = synthetic.step(info, number, load, ("plane", "volume"))
@@ -123,7 +124,9 @@ def test_all_pictures_and_nothing_of_vtk_without_being_asked(yielded, tmp_path, 
     monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path: made.append((figure, path.name)))
     made = []
     drawn = draw_all(yielded, tmp_path)
-    assert {"plastic-strain.png", "load-depth.png", "plastic-history.png", "plane_0-loaded.png"} <= set(drawn)
+    assert {"plastic-strain.png", "damage.png", "load-depth.png", "plastic-history.png", "plane_0-loaded.png"} <= set(
+        drawn
+    )
     assert "volume_1-means.png" in drawn
     assert [name for _, name in made] == list(drawn)
     assert all(figure.axes for figure, _ in made)

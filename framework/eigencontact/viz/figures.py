@@ -12,7 +12,7 @@ from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import load_history
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
-from eigencontact.viz.remembered import plastic_strains, yields
+from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import passing_history, rolls
 from eigencontact.viz.section import drawable, mean_profile, stress_profile, stress_section
@@ -144,6 +144,11 @@ def _plastic(dataset: xr.Dataset, step: int, *, solid: bool) -> list[Picture]:
             name = "plastic-surfaces.png" if first else "plastic-surfaces-second.png"
             sentence = "Surfaces of equal plastic strain, cut open."
             wanted.append((name, sentence, partial(plastic_surfaces, dataset, field, step)))
+    for field in remembered_fields(dataset, step, DAMAGE):
+        name = "damage.png" if field.body == 1 else "damage-second.png"
+        words = ("Damage", "Part of the stiffness that is lost [%]")
+        sentence = "Damage on the section through its largest value; the line is around the cells that have some."
+        wanted.append((name, sentence, partial(plastic_section, dataset, field, step, words)))
     if unloads(dataset) and not rolls(dataset):
         sentence = "Normal load against approach, loading and unloading."
         wanted.append(("load-depth.png", sentence, partial(load_depth, dataset)))

@@ -32,6 +32,7 @@ FALL = 1e-3
 ROOM = 0.25
 #: Plastic strain is shown in percent.
 PERCENT = 100.0
+PLASTIC = "Equivalent plastic strain [%]"
 
 
 def loaded_step(dataset: xr.Dataset) -> int:
@@ -100,17 +101,21 @@ def _runs(rising: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(pairwise(turns))
 
 
-def plastic_section(dataset: xr.Dataset, field: CellField, step: int = -1) -> Figure:
-    """Equivalent plastic strain on the section normal to y through its largest value, with the line around its zone.
+def plastic_section(
+    dataset: xr.Dataset, field: CellField, step: int = -1, words: tuple[str, str] = ("Plastic strain", PLASTIC)
+) -> Figure:
+    """Plastic strain or damage on the section normal to y through its largest value, with the line around its zone.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Results of a run.
     field : CellField
-        The strain of one body.
+        The number of one body.
     step : int
         Position along ``step`` that it belongs to.
+    words : (str, str)
+        What the number is called in the title, and beside its colours; it is given in per cent.
 
     Returns
     -------
@@ -153,8 +158,8 @@ def plastic_section(dataset: xr.Dataset, field: CellField, step: int = -1) -> Fi
             pad=0.03,
             ticks=levels[::2],
         )
-        bar.set_label("Equivalent plastic strain [%]")
-        title = heading(dataset, step, f"Plastic strain in body {field.body}")
+        bar.set_label(words[1])
+        title = heading(dataset, step, f"{words[0]} in body {field.body}")
         where = ", ".join(place(axis, at[axis]) for axis in "xyz")
         axes.set_title(f"{title}\n{PERCENT * top:.3g} % at {where} (cross)")
     return figure

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
     from eigencontact.viz.style import Scale
 
-__all__ = ["STRAIN", "CellField", "draw_zone", "plastic_strains", "yields"]
+__all__ = ["DAMAGE", "STRAIN", "CellField", "draw_zone", "plastic_strains", "remembered_fields", "yields"]
 
 #: Name, before the number of the body, of what a material that yields remembers.
 STRAIN = "equivalent_plastic_strain"
+#: The same of a material that degrades.
+DAMAGE = "damage"
 #: Cells belong to the plastic zone beyond this part of the largest plastic strain.
 SHARE = 1e-6
 
@@ -79,14 +81,19 @@ class CellField:
 
 
 def yields(dataset: xr.Dataset) -> bool:
-    """Whether a run remembers plastic strain."""
-    return any(f"{STRAIN}_{body}" in dataset for body in (1, 2))
+    """Whether a run remembers plastic strain or damage."""
+    return any(f"{name}_{body}" in dataset for body in (1, 2) for name in (STRAIN, DAMAGE))
 
 
 def plastic_strains(dataset: xr.Dataset, step: int) -> Iterator[CellField]:
-    """Equivalent plastic strain of each body at a position along ``step``, where it was kept and is not zero."""
+    """Equivalent plastic strain of each body; see `remembered_fields`."""
+    return remembered_fields(dataset, step, STRAIN)
+
+
+def remembered_fields(dataset: xr.Dataset, step: int, quantity: str) -> Iterator[CellField]:
+    """A number that each body remembers at a position along ``step``, where it was kept and is not zero."""
     for body in (1, 2):
-        name = f"{STRAIN}_{body}"
+        name = f"{quantity}_{body}"
         if name not in dataset or dataset[name].ndim != 4:
             continue
         kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
