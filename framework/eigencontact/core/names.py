@@ -26,6 +26,8 @@ PICTURES = (
     "plastic-strain-second",
     "plastic-surfaces",
     "plastic-surfaces-second",
+    "damage",
+    "damage-second",
     "plastic-history",
     "load-depth",
     "coverage",
