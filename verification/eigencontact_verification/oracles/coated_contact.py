@@ -34,7 +34,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact_verification.oracles.layered_dense import traction_wave
 
-__all__ = ["CoatedContact", "Interpolant", "coated_contact", "contact_of_radius"]
+__all__ = ["CoatedContact", "Interpolant", "coated_contact", "contact_of_radius", "layer_response"]
 
 FloatArray = NDArray[np.float64]
 #: Thickness [m], Young's modulus [Pa], Poisson's ratio [-].
@@ -185,7 +185,7 @@ def contact_of_radius(
     """
     modulus = _contact_modulus(layers, substrate, sphere_compliance)
     if excess is None:
-        excess = _excess(layers, substrate, modulus, sphere_compliance)
+        excess = layer_response(layers, substrate, modulus, sphere_compliance)
     empty = np.zeros(0)
     k, w, values = excess.quadrature(2.0 * radius) if excess is not None else (empty, empty, empty)
     unit, weight = np.polynomial.legendre.leggauss(24 + int(4.0 * radius / layers[0][0]) if layers else 24)
@@ -244,7 +244,7 @@ def coated_contact(
     from scipy.optimize import brentq
 
     modulus = _contact_modulus(layers, substrate, sphere_compliance)
-    excess = _excess(layers, substrate, modulus, sphere_compliance)
+    excess = layer_response(layers, substrate, modulus, sphere_compliance)
 
     def solved(logarithm: float) -> CoatedContact:
         return contact_of_radius(
@@ -273,10 +273,17 @@ def _contact_modulus(layers: Sequence[Layer], substrate: tuple[float, float], sp
     return float(1.0 / ((1.0 - nu * nu) / young + sphere_compliance))
 
 
-def _excess(
+def layer_response(
     layers: Sequence[Layer], substrate: tuple[float, float], modulus: float, sphere_compliance: float
 ) -> Interpolant | None:
-    """L(k), from dense solutions."""
+    """L(k), from dense solutions; None without layers.
+
+    Parameters
+    ----------
+    layers, substrate, sphere_compliance : as in `coated_contact`
+    modulus : float
+        Contact modulus E of the top layer and the sphere [Pa].
+    """
     if not layers:
         return None
     shear = [(h, E / (2.0 * (1.0 + nu)), nu) for h, E, nu in layers]
