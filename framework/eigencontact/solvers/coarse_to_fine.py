@@ -13,8 +13,9 @@ from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
 from eigencontact.solvers.constrained_cg import BoxProblem, solve_box
 from eigencontact.solvers.control import Control, mode_field
-from eigencontact.solvers.levels import coarse_factors, prolong, restrict
+from eigencontact.solvers.levels import coarse_factors, prolong, restrict, restrict_springs
 from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.preconditioner import SpringPreconditioner
 from eigencontact.solvers.report import Certificate, Progress, SolveReport
 from eigencontact.solvers.rigid import RigidModes
 from eigencontact.solvers.solution import NormalSolution
@@ -41,12 +42,14 @@ class CoarseToFine:
         report: SolveReport,
         progress: Progress | None,
         tolerance: float | None = None,
+        springs: FloatArray | None = None,
     ) -> None:
         self.solver, self.grid, self.options = solver, solver.grid, solver.options
         if tolerance is not None:
             self.options = replace(solver.options, tolerance=tolerance)
         self.separation, self.control, self.report, self.progress = separation, control, report, progress
         self.free = control.forces()
+        self._springs = {} if springs is None else {self.grid: springs}
 
     def run(self, start: FloatArray | None) -> NormalSolution:
         """Go down the ladder of grids; with a start, begin on the finest."""
@@ -59,12 +62,28 @@ class CoarseToFine:
         while (factors := coarse_factors(ladder[-1][0])) is not None:
             grid, field_, _ = ladder[-1]
             ladder.append((grid.coarsened(*factors), restrict(field_, factors), factors))
+            if grid in self._springs:
+                springs = restrict_springs(self._springs[grid], factors, self._cell_compliance(grid))
+                self._springs[ladder[-1][0]] = springs
         pressure: FloatArray | None = None
         for number in range(len(ladder) - 1, 0, -1):
             grid, field_, factors = ladder[number]
             pressure = self._coarse(grid, field_, pressure)
-            pressure = prolong(pressure, factors, ladder[number - 1][0].shape)
+            pressure = self._prolonged(pressure, grid, ladder[number - 1][0], factors)
         return self._finest(fixed, pressure)
+
+    def _cell_compliance(self, grid: Grid) -> float:
+        """What a unit pressure on one cell does to it [m/Pa]."""
+        compliance = self.solver.compliance(grid)
+        compliance.table(1, 1)
+        return compliance.unit
+
+    def _prolonged(self, pressure: FloatArray, grid: Grid, finer: Grid, factors: tuple[int, int]) -> FloatArray:
+        """Pressure on the next finer grid; where springs jump, what it does to a cell is smooth, and not itself."""
+        if not self._springs:
+            return prolong(pressure, factors, finer.shape)
+        coarse, fine = (self._springs[one] / self._cell_compliance(one) for one in (grid, finer))
+        return prolong(pressure * (1.0 + coarse), factors, finer.shape) / (1.0 + fine)
 
     def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> FloatArray:
         """Loose solution on a coarser grid, for a start only."""
@@ -167,14 +186,24 @@ class CoarseToFine:
         else:
             p, loaded = self._first(here, grid)
             p = p / scale
+        circulant = self.solver.circulant(compliance, box)
         problem = BoxProblem(
             apply=operator,
-            precondition=self.solver.preconditioner(compliance, box),
+            precondition=circulant.inverse,
             separation=(here / length).astype(dtype),
             modes=modes,
             forces=forces / (scale * grid.cell_area),
             least_deflection=self._least_deflection(compliance) / length,
         )
+        if grid in self._springs:
+            springs = self._springs[grid][box.slices] / unit
+            soft = springs.astype(dtype)
+            problem = replace(
+                problem,
+                apply=lambda pressure: operator(pressure) + soft * pressure,
+                precondition=SpringPreconditioner(circulant, springs),
+                share=(circulant.middle / (circulant.middle + springs)).astype(dtype),
+            )
 
         def note(residual: float) -> None:
             self.report.history.append((grid.nx * grid.ny, residual))
@@ -225,7 +254,8 @@ class CoarseToFine:
         top = float(inner.max()) or 1.0
         displacement = np.asarray(compliance.between(source, whole)(inner / top), dtype=float)
         displacement *= top * compliance.unit
-        gap = fixed + displacement
+        deflected = displacement + self._springs[grid] * pressure if self._springs else displacement
+        gap = fixed + deflected
         loaded = inner > 0
         weight = loaded.astype(float)
         modes, _, sizes = self._modes(grid, source)
@@ -234,7 +264,7 @@ class CoarseToFine:
         for mode, value in rigid.items():
             gap -= value * mode_field(mode, grid)
         # Without any pressure the overlap is measured against itself: such a state must never be certified.
-        deflection = max(float((displacement[source.slices] * weight).max()), self._least_deflection(compliance))
+        deflection = max(float((deflected[source.slices] * weight).max()), self._least_deflection(compliance))
         deflection = deflection or max(0.0, -float(gap.min())) or inf
         near = gap[source.slices]
         inside = float(np.abs(near * weight).max()) / deflection

@@ -42,6 +42,9 @@ class BoxProblem:
         The rigid modes whose force is prescribed.
     forces : (m,) array
         Their forces: ``sum(mode * p)``.
+    share : (ny, nx) array, optional
+        What each loaded cell takes part in a rigid motion: where cells give way very differently, one that yields to
+        the least pressure must not be asked for as much as the others. By default all the same.
     least_deflection : float
         Gaps are measured against the largest deflection of loaded cells, but never against less than this.
     """
@@ -51,6 +54,7 @@ class BoxProblem:
     separation: Array
     modes: RigidModes
     forces: Array
+    share: Array | None = None
     least_deflection: float = 0.0
 
 
@@ -90,7 +94,7 @@ def solve_box(
     BoxState
         ``residual`` tells whether it got there; of moments that no pressure on the box carries it is the part missed.
     """
-    modes, dtype = problem.modes, pressure.dtype
+    modes, dtype, share = problem.modes, pressure.dtype, problem.share
     p = modes.carry(pressure, problem.forces) if len(modes) else pressure.copy()
     c = loaded.astype(dtype)
     if not modes.carries(p, problem.forces):  # these cells cannot: start with all of the box
@@ -105,7 +109,8 @@ def solve_box(
     state = BoxState(p, np.zeros(len(modes)), np.inf)
     for _ in range(max_iterations):
         state.pressure = p
-        state.rigid = modes.fit(np.multiply(g, c, out=work), c) if len(modes) else state.rigid
+        weight = c if share is None else c * share
+        state.rigid = modes.fit(np.multiply(g, weight, out=work), weight) if len(modes) else state.rigid
         outside = np.subtract(modes.combine(state.rigid, dtype), g, out=work)  # overlap positive
         r = outside * c
         outside -= r
@@ -122,7 +127,11 @@ def solve_box(
             taken = outside >= overlap if careful else outside > 0
             c[taken] = 1
             np.copyto(r, outside, where=taken)
-            modes.remove(r, c)
+            if share is None:
+                modes.remove(r, c)
+            else:
+                weight = c * share
+                modes.level(r, c, weight)
         # r carries no force on the loaded cells, so the rigid part of z does not enter the products with it.
         z = problem.precondition(r)
         z *= c
@@ -135,7 +144,10 @@ def solve_box(
             direction += z
         else:
             direction = z
-        modes.remove(direction, c)
+        if share is None:
+            modes.remove(direction, c)
+        else:
+            modes.unload(direction, weight)
         response = problem.apply(direction)
         curvature = dot(direction, response)
         if not curvature > 0:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
 
-__all__ = ["coarse_factors", "prolong", "restrict"]
+__all__ = ["coarse_factors", "prolong", "restrict", "restrict_springs"]
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +34,14 @@ def restrict(field: FloatArray, factors: tuple[int, int]) -> FloatArray:
         columns = field.shape[1] // 2 * 2
         field = field[:, 0:columns:2] + field[:, 1:columns:2]
     return field / (factors[0] * factors[1])
+
+
+def restrict_springs(springs: FloatArray, factors: tuple[int, int], compliance: float) -> FloatArray:
+    """Springs of merged cells: what cells in parallel do, each a spring on the `compliance` of one cell by itself.
+
+    Beside a cell without a spring, one that gives way to any pressure carries nothing, and the other carries all.
+    """
+    return np.maximum(1.0 / restrict(1.0 / (compliance + springs), factors) - compliance, 0.0)
 
 
 def prolong(pressure: FloatArray, factors: tuple[int, int], shape: tuple[int, int]) -> FloatArray:

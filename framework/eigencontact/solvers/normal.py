@@ -12,7 +12,7 @@ from eigencontact.errors import SceneError, require
 from eigencontact.solvers.coarse_to_fine import CoarseToFine, margin
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.operator import Coefficients, Compliance
-from eigencontact.solvers.preconditioner import Preconditioner, circulant_inverse
+from eigencontact.solvers.preconditioner import Circulant
 from eigencontact.solvers.report import Progress, SolveReport
 from eigencontact.solvers.solution import NormalOptions, NormalSolution
 
@@ -28,12 +28,14 @@ def solve_normal(
     control: Control,
     options: NormalOptions | None = None,
     *,
+    springs: FloatArray | None = None,
     start: FloatArray | None = None,
     progress: Progress | None = None,
 ) -> NormalSolution:
     """Pressure of two elastic bodies pressed together without friction.
 
-    Finds p with p >= 0, g >= 0, p g = 0 for ``g = h + u(p) - δ - φx y + φy x`` (thesis eqs 2.67-2.72).
+    Finds p with p >= 0, g >= 0, p g = 0 for ``g = h + u(p) + k p - δ - φx y + φy x`` (thesis eqs 2.67-2.72, there
+    without k).
 
     Parameters
     ----------
@@ -47,6 +49,8 @@ def solve_normal(
         Load or approach, moments or tilts.
     options : NormalOptions, optional
         Tolerance, precision, periodicity and so on.
+    springs : (ny, nx) float64, optional
+        Layer of springs k that give way each by itself [m/Pa], zero or positive; none by default.
     start : (ny, nx) float64, optional
         A pressure near the answer; the coarse grids are then skipped.
     progress : callable, optional
@@ -64,7 +68,7 @@ def solve_normal(
     DomainTooSmall
         Contact at the edge of the window, unless allowed or periodic.
     SceneError
-        A separation that is not finite, a moment that the window cannot carry.
+        A separation or springs not finite, springs below zero, a moment that the window cannot carry.
 
     Examples
     --------
@@ -77,7 +81,9 @@ def solve_normal(
     >>> round(float(solution.pressure.max()), 6)
     0.25
     """
-    return NormalSolver(grid, coefficients, options).solve(separation, control, start=start, progress=progress)
+    return NormalSolver(grid, coefficients, options).solve(
+        separation, control, springs=springs, start=start, progress=progress
+    )
 
 
 class NormalSolver:
@@ -92,13 +98,14 @@ class NormalSolver:
     def __init__(self, grid: Grid, coefficients: Coefficients, options: NormalOptions | None = None) -> None:
         self.grid, self.coefficients, self.options = grid, coefficients, options or NormalOptions()
         self._compliances: dict[Grid, Compliance] = {}
-        self._preconditioners: dict[Grid, tuple[Box, Preconditioner]] = {}
+        self._circulants: dict[Grid, tuple[Box, Circulant]] = {}
 
     def solve(
         self,
         separation: FloatArray,
         control: Control,
         *,
+        springs: FloatArray | None = None,
         start: FloatArray | None = None,
         tolerance: float | None = None,
         progress: Progress | None = None,
@@ -109,9 +116,11 @@ class NormalSolver:
         """
         began = perf_counter()
         _check(self.grid, separation, control, start)
+        if springs is not None:
+            _check_springs(self.grid, springs)
         report, done = SolveReport(), self.convolutions
         try:
-            return CoarseToFine(self, separation, control, report, progress, tolerance).run(start)
+            return CoarseToFine(self, separation, control, report, progress, tolerance, springs).run(start)
         finally:
             report.convolutions = self.convolutions - done
             report.seconds = perf_counter() - began
@@ -138,12 +147,12 @@ class NormalSolver:
             )
         return self._compliances[grid]
 
-    def preconditioner(self, compliance: Compliance, box: Box) -> Preconditioner:
-        """Preconditioner of one grid; that of the last box is kept."""
+    def circulant(self, compliance: Compliance, box: Box) -> Circulant:
+        """Circulant of one grid for preconditioners; that of the last box is kept."""
         key = compliance.grid
-        known = self._preconditioners.get(key)
+        known = self._circulants.get(key)
         if known is None or known[0] != box:
-            known = self._preconditioners[key] = box, circulant_inverse(compliance, box)
+            known = self._circulants[key] = box, Circulant(compliance, box)
         return known[1]
 
     def box(self, compliance: Compliance, pressure: FloatArray | None) -> Box:
@@ -182,3 +191,13 @@ def _check(grid: Grid, separation: FloatArray, control: Control, start: FloatArr
                     f"(got {about:.4g}{' about the middle of the window' if middle else ''}); the centre of pressure "
                     "would lie outside the window"
                 )
+
+
+def _check_springs(grid: Grid, springs: FloatArray) -> None:
+    require(springs.shape == grid.shape, "contact", "springs", springs.shape, f"of shape {grid.shape}")
+    wrong = ~(np.isfinite(springs) & (springs >= 0))
+    if np.any(wrong):
+        raise SceneError(
+            f"springs must be finite and zero or positive [m/Pa] at every cell (got {springs[wrong][0]:.4g} and "
+            f"{np.count_nonzero(wrong) - 1} more such of {springs.size}); leave them out where there are none"
+        )

@@ -18,8 +18,8 @@ class Certificate:
     Attributes
     ----------
     gap : float
-        Largest gap, open or overlapping, at a loaded cell, relative to the largest deflection in contact (in
-        uniform periodic contact, where that is zero, to what the prescribed load does to one cell).
+        Largest gap, open or overlapping, at a loaded cell, relative to the largest deflection in contact, springs
+        included (in uniform periodic contact, where that is zero, to what the prescribed load does to one cell).
     penetration : float
         Largest overlap at an unloaded cell, relative to the same.
     load : float

@@ -81,6 +81,21 @@ class RigidModes:
             field -= self.combine(self.fit(field, loaded), field.dtype)
             field *= loaded
 
+    def level(self, residual: Array, loaded: Array, share: Array) -> None:
+        """Take the rigid part out of a gap residual, in place, by a fit that weighs each loaded cell with its share.
+
+        What is left does no work on a pressure ``share * mode``: the counterpart of `unload`.
+        """
+        if len(self):
+            residual -= self.combine(self.fit(residual * share, share), residual.dtype)
+            residual *= loaded
+
+    def unload(self, pressure: Array, share: Array) -> None:
+        """Take the forces out of a pressure, in place, each cell giving up by its share (zero at cells not loaded)."""
+        if len(self):
+            amounts = np.linalg.lstsq(self.gram(share), self.project(pressure), rcond=1e-13)[0]
+            pressure -= self.combine(amounts, pressure.dtype) * share
+
     def carry(self, pressure: Array, forces: Array) -> Array:
         """Scale a pressure by ``1 + c . modes`` so that it carries the forces; it stays positive where it was."""
         if self._only_uniform:

@@ -49,7 +49,8 @@ class NormalSolution:
     Attributes
     ----------
     pressure, gap, displacement : (ny, nx) float64
-        p [Pa], g [m] (zero to tolerance at loaded cells) and u_z [m], both bodies summed.
+        p [Pa], g [m] (zero to tolerance at loaded cells; springs are in it) and u_z [m], both bodies summed, without
+        springs.
     approach, tilt_x, tilt_y : float
         δ [m], φx, φy [rad].
     normal_load, moment_x, moment_y : float

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.core.grid import Box, Grid
 from eigencontact.solvers.operator import Compliance
-from eigencontact.solvers.preconditioner import circulant_inverse
+from eigencontact.solvers.preconditioner import Circulant
 
 __all__ = ["MatrixOperator", "Pair", "ParityCoefficients"]
 
@@ -148,7 +148,7 @@ class MatrixOperator:
                         precision="double", threads=self.threads,
                     )  # fmt: skip
                 compliance = self._diagonal[direction]
-                inverse = circulant_inverse(compliance, box)
+                inverse = Circulant(compliance, box).inverse
                 made.append((inverse, compliance.unit / self.unit()))
             self._preconditioners[box] = made
         parts = [
