@@ -41,6 +41,16 @@ def test_acceleration_converges_where_the_plain_iteration_turns_and_grows(growth
     np.testing.assert_allclose(x, np.linalg.solve(np.eye(40) - skew, right), atol=1e-8)
 
 
+def test_entries_that_come_later_are_those_of_longer_vectors_with_zeros():
+    rng, short, whole = np.random.default_rng(4), Anderson(5), Anderson(5)
+    for count in (6, 6, 9, 9, 12, 12):
+        guess, image = np.zeros((2, 12))
+        guess[:count], image[:count] = rng.normal(size=(2, count))
+        found = whole.next(guess, image)
+        np.testing.assert_allclose(short.next(guess[:count], image[:count]), found[:count], rtol=1e-9, atol=1e-12)
+        assert not found[count:].any()
+
+
 def test_rounds_agree_to_the_tolerance_however_loose_they_begin():
     answers = []
     for tolerance in (1e-4, 1e-6, 1e-9):

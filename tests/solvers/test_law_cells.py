@@ -10,13 +10,16 @@ import pytest
 from scipy.optimize import root
 
 from eigencontact.core.material import Material
-from eigencontact.errors import NotConverged, PluginError, SceneError
-from eigencontact.plugin import LawStep, Response, Variable
+from eigencontact.errors import NotConverged, NotUnique, PluginError, SceneError
+from eigencontact.plugin import LawStep, Response, Surroundings, Variable
 from eigencontact.solvers import law_cells
 from eigencontact.solvers.cell_conditions import compliance, condition_of, constraint_of_ball
 from eigencontact.solvers.law_cells import LawCells
+from eigencontact_plugins.hardening.kinematic import Prager
+from eigencontact_plugins.hardening.linear import Linear
 from eigencontact_plugins.laws.cubic import Cubic
 from eigencontact_plugins.laws.isotropic import Isotropic
+from eigencontact_plugins.laws.j2 import J2
 from eigencontact_plugins.laws.map import IsotropicPoints
 from eigencontact_plugins.laws.void import Void
 from toy_laws import Fibred, Stiffening, Yielding
@@ -144,6 +147,40 @@ def test_several_laws_have_their_own_cells_variables_and_places():
     assert set(after[0]) == set(STEEL.variables)
     assert after[1] == {}
     assert all(count == 2 and x.tolist() == [5.0, 6.0] for count, x in asked)
+
+
+AROUND = Surroundings(young_modulus=2e11, poisson_ratio=0.3)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cells_that_are_asked_in_parts_answer_as_all_at_once(monkeypatch, threads):
+    hardening = (Linear(yield_stress=2e8, modulus=1e10), Prager(modulus=5e9))
+    law = J2(hardening=hardening, young_modulus=2e11, poisson_ratio=0.3)
+    foreign, start, prestrain = loads(31, 1.5e8)
+    start, prestrain = 0.1 * start, 0.1 * prestrain
+    before = at_rest(law, 31)
+    before["equivalent_plastic_strain"] += np.linspace(0.0, 1e-2, 31)
+    answers = []
+    for size in (31, 7):
+        monkeypatch.setattr(law_cells, "_ASKED", size)
+        cells = LawCells(MATRIX, ALONE, [(law, np.arange(31))], AROUND, threads=threads)
+        found, (after,) = cells.answer(start, foreign, prestrain, [before], [step_of(31)])
+        answers.append(np.concatenate([found, *after.values()]))
+    np.testing.assert_allclose(answers[1], answers[0], rtol=1e-12, atol=0.0)
+    flowed = answers[0][6] > before["equivalent_plastic_strain"][0]
+    assert 0 < flowed.sum() < 31
+
+
+def test_cells_without_a_unique_answer_are_all_counted_and_the_first_is_named(monkeypatch):
+    monkeypatch.setattr(law_cells, "_ASKED", 4)
+    steep = Linear(yield_stress=2e8, modulus=-1e12)
+    law = J2(hardening=(steep,), young_modulus=2e11, poisson_ratio=0.3)
+    stress = np.zeros((6, 11))
+    stress[3, [5, 6, 10]] = 1e9
+    cells = LawCells(MATRIX, ALONE, [(law, np.arange(11))], AROUND)
+    with pytest.raises(NotUnique, match=r"3 of 11 cells have no unique answer, first cell 5 at x = 5e-06 m") as caught:
+        cells.answer(np.zeros((6, 11)), stress, np.zeros((6, 11)), [at_rest(law, 11)], [step_of(11)])
+    assert list(caught.value.points) == [5, 6, 10]
 
 
 def test_nothing_is_the_answer_to_nothing():

@@ -467,6 +467,9 @@ def test_load_steps_of_a_body_that_yields_are_counted_and_timed():
     assert row["unloading"] <= 1
     assert row["depth"] > row["print"] > 0
     assert min(row["step_s"], row["bare_s"]) > 0
+    assert row["kept_bytes"] > 0
+    if row["operator_bytes"]:
+        assert min(row["by_kept"], row["by_built"]) > 1
 
 
 def test_nothing_measured_is_a_failure(fake, capsys):

@@ -249,11 +249,13 @@ class _Mixer:
     """Anderson's combination of several arrays as one vector, each in its unit and weighed by its number of entries.
 
     The units are those of the first round in which an array is not zero. They stay, as what is remembered is in them:
-    with units that follow the arrays the combination stalls.
+    with units that follow the arrays the combination stalls. Entries that were always zero, as those of cells that do
+    not flow, are not remembered.
     """
 
     def __init__(self) -> None:
         self._anderson, self._units = Anderson(_DEPTH), list[FloatArray]()
+        self._moving = np.zeros(0, dtype=np.intp)
 
     def next(
         self, guess: Sequence[FloatArray], answers: Sequence[FloatArray], sizes: Sequence[FloatArray]
@@ -271,7 +273,12 @@ class _Mixer:
         def packed(arrays: Sequence[FloatArray]) -> FloatArray:
             return np.concatenate([(one / unit).ravel() for one, unit in zip(arrays, scaled, strict=True)])
 
-        vector, out, begin = self._anderson.next(packed(guess), packed(answers)), [], 0
+        before, after = packed(guess), packed(answers)
+        fresh = (before != 0.0) | (after != 0.0)
+        fresh[self._moving] = False
+        self._moving = np.concatenate([self._moving, np.flatnonzero(fresh)])
+        vector, out, begin = np.zeros_like(after), list[FloatArray](), 0
+        vector[self._moving] = self._anderson.next(before[self._moving], after[self._moving])
         for one, unit in zip(guess, scaled, strict=True):
             out.append(vector[begin : begin + one.size].reshape(one.shape) * unit)
             begin += one.size

@@ -23,6 +23,10 @@ class Anderson:
     depth : int
         Differences kept.
 
+    Notes
+    -----
+    Vectors may become longer from call to call: entries that are new were zero before, and are not stored for it.
+
     References
     ----------
     D. G. Anderson, J. ACM 12 (1965) 547; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715.
@@ -61,9 +65,11 @@ class Anderson:
         weights = np.linalg.lstsq(changes / np.outer(size, size), right / size, rcond=_DEPENDENT**2)[0] / size
         mixed = (1.0 - weights.sum()) * image
         for weight, old in zip(weights, self._images[:-1], strict=True):
-            mixed += weight * old
+            mixed[: old.size] += weight * old
         return np.asarray(mixed)
 
 
 def _dot(a: FloatArray, b: FloatArray) -> float:
-    return float(np.einsum("i,i->", a.ravel(), b.ravel()))
+    """Product of two vectors; what the longer one has more meets zeros."""
+    count = min(a.size, b.size)
+    return float(np.einsum("i,i->", a.ravel()[:count], b.ravel()[:count]))

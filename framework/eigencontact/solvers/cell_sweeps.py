@@ -63,6 +63,9 @@ class CellSweeps:
 
     def __init__(self, linear: InhomogeneousCells, laws: LawCells) -> None:
         self._linear, self._laws = linear, laws
+        # Where the cells of the laws are the whole box in its order, nothing is copied.
+        whole = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
+        self._at: slice | NDArray[np.intp] = slice(None) if whole else laws.cells
         self._own: tuple[FloatArray, FloatArray] | None = None
         self._last: tuple[FloatArray, FloatArray] | None = None
         self.applications = 0
@@ -92,12 +95,12 @@ class CellSweeps:
             Eigenstrain that the increment begins with.
         """
         stress = applied_stress + self._caused(eigenstrain)
-        image, cells = eigenstrain.copy().reshape(6, -1), self._laws.cells
+        image = eigenstrain.copy().reshape(6, -1)
         image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
         remembered: list[Remembered] = []
-        if cells.size:
-            e, sigma, own = (values.reshape(6, -1)[:, cells] for values in (eigenstrain, stress, prestrain))
-            image[:, cells], remembered = self._laws.answer(e, sigma, own, before, steps)
+        if self._laws.cells.size:
+            e, sigma, own = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
+            image[:, self._at], remembered = self._laws.answer(e, sigma, own, before, steps)
         change = norm_of(image - eigenstrain.reshape(6, -1))
         size = self._size(applied_stress, prestrain)
         if start is not None:
@@ -119,11 +122,10 @@ class CellSweeps:
 
         See `sweep` for the parameters; of laws that are linear the residual of a sweep says the same.
         """
-        cells = self._laws.cells
-        if not cells.size:
+        if not self._laws.cells.size:
             return 0.0
         stress = applied_stress + self._caused(eigenstrain)
-        e, sigma, own = (values.reshape(6, -1)[:, cells] for values in (eigenstrain, stress, prestrain))
+        e, sigma, own = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
         largest = float(np.linalg.norm(sigma, axis=0).max())
         return self._laws.misfit(e, sigma, own, before, steps) / largest if largest > 0.0 else 0.0
 
@@ -132,8 +134,8 @@ class CellSweeps:
         if self._own is None or self._own[0] is not prestrain:
             self._own = prestrain, self._stress_of(prestrain)
         load = (applied_stress + self._own[1]).reshape(6, -1)
-        cells = np.concatenate([self._linear.cells, self._laws.cells])
-        return norm_of(load[:, cells]) / (2.0 * self._linear.matrix.shear_modulus)
+        sizes = [norm_of(load[:, cells]) for cells in (self._linear.cells, self._at)]
+        return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 
     def _caused(self, eigenstrain: FloatArray) -> FloatArray:
         """Stress by an eigenstrain; that of the last one is known, so that elastic increments apply nothing."""

@@ -194,13 +194,12 @@ class J2(ConstitutiveLaw):
         mean = _UNIT @ foreign / 3.0
         shear, bulk = around.shear_stiffness, around.bulk_stiffness
         drive = self._drive(_DEVIATOR @ (foreign / shear - prestrain), around.shear_give, before, step)
-        now = self._return.state(drive, self._return.increments(drive))
-        deviator, after = self._after(drive, now, before)
-        soft = 1.0 / (3.0 * self._constants[1] * now.sound)
+        deviator, sound, after = self._flowed(drive, before)
+        soft = 1.0 / (3.0 * self._constants[1] * sound)
         pressed = (mean / bulk - _UNIT @ prestrain / 3.0) / (soft + around.bulk_give)
         # Eigenstrain: what flowed, and what the stress strains this material more than the one around. It is zero,
         # without rounding, where nothing flowed and the constants are those of the body.
-        further = 0.5 / (self._constants[0] * now.sound) - around.shear_compliance
+        further = 0.5 / (self._constants[0] * sound) - around.shear_compliance
         away = after["plastic_strain"] + further * deviator + (soft - around.bulk_compliance) * pressed * _UNIT[:, None]
         return away + prestrain, after
 
@@ -210,6 +209,25 @@ class J2(ConstitutiveLaw):
         mean = None if about is None else np.maximum(about[0], 0.0)
         stacked = np.stack(back) if back else np.zeros((0, *deviator.shape))
         return Drive(deviator - before["plastic_strain"], give, before["equivalent_plastic_strain"][0], stacked, mean)
+
+    def _flowed(
+        self, drive: Drive, before: Mapping[str, FloatArray]
+    ) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
+        """Deviatoric stress, 1 - D, and what is remembered; most points of a box do not flow, and cost little."""
+        w, sound, flows = self._return.elastic(drive)
+        deviator = (w * sound if self._return.effective else w) * drive.tau
+        after = {name: values.copy() for name, values in before.items()}
+        if self.damage is not None:
+            after["damage"] = (1.0 - sound)[None]
+        if flows.any():
+            some = drive.of(flows)
+            now = self._return.returned(some, flows)
+            sound[flows] = now.sound
+            known = {name: values[:, flows] for name, values in before.items()}
+            deviator[:, flows], changed = self._after(some, now, known)
+            for name, values in changed.items():
+                after[name][:, flows] = values
+        return deviator, sound, after
 
     def _after(
         self, drive: Drive, now: Returned, before: Mapping[str, FloatArray]

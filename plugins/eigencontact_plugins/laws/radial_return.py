@@ -122,31 +122,44 @@ class RadialReturn:
     damage: PlasticDamage | None = None
     effective: bool = False
 
-    def increments(self, drive: Drive) -> FloatArray:
-        """Plastic increment dp of every point, zero where it does not yield.
+    def elastic(self, drive: Drive) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+        """State without a plastic increment: stiffness w [Pa], 1 - D, and which points go beyond their yield stress."""
+        w, _, sound, _ = self._stiffness(drive, drive.p)
+        reached = w * drive.tau
+        if len(drive.back):
+            reached -= drive.back.sum(axis=0)
+        size = np.sqrt(np.einsum("in,in->n", reached, reached))
+        return w, sound, np.asarray(_ROOT * size > self.isotropic.flow_stress(drive.p)[0])
+
+    def returned(self, drive: Drive, flows: NDArray[np.bool_]) -> Returned:
+        """State after the plastic increments of the points that flow.
+
+        Parameters
+        ----------
+        drive : Drive
+            Of these points.
+        flows : (n,) of bool
+            Of all points, which are these.
 
         Raises
         ------
         NotUnique
             Points that soften faster than what drives them gives way: their answer is not unique.
         """
-        dp = np.zeros_like(drive.p)
-        active = self.state(drive, dp).residual > 0.0
-        if active.any():
-            dp[active] = self._root(drive.of(active), active)
+        return self.state(drive, self._root(drive, flows))
+
+    def increments(self, drive: Drive) -> FloatArray:
+        """Plastic increment dp of every point, zero where it does not yield; see `returned`."""
+        dp, flows = np.zeros_like(drive.p), self.elastic(drive)[2]
+        if flows.any():
+            dp[flows] = self._root(drive.of(flows), flows)
         return dp
 
     def state(self, drive: Drive, dp: FloatArray) -> Returned:
         """State after increments dp."""
         p = drive.p + dp
         flow_stress, hardening = self.isotropic.flow_stress(p)
-        damage, growth = self._damage(p, drive.mean)
-        sound, twice = 1.0 - damage, 2.0 * self.shear_modulus
-        around = 1.0 + sound * twice * drive.give
-        if self.effective:
-            w, dw = twice / around, growth * drive.give * (twice / around) ** 2
-        else:
-            w, dw = sound * twice / around, -growth * twice / around**2
+        w, dw, sound, growth = self._stiffness(drive, p)
         g, dg = w.copy(), dw.copy()
         recalled, drecalled = np.zeros_like(drive.tau), np.zeros_like(drive.tau)
         theta = np.ones((len(self.kinematic), p.size))
@@ -165,6 +178,15 @@ class RadialReturn:
             dp=dp, residual=residual, slope=slope, w=w, dw=dw, sound=sound, dsound=-growth, drecalled=drecalled,
             reached=reached, flow=flow, theta=theta,
         )  # fmt: skip
+
+    def _stiffness(self, drive: Drive, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Stiffness w and its derivative by p, 1 - D, and the derivative of D."""
+        damage, growth = self._damage(p, drive.mean)
+        sound, twice = 1.0 - damage, 2.0 * self.shear_modulus
+        around = 1.0 + sound * twice * drive.give
+        if self.effective:
+            return twice / around, growth * drive.give * (twice / around) ** 2, sound, growth
+        return sound * twice / around, -growth * twice / around**2, sound, growth
 
     def _damage(self, p: FloatArray, mean: FloatArray | None) -> tuple[FloatArray, FloatArray]:
         """Damage, and its derivative by the plastic strain of the point: none where a mean decides."""

@@ -4,10 +4,14 @@
 perfectly plastic body of 7344 MPa: ten load steps and four back, n cells per contact radius of the elastic contact,
 without pictures and regions. An application is that of the operator from eigenstrain to mean stress in all cells of
 the box; ``step / bare`` is the wall time of a loading step, contact included, by the time of one bare application.
+The same operator is built and applied alone in a process of its own: the peak of the run is compared with the peak of
+that process, which building sets, and with what the operator keeps.
 """
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +20,8 @@ import numpy as np
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.clock import timed
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.table import Column
+from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.benchmarks.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task
@@ -66,7 +71,9 @@ def measure(code: Code, task: Task) -> Sample:
         data = result.dataset
         applied, spent = (data[name].values for name in ("inclusion_iterations", "solve_seconds"))
         eigenstrain = data["equivalent_eigenstrain_1"][-1]
-        bare = _bare(eigenstrain, task.threads)
+        axes = [eigenstrain[f"cells_1_{name}"].values for name in "xyz"]
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as apart:
+            alone = apart.submit(_alone, axes, np.ascontiguousarray(eigenstrain.values), task.threads).result()
         step = float(np.mean(spent[:_LOADING]))
         return {
             "cells": int(eigenstrain[0].size),
@@ -74,31 +81,39 @@ def measure(code: Code, task: Task) -> Sample:
             "loading": float(applied[:_LOADING].mean()),
             "unloading": int(applied[_LOADING:].sum()),
             "step_s": step,
-            "bare_s": bare,
-            "against": step / bare,
+            "against": step / alone["bare_s"],
             "depth": float(data["approach"].max()),
             "print": float(data["print_depth"][-1]),
             "certificate": float(data["law_residual"].max()),
+            **alone,
         }
 
     return Trial(call=lambda: ec.run(scene), judge=judge).run(task, warm=0)
 
 
-def _bare(eigenstrain: Any, threads: int) -> float:
-    """Wall time of one application of the operator to an eigenstrain in its cells [s]."""
+def _alone(axes: list[Any], values: Any, threads: int) -> dict[str, Any]:
+    """Wall time of one application of the operator to an eigenstrain in its cells [s], and its memory [byte]."""
+    METHODS["eigencontact"].load()
     from eigencontact.solvers.cells import Cells
     from eigencontact.solvers.mean_stress import MeanVolumeField
     from eigencontact_plugins.shapes.cuboid import Cuboid
 
-    axes = [eigenstrain[f"cells_1_{name}"].values for name in "xyz"]
     dx, dy, dz = tuple(float(axis[1] - axis[0]) for axis in axes)
     first = (float(axes[0][0]), float(axes[1][0]), float(axes[2][0]))
-    cells = Cells(first=first, pitch=(dx, dy, dz), shape=eigenstrain.shape[1:])
-    cell = Cuboid(center=(0.0, 0.0, 0.5 * dz), edges=(dx, dy, dz))
+    cells = Cells(first=first, pitch=(dx, dy, dz), shape=values.shape[1:])
+    cell, memory = Cuboid(center=(0.0, 0.0, 0.5 * dz), edges=(dx, dy, dz)), PeakMemory()
     operator = MeanVolumeField(cell, cells, cells, poisson_ratio=0.3, shear_modulus=1.0, threads=threads)
-    values = np.ascontiguousarray(eigenstrain.values)
     operator.apply(values)
-    return median(timed(lambda: operator.apply(values))[1] for _ in range(3))
+    times = [timed(lambda: operator.apply(values))[1] for _ in range(3)]
+    return {"bare_s": median(times), "operator_bytes": memory.peak(), "kept_bytes": operator.nbytes}
+
+
+def _compared(task: Task, row: Row) -> Row:  # noqa: ARG001
+    """Memory of the run in that of the operator alone, as it is built and as it is kept."""
+    peak, built = row["peak_bytes"], row["operator_bytes"]
+    if not peak or not built:
+        return {}
+    return {"by_built": peak / built, "by_kept": peak / row["kept_bytes"]}
 
 
 BENCHMARK = Benchmark(
@@ -106,6 +121,8 @@ BENCHMARK = Benchmark(
     help="load steps of bodies that yield",
     measure=measure,
     medians=("step_s", "against"),
+    worst=("operator_bytes",),
+    derive=_compared,
     methods=METHODS,
     cases=CASES,
     sizes=(8, 12, 16),
@@ -123,6 +140,10 @@ BENCHMARK = Benchmark(
         Column("print [nm]", "print", ".2f", scale=1e9),
         Column("certificate", "certificate", ".0e"),
         Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
+        Column("by the operator's alone", "by_built", ".2f"),
+        Column("by what that keeps", "by_kept", ".1f"),
+        Column("operator alone [MB]", "operator_bytes", ".0f", scale=1e-6, brief=False),
+        Column("it keeps [MB]", "kept_bytes", ".0f", scale=1e-6, brief=False),
         Column("processes", "processes", "d", brief=False),
     ),
 )

@@ -69,7 +69,9 @@ class SweptCells(Cells):
         self._rim = self._content.rim(self._averages.width).ravel()
         matrix = self._half_space.material
         around = Surroundings(young_modulus=matrix.young_modulus, poisson_ratio=matrix.poisson_ratio)
-        self._cells = cells = LawCells(matrix, self._system.alone, self._laws, around, self._content.shape)
+        self._cells = cells = LawCells(
+            matrix, self._system.alone, self._laws, around, self._content.shape, self._numerics.threads
+        )
         self._sweeps = CellSweeps(self._system, cells)
 
     def begin(self, increment: Increment, last: Remembered) -> None:
