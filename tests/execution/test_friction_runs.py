@@ -9,8 +9,9 @@ import eigencontact as ec
 from close import close
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.errors import NotConverged, ResultsError
-from eigencontact.execution.loading import control_at, ramps, start_of_ramp, tangential_control_at
+from eigencontact.execution.loading import control_at, start_of_ramp, tangential_control_at
 from eigencontact.results.layout import SCALARS
+from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 from eigencontact.solvers.tangential.contact import FrictionalContact
 from eigencontact_plugins.friction.coulomb import Coulomb
@@ -75,7 +76,7 @@ HISTORY = [
     ],
 )
 def test_what_a_step_does_not_mention_stays_as_it_was_prescribed(ramp, fraction, solved, normal, along):
-    steps = ramps(scene(HISTORY))
+    steps = held_steps(scene(HISTORY).ramps)
     before = start_of_ramp(solved, steps[ramp - 1] if ramp else None)
     assert control_at(steps[ramp], fraction, before).normal_load == normal
     control = tangential_control_at(steps[ramp], fraction, before)

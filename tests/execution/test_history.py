@@ -5,15 +5,22 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.execution.loading import control_at, load_points
+from eigencontact.execution.loading import LoadHistory, control_at
 from eigencontact.scene.schema import Step
 
 SMALL = ["stress=[]", "grid={cells=16, size=[1.6e-5, 1.6e-5]}"]
 
 
+def all_points(steps, *, cycles=1, friction=False):
+    history, points = LoadHistory(steps, friction=friction), []
+    while (point := history.after(points[-1] if points else None, cycles=cycles)) is not None:
+        points.append(point)
+    return points
+
+
 def test_load_points_count_through_the_ramps():
     ramps = [Step(normal_load=1.0, increments=2), Step(approach=1e-6), Step(normal_load=0.0, increments=3)]
-    points = load_points(ramps)
+    points = all_points(ramps)
     assert [point.index for point in points] == [1, 2, 3, 4, 5, 6]
     assert [point.time for point in points] == close([0.5, 1.0, 2.0, 2 + 1 / 3, 2 + 2 / 3, 3.0])
     assert [point.ramp for point in points] == [0, 0, 1, 2, 2, 2]

@@ -17,8 +17,10 @@ SMALLEST, LARGEST = 1e-30, 1e30
 NUMBER = re.compile(r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = r"[^\W\d_][^\W\d]*"
 _FACTOR = rf"(?:{_NAME}|°)(?:(?:\^|\*\*)[+-]?[1-9]|[²³])?"
-#: A unit as text: names, each with a power of one digit, multiplied or divided; ``/K`` and ``1/K`` alike.
-_UNIT = re.compile(rf"(?:1?\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*")
+_PRODUCT = rf"{_FACTOR}(?:(?:\s*[*·]\s*|\s+){_FACTOR})*"
+#: A unit as text: names, each with a power of one digit, multiplied or divided, in the end by a product in brackets;
+#: ``/K`` and ``1/K`` alike.
+_UNIT = re.compile(rf"(?:1?\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*(?:\s*/\s*\({_PRODUCT}\))?")
 
 
 @cache

@@ -32,7 +32,7 @@ class Separation(Block):
 
     def __init__(self, model: Model) -> None:
         self._geometries, self._grid = model.geometries, model.grid
-        self._rolls = any(getattr(step, name) is not None for step in model.scene.steps for name in TRAVEL)
+        self._rolls = any(getattr(step, name) is not None for step in model.scene.ramps for name in TRAVEL)
         self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in model.geometries)
         self.why += ", which rolls along the surface" if self._rolls else ""
         self._at: tuple[float, float] | None = None
@@ -129,11 +129,17 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
     """What a contact has besides its mechanics."""
     if not model.geometries:
         return
-    yield Separation(model)
+    if model.wear is None:
+        yield Separation(model)
     if model.scene.output.tangential_displacement and model.friction is None:
         yield TangentialDisplacement(model)
     geometry = model.geometries[0]
-    alone = len(model.geometries) == 1 and not model.periodic and isinstance(geometry, HasReferencePressure)
+    alone = (
+        len(model.geometries) == 1
+        and not model.periodic
+        and model.wear is None
+        and isinstance(geometry, HasReferencePressure)
+    )
     reference = ReferencePressure(model, geometry) if alone else None  # type: ignore[arg-type]
     if reference is not None:
         yield reference

@@ -112,6 +112,36 @@ class Contact(Part):
         """
 
     @abstractmethod
+    def pressed(
+        self,
+        control: Control,
+        separation: FloatArray,
+        fields: Fields,
+        springs: FloatArray | None,
+        start: FloatArray | None,
+    ) -> FloatArray:
+        """Pressure ``(ny, nx)`` [Pa] under moved surfaces, with all but the pressure as it was.
+
+        Parameters
+        ----------
+        control : Control
+            What is prescribed along the normal.
+        separation : (ny, nx)
+            With all that moves the surfaces but tractions [m].
+        fields : mapping of str to (ny, nx)
+            Of a step near by: its shear stays.
+        springs : (ny, nx), optional
+            Compliance on top of that of the bodies [m/Pa].
+        start : (ny, nx), optional
+            A pressure near by [Pa].
+        """
+
+    @property
+    @abstractmethod
+    def softness(self) -> float:
+        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
+
+    @abstractmethod
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
         """Fields and scalars of a load step that was solved in one increment or more."""
 

@@ -7,13 +7,11 @@ from typing import Protocol
 
 from eigencontact.execution.block import Block
 from eigencontact.execution.loading import (
+    LoadHistory,
     LoadPoint,
     control_at,
-    load_points,
-    ramps,
     start_of_ramp,
     tangential_control_at,
-    travel_at,
 )
 from eigencontact.execution.step import Step
 from eigencontact.results.records import StepRecord
@@ -47,6 +45,11 @@ class Drivable(Protocol):
         ...
 
     @property
+    def steps(self) -> int:
+        """Number of load steps, by estimate where cycles are skipped."""
+        ...
+
+    @property
     def blocks(self) -> Sequence[Block]:
         """In order of execution."""
         ...
@@ -75,36 +78,44 @@ def drive(
         Each newly accepted step.
     """
     done = done or {}
-    steps, friction = ramps(plan.scene), plan.scene.friction is not None
-    points, contact = load_points(steps), bool(plan.scene.geometry)
+    friction, contact = plan.scene.friction is not None, bool(plan.scene.geometry)
+    history, total = LoadHistory(plan.scene.steps, friction=friction), plan.steps
     started = False
     ramp_start: dict[str, float] = {}
     last: StepRecord | None = None
-    for point in points:
-        if point.fraction <= 1.0 / steps[point.ramp].increments and last is not None:
-            ramp_start = start_of_ramp(last.scalars, steps[point.ramp - 1] if friction else None)
+    before: LoadPoint | None = None
+    while (point := history.after(before, cycles=_stands_for(last))) is not None:
+        if history.begins_ramp(point) and last is not None:
+            ramp_start = start_of_ramp(last.scalars, history.ramp_before(point) if friction else None)
         if point.index in done:
-            last = done[point.index]()
+            last, before = done[point.index](), point
             continue
         if not started:
             for block in plan.blocks:
                 block.start()
             started = True
         if watcher is not None:
-            watcher.step_started(point, len(points))
-        ramp = steps[point.ramp]
+            watcher.step_started(point, max(total, point.index))
+        ramp = history.ramp(point)
         step = Step(
             index=point.index,
             time=point.time,
             control=control_at(ramp, point.fraction, ramp_start) if contact else None,
             tangential=tangential_control_at(ramp, point.fraction, ramp_start) if friction else None,
-            travel=travel_at(steps, point),
+            travel=history.travel(point),
+            cycle=history.cycle(point),
+            slide=history.slide(point, before),
             previous=last,
             progress=None if watcher is None else watcher.iterated,
         )
         for block in plan.blocks:
             block.advance(step)
-        last = step.record()
+        last, before = step.record(), point
         yield last
         if watcher is not None:
-            watcher.step_finished(last, len(points))
+            watcher.step_finished(last, max(total, point.index))
+
+
+def _stands_for(last: StepRecord | None) -> int:
+    """Cycles that the last one stands for, where it has been decided."""
+    return 1 if last is None else int(last.scalars.get("jump_cycles", 1.0))

@@ -18,6 +18,7 @@ from eigencontact.execution.increment import Increment
 from eigencontact.execution.normal_contact import (
     NORMAL_FIELDS,
     beyond_homogeneous,
+    cell_deflection,
     normal_cost,
     normal_scalars,
     normal_work,
@@ -32,6 +33,7 @@ from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.contact_area import contact_area
+from eigencontact.solvers.control import Control
 from eigencontact.solvers.tangential.control import MODES, mode_fields
 
 if TYPE_CHECKING:
@@ -128,6 +130,13 @@ class ContactWithFriction(Contact):
             dissipated=last.fields["dissipated_energy_density"],
         )
 
+    def _way(self, increment: Increment) -> FloatArray | None:
+        """Way that body 2 slides on body 1 all over the contact, along the directions of the shear [m]."""
+        if increment.slide is None:
+            return None
+        along = dict(zip("xy", increment.slide.direction, strict=True))
+        return increment.slide.distance * np.array([along[c] for c in self._components])
+
     def _vector(self, fields: Mapping[str, FloatArray], name: str) -> FloatArray:
         return np.stack([fields[f"{name}_{c}"] for c in self._components])
 
@@ -157,6 +166,7 @@ class ContactWithFriction(Contact):
             offset=self._rows(offset) if offset else None,
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
+            slide=self._way(increment),
             progress=increment.progress,
         )
         solution = _scaled(found, 1.0 / self._scale)
@@ -179,6 +189,24 @@ class ContactWithFriction(Contact):
                 "tangential_convolutions": float(solution.tangential_convolutions),
             },
         )
+
+    def pressed(
+        self,
+        control: Control,
+        separation: FloatArray,
+        fields: Fields,
+        springs: FloatArray | None,
+        start: FloatArray | None,
+    ) -> FloatArray:
+        """See `Contact.pressed`."""
+        if fields:
+            separation = separation + self._contact.lift(self._vector(fields, "shear"))
+        return self._contact.normal.solve(separation, control, start=start, springs=springs).pressure
+
+    @property
+    def softness(self) -> float:
+        """See `Contact.softness`."""
+        return cell_deflection(self._coefficients["z", "z"], self._grid)
 
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
         """See `Contact.results`; slip and what has slipped add up over the increments."""

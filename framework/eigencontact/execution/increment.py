@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.step import Step
+from eigencontact.execution.step import Slide, Step
 from eigencontact.solvers.control import MODES as NORMAL_MODES
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress
@@ -34,7 +34,9 @@ class Increment:
     control, tangential : Control, TangentialControl or None
         What is prescribed at the end; None without contact, or without friction.
     separation : (ny, nx) or None
-        Initial separation [m].
+        Initial separation, worn depth included [m].
+    slide : Slide or None
+        How the surfaces slide all over the contact.
     progress : callable or None
         Told the residual of each iteration.
     """
@@ -44,6 +46,7 @@ class Increment:
     control: Control | None
     tangential: TangentialControl | None
     separation: FloatArray | None
+    slide: Slide | None
     progress: Progress | None
 
     @classmethod
@@ -56,6 +59,7 @@ class Increment:
             control=step.control,
             tangential=step.tangential,
             separation=step.fields.get("separation"),
+            slide=step.slide,
             progress=step.progress,
         )
 
@@ -69,8 +73,9 @@ class Increment:
         middle = 0.5 * (start + end)
         control, told = _middle(self.control, NORMAL_MODES, self.begin)
         tangential, along = _middle(self.tangential, MODES, self.begin)
-        first = replace(self, times=(start, middle), control=control, tangential=tangential)
-        return first, replace(self, times=(middle, end), begin={**self.begin, **told, **along})
+        slide = None if self.slide is None else replace(self.slide, distance=0.5 * self.slide.distance)
+        first = replace(self, times=(start, middle), control=control, tangential=tangential, slide=slide)
+        return first, replace(self, times=(middle, end), begin={**self.begin, **told, **along}, slide=slide)
 
 
 def _middle(

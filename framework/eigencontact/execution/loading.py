@@ -1,42 +1,158 @@
-"""The load history: ramps of a scene as a list of single controls."""
+"""The load history: ramps of a scene, and cycles of them, as single controls one after the other."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import hypot
 
+from eigencontact.execution.step import CyclePlace, Slide
 from eigencontact.scene.holding import held_steps, held_travel
-from eigencontact.scene.schema import Scene, Step
+from eigencontact.scene.steps import Segment, Step, ramps_of, segments_of
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
 from eigencontact.solvers.tangential.control import TangentialControl
 
-__all__ = ["LoadPoint", "control_at", "load_points", "ramps", "start_of_ramp", "tangential_control_at", "travel_at"]
+__all__ = ["LoadHistory", "LoadPoint", "control_at", "start_of_ramp", "tangential_control_at"]
 
 
 @dataclass(frozen=True, slots=True)
 class LoadPoint:
-    """One increment: its number from 1, its place in the history, and where in its ramp it lies."""
+    """One increment.
+
+    Attributes
+    ----------
+    index : int
+        Number from 1 among those that are solved.
+    time : float
+        Its place in the history with all cycles written out: 1 ends the first ramp.
+    ramp, fraction : int, float
+        Its ramp, each counted once however often it is repeated, and where in it the increment ends.
+    segment : Segment
+        Cycle, or plain step, that it belongs to.
+    cycle : int
+        Which repeat, from 1.
+    skipped : int
+        Cycles between this point and the one before it that are not solved.
+    """
 
     index: int
     time: float
     ramp: int
     fraction: float
+    segment: Segment
+    cycle: int = 1
+    skipped: int = 0
+
+    @property
+    def ends_cycle(self) -> bool:
+        """Whether it is the last of its cycle."""
+        return self.fraction == 1.0 and self.ramp == self.segment.first + self.segment.ramps - 1
 
 
-def load_points(steps: Sequence[Step]) -> list[LoadPoint]:
-    """Increments of all ramps in order."""
-    points: list[LoadPoint] = []
-    for ramp, step in enumerate(steps):
-        for increment in range(1, step.increments + 1):
-            fraction = increment / step.increments
-            points.append(LoadPoint(len(points) + 1, ramp + fraction, ramp, fraction))
-    return points
+class LoadHistory:
+    """Increments of a load history, found one after the other: how many cycles are skipped may follow from results.
 
+    Parameters
+    ----------
+    steps : sequence of Step
+        As of a scene.
+    friction : bool
+        Whether what a step does not mention stays as earlier steps left it.
+    """
 
-def ramps(scene: Scene) -> list[Step]:
-    """Steps of a scene with all that is prescribed at their ends: with friction, what earlier steps left as it is."""
-    return held_steps(scene.steps) if scene.friction is not None else list(scene.steps)
+    def __init__(self, steps: Sequence[Step], *, friction: bool) -> None:
+        self._segments, ramps = segments_of(steps), ramps_of(steps)
+        self._ramps = held_steps(ramps) if friction else ramps
+        self._places = held_travel(ramps)
+        # What a cycle does not mention is, from the second on, as its own end left it.
+        self._again: dict[int, tuple[Step, tuple[float, float]]] = {}
+        for part in self._segments:
+            own = ramps[part.first : part.first + part.ramps]
+            if part.repeat > 1:
+                twice = [*ramps[: part.first], *own, *own]
+                held, places = held_steps(twice) if friction else twice, held_travel(twice)
+                self._again |= {part.first + k: (held[k - len(own)], places[k - len(own)]) for k in range(len(own))}
+
+    def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:
+        """The next increment; None at the end. `cycles` are those that an ended one stands for, itself among them."""
+        if point is None:
+            return self._at(1, self._segments[0], 1, self._segments[0].first, 1, 0)
+        part, increments = point.segment, self._ramps[point.ramp].increments
+        number = round(point.fraction * increments)
+        if number < increments:
+            return self._at(point.index + 1, part, point.cycle, point.ramp, number + 1, 0)
+        if not point.ends_cycle:
+            return self._at(point.index + 1, part, point.cycle, point.ramp + 1, 1, 0)
+        if point.cycle < part.repeat:
+            cycle = min(point.cycle + max(1, cycles), part.repeat)
+            return self._at(point.index + 1, part, cycle, part.first, 1, cycle - point.cycle - 1)
+        place = self._segments.index(part) + 1
+        if place == len(self._segments):
+            return None
+        part = self._segments[place]
+        return self._at(point.index + 1, part, 1, part.first, 1, 0)
+
+    def _at(self, index: int, part: Segment, cycle: int, ramp: int, number: int, skipped: int) -> LoadPoint:
+        fraction = number / self._ramps[ramp].increments
+        begin = sum(one.ramps * one.repeat for one in self._segments[: self._segments.index(part)])
+        time = begin + (cycle - 1) * part.ramps + (ramp - part.first) + fraction
+        return LoadPoint(index, float(time), ramp, fraction, part, cycle, skipped)
+
+    def begins_ramp(self, point: LoadPoint) -> bool:
+        """Whether it is the first increment of its ramp."""
+        return round(point.fraction * self._ramps[point.ramp].increments) == 1
+
+    def ramp(self, point: LoadPoint) -> Step:
+        """Ramp of a point with all that is prescribed at its end: with friction, what others left as it is."""
+        return self._ramps[point.ramp] if point.cycle == 1 else self._again[point.ramp][0]
+
+    def ramp_before(self, point: LoadPoint) -> Step | None:
+        """Ramp that ended where that of a point begins; None at the start."""
+        part = point.segment
+        if point.ramp > part.first:
+            return self._ramps[point.ramp - 1] if point.cycle == 1 else self._again[point.ramp - 1][0]
+        if point.cycle == 1:
+            return self._ramps[point.ramp - 1] if point.ramp else None
+        last = part.first + part.ramps - 1
+        return self._again[last][0]
+
+    def cycle(self, point: LoadPoint) -> CyclePlace | None:
+        """Place of a point in its cycle; None in a plain step."""
+        part = point.segment
+        if not part.cycle:
+            return None
+        begins = point.ramp == part.first and self.begins_ramp(point)
+        return CyclePlace(
+            number=point.cycle, skipped=point.skipped, left=part.repeat - point.cycle, begins=begins,
+            ends=point.ends_cycle,
+        )  # fmt: skip
+
+    def slide(self, point: LoadPoint, before: LoadPoint | None) -> Slide | None:
+        """Path that the surfaces slide on each other all over the contact, given or as the geometry moves."""
+        ramp = self.ramp(point)
+        if ramp.sliding_distance is not None:
+            along = (0.0, 1.0) if ramp.sliding_direction == "y" else (1.0, 0.0)
+            return Slide(distance=ramp.sliding_distance / ramp.increments, direction=along)
+        if before is None:
+            return None
+        (x0, y0), (x1, y1) = self.travel(before), self.travel(point)
+        distance = hypot(x1 - x0, y1 - y0)
+        return Slide(distance=distance, direction=((x1 - x0) / distance, (y1 - y0) / distance)) if distance else None
+
+    def travel(self, point: LoadPoint) -> tuple[float, float]:
+        """Place (x, y) of the geometry [m] at a point; a ramp starts where the last one ended."""
+        end = self._places[point.ramp] if point.cycle == 1 else self._again[point.ramp][1]
+        if point.fraction == 1.0:
+            return end
+        part = point.segment
+        if point.cycle > 1:
+            before = point.ramp - 1 if point.ramp > part.first else part.first + part.ramps - 1
+            start = self._again[before][1]
+        else:
+            start = self._places[point.ramp - 1] if point.ramp else (0.0, 0.0)
+        (x0, y0), (x1, y1) = start, end
+        return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
 
 
 def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, float]:
@@ -68,15 +184,6 @@ def control_at(step: Step, fraction: float, before: Mapping[str, float]) -> Cont
 def tangential_control_at(step: Step, fraction: float, before: Mapping[str, float]) -> TangentialControl:
     """Control along the surface part-way along a ramp; see `control_at`. What is not given stays at a motion of 0."""
     return TangentialControl(**_values(step, TANGENTIAL_MODES, fraction, before))
-
-
-def travel_at(steps: Sequence[Step], point: LoadPoint) -> tuple[float, float]:
-    """Place (x, y) of the geometry [m] part-way along a ramp, which starts where the last one ended."""
-    ends = [(0.0, 0.0), *held_travel(steps[: point.ramp + 1])][-2:]
-    if point.fraction == 1.0:
-        return ends[1]
-    (x0, y0), (x1, y1) = ends
-    return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
 
 
 def _values(

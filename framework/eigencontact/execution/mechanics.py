@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from time import perf_counter
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.errors import NotConverged
@@ -18,8 +21,11 @@ from eigencontact.execution.step import Step
 from eigencontact.model.law_numbers import measured, named
 from eigencontact.model.model import Model
 from eigencontact.scene.schema import Numerics
+from eigencontact.solvers.control import Control
 
 __all__ = ["Mechanics", "mechanics_of"]
+
+FloatArray = NDArray[np.float64]
 
 #: Times that a load step may be halved.
 _HALVINGS = 5
@@ -114,6 +120,29 @@ class Mechanics(Block):
             step.scalars |= dict.fromkeys(self._numbers, 0.0) | measured(states)
             step.scalars["print_depth"] = step.scalars.get("max_sink", 0.0)
             step.scalars["pile_up"] = step.scalars.get("max_uplift", 0.0)
+
+    def pressed(
+        self,
+        control: Control,
+        fields: Mapping[str, FloatArray],
+        separation: FloatArray,
+        springs: FloatArray | None,
+        start: FloatArray | None,
+    ) -> FloatArray:
+        """Pressure under moved surfaces, with what lies in the bodies as it was; see `Contact.pressed`.
+
+        `fields` are those of a step near by; none before the first.
+        """
+        assert self._contact is not None
+        sunk = fields.get("residual_displacement_z")
+        moved = separation if sunk is None else separation + sunk
+        return self._contact.pressed(control, moved, fields, springs, start)
+
+    @property
+    def softness(self) -> float:
+        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
+        assert self._contact is not None
+        return self._contact.softness
 
     def _with_enough_cells(self, step: Step) -> list[Solved]:
         """The increments that the step is solved in, on interiors that grow until they suffice."""

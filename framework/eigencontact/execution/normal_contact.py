@@ -22,6 +22,7 @@ from eigencontact.model.model import Model
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.contact_area import contact_area
+from eigencontact.solvers.control import Control
 from eigencontact.solvers.normal import NormalSolver
 from eigencontact.solvers.solution import NormalSolution
 
@@ -29,6 +30,7 @@ __all__ = [
     "NORMAL_FIELDS",
     "NormalContact",
     "beyond_homogeneous",
+    "cell_deflection",
     "normal_cost",
     "normal_scalars",
     "normal_work",
@@ -93,6 +95,22 @@ class NormalContact(Contact):
             spent=normal_work(solution),
         )
 
+    def pressed(
+        self,
+        control: Control,
+        separation: FloatArray,
+        fields: Fields,
+        springs: FloatArray | None,
+        start: FloatArray | None,
+    ) -> FloatArray:
+        """See `Contact.pressed`."""
+        return self._solver.solve(separation, control, start=start, springs=springs).pressure
+
+    @property
+    def softness(self) -> float:
+        """See `Contact.softness`."""
+        return cell_deflection(self._coefficients, self._grid)
+
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
         """See `Contact.results`; the way to a load does not matter."""
         solution: NormalSolution = answers[-1].solution
@@ -114,6 +132,11 @@ def scaled_normal(solution: NormalSolution, factor: float) -> NormalSolution:
     """Solution with its tractions, forces and what they displace multiplied; motions and gap stay."""
     names = ("pressure", "displacement", "normal_load", "moment_x", "moment_y")
     return replace(solution, **{name: factor * getattr(solution, name) for name in names})
+
+
+def cell_deflection(coefficients: PairCoefficients, grid: Grid) -> float:
+    """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
+    return float(coefficients.table(np.zeros(1), np.zeros(1), (0.5 * grid.dx, 0.5 * grid.dy))[0, 0])
 
 
 def normal_work(solution: NormalSolution) -> dict[str, float]:

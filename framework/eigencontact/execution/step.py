@@ -12,9 +12,48 @@ from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress
 from eigencontact.solvers.tangential.control import TangentialControl
 
-__all__ = ["Step"]
+__all__ = ["CyclePlace", "Slide", "Step"]
 
 FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CyclePlace:
+    """Place of an increment in a cycle that is repeated.
+
+    Attributes
+    ----------
+    number : int
+        Which repeat, from 1.
+    skipped : int
+        Repeats before it that are not solved.
+    left : int
+        Repeats after it.
+    begins, ends : bool
+        Whether it is the first, or the last, increment of the cycle.
+    """
+
+    number: int
+    skipped: int
+    left: int
+    begins: bool
+    ends: bool
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Slide:
+    """Sliding all over the contact.
+
+    Attributes
+    ----------
+    distance : float
+        Path of body 2 on body 1 [m].
+    direction : (float, float)
+        Of its end, along x and y, of length 1.
+    """
+
+    distance: float
+    direction: tuple[float, float]
 
 
 @dataclass(slots=True)
@@ -31,6 +70,10 @@ class Step:
         What is prescribed along the surface; None without friction.
     travel : (float, float)
         Place (x, y) of the geometry [m].
+    cycle : CyclePlace or None
+        Where in a cycle it lies; None outside of cycles.
+    slide : Slide or None
+        How the surfaces slide all over the contact; None where what slips is to be found.
     previous : StepRecord or None
         The last accepted step, as it is stored; None in the first.
     fields, scalars, regions, observed, history
@@ -46,6 +89,8 @@ class Step:
     control: Control | None = None
     tangential: TangentialControl | None = None
     travel: tuple[float, float] = (0.0, 0.0)
+    cycle: CyclePlace | None = None
+    slide: Slide | None = None
     previous: StepRecord | None = None
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)

@@ -76,7 +76,7 @@ def contact_window(
 
 
 def _controls(scene: Scene) -> list[Control]:
-    steps = held_steps(scene.steps) if scene.friction is not None else scene.steps
+    steps = held_steps(scene.ramps) if scene.friction is not None else scene.ramps
     return [step_control(step) for step in steps]
 
 
@@ -98,7 +98,7 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
         raise SceneError(
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
         )
-    pairs = zip(_controls(scene), held_travel(scene.steps), strict=True)
+    pairs = zip(_controls(scene), held_travel(scene.ramps), strict=True)
     controls = [(control, travel) for control, travel in pairs if control.normal_load != 0.0]
     separation = partial(sum_separations, geometries)
     # A first guess needs no layers, and asks for cells of a hundred sizes.
@@ -142,7 +142,7 @@ def contacts_of_steps(
     """Contact at the end of each step, on coarse cells over the whole window, and what it is the contact of."""
     periodic = scene.numerics.boundary == "periodic"
     found: list[tuple[ContactEstimate, Control, Separation]] = []
-    for control, (x0, y0) in zip(_controls(scene), held_travel(scene.steps), strict=True):
+    for control, (x0, y0) in zip(_controls(scene), held_travel(scene.ramps), strict=True):
 
         def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
             return sum_separations(geometries, x - x0, y - y0)

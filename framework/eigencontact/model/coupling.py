@@ -83,11 +83,12 @@ def _components(scene: Scene) -> str:
     """Directions that some step pulls along; without any, x alone stands for the shear that stays zero."""
     if scene.output.tangential_displacement:
         return "xy"
-    names = {"x": ("tangential_load_x", "shift_x"), "y": ("tangential_load_y", "shift_y")}
+    names = {"x": ("tangential_load_x", "shift_x", "travel_x"), "y": ("tangential_load_y", "shift_y", "travel_y")}
     turned = any(_given(scene, name) for name in ("torsion_moment", "twist"))
-    found = "".join(c for c in "xy" if turned or any(_given(scene, name) for name in names[c]))
+    slides = {"y" if ramp.sliding_direction == "y" else "x" for ramp in scene.ramps if ramp.sliding_distance}
+    found = "".join(c for c in "xy" if turned or c in slides or any(_given(scene, name) for name in names[c]))
     return found or "x"
 
 
 def _given(scene: Scene, name: str) -> bool:
-    return any(getattr(step, name) is not None for step in scene.steps)
+    return any(getattr(step, name) is not None for step in scene.ramps)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tractions import Traction
+from eigencontact.errors import SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import bodies_of, influence_for
 from eigencontact.model.boxes import with_cells, with_lattices
@@ -27,7 +28,7 @@ from eigencontact.model.observing import Observing, observing
 from eigencontact.model.resolution import refuse_coarse_regions
 from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Source, build_sources
-from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw, Geometry, SurfaceInfluence
+from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw, Geometry, SurfaceInfluence, WearLaw
 from eigencontact.scene.components import build_component
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene, StressRequest
@@ -63,6 +64,8 @@ class Model:
         With the regions that they ask for.
     friction : FrictionLaw or None
         Bound of the shear; None where the contact has no friction.
+    wear : WearLaw or None
+        Depth that sliding takes off the surfaces; None where they stay.
     coupling : Coupling or None
         Tractions of the contact and the kernels that join them; None without a contact.
     influences : mapping of str to SurfaceInfluence
@@ -88,6 +91,7 @@ class Model:
     geometries: tuple[Geometry, ...]
     observers: tuple[Observing, ...]
     friction: FrictionLaw | None
+    wear: WearLaw | None
     coupling: Coupling | None
     influences: Mapping[str, SurfaceInfluence]
     prescribed: tuple[Source, ...]
@@ -127,7 +131,7 @@ class Model:
         used: list[Any] = [*self.influences.values(), *self.geometries, *dict.fromkeys(self.bodies)]
         for source in self.sources:
             used += [source.shape, source.field, getattr(source, "law", None)]
-        used += [self.friction, *(one.observer for one in self.observers)]
+        used += [self.friction, self.wear, *(one.observer for one in self.observers)]
         return [part for item in used if isinstance(item, Component) for part in (item, *item.parts)]
 
     def half_space(self, body: int) -> Material:
@@ -203,6 +207,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         geometries=geometries,
         observers=observing(scene, observed),
         friction=friction,
+        wear=_wear_law(scene, registry),
         coupling=coupling,
         influences=influences,
         prescribed=prescribed,
@@ -211,6 +216,24 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         requests=tuple(resolved(scene.stress, (*prescribed, *inhomogeneities), grid)),
         laws=(*laws.values(), *(source.law for source in inhomogeneities)),
     )
+
+
+def _wear_law(scene: Scene, registry: Registry) -> WearLaw | None:
+    """Wear law of a scene, whose steps have what it looks at."""
+    if scene.wear is None:
+        return None
+    law: WearLaw = build_component(registry, WearLaw.kind, scene.wear.component, "wear")
+    if law.needs_friction and scene.friction is None:
+        raise SceneError(
+            f"wear law {law.key!r} must have friction, whose work it looks at (got a frictionless contact); add "
+            "[friction], or take a law of pressure and path"
+        )
+    if law.needs_cycles and (scene.wear.update == "increment" or all(step.cycle is None for step in scene.steps)):
+        raise SceneError(
+            f"wear law {law.key!r} must have steps in a cycle and wear.update = 'cycle', as it looks at the slip "
+            "amplitude of a cycle (got steps that wear one by one); write them as cycle = [{ ... }]"
+        )
+    return law
 
 
 def _components(tables: Sequence[dict[str, object]], kind: str, group: str, registry: Registry) -> list[Any]:

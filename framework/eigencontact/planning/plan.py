@@ -9,6 +9,7 @@ from eigencontact.core.cautions import Caution
 from eigencontact.execution.block import Block, Cost, Part
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
+from eigencontact.scene.steps import expected_points
 
 __all__ = ["LeftOut", "Plan"]
 
@@ -52,8 +53,8 @@ class Plan(Model):
 
     @property
     def steps(self) -> int:
-        """Number of load steps, ramps counted in increments."""
-        return sum(step.increments for step in self.scene.steps)
+        """Number of load steps, ramps counted in increments; of cycles that wear those that will be solved, a guess."""
+        return expected_points(self.scene.steps, self.scene.wear)
 
     @property
     def cost(self) -> Cost:

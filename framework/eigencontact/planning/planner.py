@@ -10,7 +10,7 @@ from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
 from eigencontact.execution.block import Block
 from eigencontact.execution.initial import initial_states
-from eigencontact.execution.mechanics import mechanics_of
+from eigencontact.execution.mechanics import Mechanics, mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
 from eigencontact.model.sizes import MEMORY_SHARE
@@ -35,14 +35,15 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     """
     model = build_model(scene, registry, initial_states(anchored(scene, registry)[0]))
     mechanics = list(_mechanics(model))
-    blocks = [*_beside_the_contact(model), *mechanics, *_regions(model), *_observers(model, mechanics)]
+    seen = [*mechanics, *_wear(model, mechanics)]
+    blocks = [*_beside_the_contact(model), *seen, *_regions(model), *_observers(model, seen)]
     known = {item.name: getattr(model, item.name) for item in fields(model)}
     plan = Plan(**known, blocks=in_order(blocks), left_out=())
     _check_memory(plan)
     return replace(plan, left_out=left_out(model), cautions=foreseen(model))
 
 
-def _mechanics(model: Model) -> Iterator[Block]:
+def _mechanics(model: Model) -> Iterator[Mechanics]:
     mechanics = mechanics_of(model)
     if mechanics is not None:
         yield mechanics
@@ -56,6 +57,14 @@ def _beside_the_contact(model: Model) -> Iterable[Block]:
     return blocks_beside_contact(model)
 
 
+def _wear(model: Model, mechanics: Iterable[Mechanics]) -> Iterable[Block]:
+    if model.wear is None:
+        return ()
+    from eigencontact.execution.wear.blocks import blocks_of_wear
+
+    return [block for one in mechanics for block in blocks_of_wear(model, one)]
+
+
 def _regions(model: Model) -> Iterable[Block]:
     if not model.requests:
         return ()
@@ -65,7 +74,7 @@ def _regions(model: Model) -> Iterable[Block]:
 
 
 def _observers(model: Model, mechanics: Iterable[Block]) -> Iterable[Block]:
-    """Observers see what the mechanics gives of the surface."""
+    """Observers see what mechanics and wear give of the surface."""
     if not model.observers:
         return ()
     from eigencontact.execution.observers import observers_of

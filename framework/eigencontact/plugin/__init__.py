@@ -64,6 +64,7 @@ from eigencontact.plugin.observer import Observer, RegionView, RememberedView, S
 from eigencontact.plugin.revolution import Revolution
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
 from eigencontact.plugin.timed_field import Strain, TimedField, mandel_strain
+from eigencontact.plugin.wear import WearLaw, WearState
 
 __all__ = [
     "COMPONENTS",
@@ -135,6 +136,8 @@ __all__ = [
     "Unit",
     "Variable",
     "VariesInSpace",
+    "WearLaw",
+    "WearState",
     "as_tuple",
     "checked_stiffness",
     "derivatives_of",

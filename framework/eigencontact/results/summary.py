@@ -50,6 +50,15 @@ _LAST = (
     "inclusion_residual",
     "law_residual",
 )
+#: The same of scenes that wear.
+_WORN = (
+    "worn_volume",
+    "max_worn_depth",
+    "cycles",
+    "wear_energy",
+    "wear_error",
+    "energy_volume_residual",
+)
 #: Scalars that are summed over all steps.
 _SUMMED = (
     "iterations",
@@ -93,9 +102,10 @@ def summary_of(
         "scene_hash": info.scene_hash,
         "converged": True,  # a step is only accepted, and stored, with its certificate
         "steps": len(history),
-        "load_steps": info.steps,
+        "load_steps": len(history),
     }
-    last = (*_LAST, *(("print_depth", "pile_up", *info.numbers) if info.numbers else ()))
+    worn = tuple(name for name in _WORN if name in record.scalars)
+    last = (*_LAST, *worn, *(("print_depth", "pile_up", *info.numbers) if info.numbers else ()))
     summary |= {name: record.scalars.get(name) for name in last}
     for name in _SUMMED:
         spent = [value for row in history if (value := row.get(name)) is not None]

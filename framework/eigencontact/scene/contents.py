@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from eigencontact.core.names import clashes
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
+from eigencontact.scene.steps import Step, expected_points
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene, StressRequest
@@ -27,6 +29,7 @@ def check_contents(scene: Scene) -> None:
             "contact, [[inclusions]] or [[eigenstrain]] for the field of a prescribed eigenstrain"
         )
     _check_steps(scene)
+    _check_wear(scene)
     _check_eigenstrain(scene)
     _check_materials(scene)
     _check_initial(scene)
@@ -63,8 +66,7 @@ def _check_steps(scene: Scene) -> None:
         )
     _check_number_of_steps(scene)
     controlled = False
-    for number, step in enumerate(scene.steps):
-        where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
+    for where, step in _places(scene):
         given = bool({"normal-load", "approach"} & set(step.prescribed))
         controlled = given or (controlled and scene.friction is not None)  # with friction a step keeps what was
         if scene.geometry and not controlled:
@@ -83,22 +85,70 @@ def _check_steps(scene: Scene) -> None:
                 f"!{where} must not prescribe {along[0]} without friction (got a frictionless contact, which carries "
                 'no shear); add [friction] with type = "coulomb" and a coefficient, or leave it out'
             )
+        if step.sliding_distance is not None:
+            _check_sliding(scene, step, where, along)
+
+
+def _places(scene: Scene) -> Iterator[tuple[str, Step]]:
+    """Every plain step, and where it stands."""
+    for number, step in enumerate(scene.steps):
+        where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
+        for place, ramp in enumerate(step.cycle or ()):
+            yield f"{where}.cycle.{place}", ramp
+        if step.cycle is None:
+            yield where, step
 
 
 def _check_number_of_steps(scene: Scene) -> None:
-    largest = max(range(len(scene.steps)), key=lambda number: scene.steps[number].increments)
-    count = sum(step.increments for step in scene.steps)
-    if count > _MOST_STEPS:
-        where = "steps" if len(scene.steps) == 1 else f"steps.{largest}"
-        own = scene.steps[largest].increments
+    counts = [expected_points([step], scene.wear) for step in scene.steps]
+    if sum(counts) > _MOST_STEPS:
+        largest = max(range(len(counts)), key=counts.__getitem__)
+        step, name = scene.steps[largest], "repeat" if scene.steps[largest].cycle else "increments"
+        where, own = "steps" if len(scene.steps) == 1 else f"steps.{largest}", getattr(step, name)
+        most = max(1, own * (_MOST_STEPS - sum(counts) + counts[largest]) // counts[largest])
         raise ValueError(
-            f"!{where}.increments must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "
-            f"stored (got {shown(own)}, and {shown(count)} in all); {max(1, _MOST_STEPS - count + own)} is the most"
+            f"!{where}.{name} must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "
+            f"stored (got {shown(own)}, and {shown(sum(counts))} in all); {most} is the most"
         )
 
 
+def _check_sliding(scene: Scene, step: Step, where: str, along: Sequence[str]) -> None:
+    if along:
+        raise ValueError(
+            f"!{where} must slide by sliding-distance, or be loaded or moved by {along[0]} (got both); make two steps "
+            "of them"
+        )
+    if scene.friction is None and scene.wear is None:
+        raise ValueError(
+            f"!{where} must slide (sliding-distance) with friction, with wear, or both (got neither); add [friction] "
+            "or [wear], or leave it out"
+        )
+
+
+def _check_wear(scene: Scene) -> None:
+    """Wear is of a contact that slides."""
+    if scene.wear is None:
+        return
+    if not scene.geometry:
+        raise ValueError("!wear must not be given without a geometry (got no contact that wears); add [geometry]")
+    if scene.friction is None and not any(ramp.slides for ramp in scene.ramps):
+        raise ValueError(
+            "!wear must be of surfaces that slide (got a contact without friction, and no step that slides); give a "
+            "step sliding-distance or travel-x, or add [friction] and move the bodies by shift-x"
+        )
+    if scene.wear.update == "cycle" and any(_travels(ramp) for step in scene.steps for ramp in step.cycle or ()):
+        raise ValueError(
+            "!wear.update must be 'increment' where a cycle moves the geometry by travel-x or travel-y (got 'cycle'); "
+            'set update = "increment"'
+        )
+
+
+def _travels(step: Step) -> bool:
+    return any(getattr(step, name) is not None for name in TRAVEL)
+
+
 def _check_travel(scene: Scene, where: str) -> None:
-    if scene.friction is not None:
+    if scene.friction is not None and scene.wear is None:
         raise ValueError(
             f"!{where} must not move the geometry (travel-x, travel-y) in a contact with friction (got both); leave "
             "out [friction] for rolling without it, or slide by shift-x and shift-y"

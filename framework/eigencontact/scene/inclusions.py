@@ -5,32 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from eigencontact.core.places import place_field
 from eigencontact.errors import SceneError
 from eigencontact.scene.checks import at_least
-from eigencontact.scene.table import FiniteLength, OfKind, PositiveLength, Table
+from eigencontact.scene.table import ComponentTable, FiniteLength, OfKind, PositiveLength
 
 __all__ = ["EigenstrainPatch", "Inclusion", "eigenstrain_table"]
 
 _Layers = Annotated[int, AfterValidator(at_least(1))]
 
 
-class _Component(Table):
-    """Table whose further keys are the fields of the plugin that ``type`` names."""
-
-    model_config = ConfigDict(extra="allow")
-    kind: ClassVar[str]
+class _Component(ComponentTable):
+    """Table of what lies in a body."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$")] | None = None
-    type: str
     body: Literal[1, 2] = 1
-
-    @property
-    def component(self) -> dict[str, Any]:
-        """Table of the plugin: ``type`` and its fields."""
-        return {"type": self.type, **(self.model_extra or {})}
 
 
 class Inclusion(_Component):

@@ -25,8 +25,9 @@ from eigencontact.scene.checks import (
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.regions import StressRequest
-from eigencontact.scene.steps import Impacts, Step, each_impact
+from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
 from eigencontact.scene.table import FiniteLength, OfKind, PositiveLength, Table, Tables
+from eigencontact.scene.wear import Wear
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
 
@@ -195,6 +196,8 @@ class Scene(Table):
         Separations that add up; ``type`` names the geometry plugin. Without one there is no contact.
     friction : table or component, optional
         Friction law of the contact; ``type`` names the plugin. Without it the contact is frictionless.
+    wear : Wear, optional
+        What slides wears; ``type`` names the wear law.
     inclusions : list of Inclusion
         Regions with a prescribed eigenstrain; ``type`` names the inclusion shape.
     eigenstrain : list of EigenstrainPatch
@@ -225,6 +228,7 @@ class Scene(Table):
     body2: Body = Body(rigid=True)
     geometry: Annotated[Tables, OfKind("geometry")] = Field([])
     friction: Annotated[dict[str, Any] | None, OfKind("friction-law")] = None
+    wear: Wear | None = None
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
     grid: GridSpec = GridSpec()
@@ -265,6 +269,11 @@ class Scene(Table):
     _folder: Path | None = None
 
     @property
+    def ramps(self) -> list[Step]:
+        """Plain steps of the load history in order, those of each cycle once."""
+        return ramps_of(self.steps)
+
+    @property
     def folder(self) -> Path | None:
         """Folder that relative paths in the scene count from: that of its file; None where it came from none."""
         return self._folder
@@ -303,7 +312,7 @@ def _as_written(error: Any, data: dict[str, Any]) -> dict[str, Any]:
 def _with_tables(data: dict[str, Any]) -> dict[str, Any]:
     """Accept component objects, and arrays, where a table is expected."""
     out = dict(data)
-    for name in ("geometry", "friction", "observers", "inclusions", "eigenstrain"):
+    for name in ("geometry", "friction", "wear", "observers", "inclusions", "eigenstrain"):
         if name in out:
             value = out[name]
             out[name] = [_table(item) for item in value] if isinstance(value, list | tuple) else _table(value)

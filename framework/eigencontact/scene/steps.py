@@ -1,19 +1,25 @@
-"""Steps of the load history in a scene: loads and motions, and impacts at drawn places."""
+"""Steps of the load history in a scene: loads and motions, cycles of them, and impacts at drawn places."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from random import Random
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment
 from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
-from eigencontact.scene.checks import at_least, finite, in_range, non_negative
+from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
+from eigencontact.scene.wear import Wear
 
-__all__ = ["Impacts", "Step", "each_impact"]
+__all__ = ["MOST_CYCLES", "Impacts", "Segment", "Step", "each_impact", "expected_points", "ramps_of", "segments_of"]
+
+#: Repeats of one cycle.
+MOST_CYCLES = 10**9
 
 
 class Impacts(Table):
@@ -43,6 +49,14 @@ def each_impact(steps: list[Step]) -> list[Step]:
     return [single for step in steps for single in step.written_out()]
 
 
+def _steps_of_cycle(value: Any) -> Any:
+    """One table stands for a list of one; an empty list is refused."""
+    tables = None if value is None else one_or_many(value)
+    if tables is not None and not tables:
+        raise ValueError("one step or more")
+    return tables
+
+
 class Step(Table):
     """One piece of the load history: a linear ramp from the last state to the values given here.
 
@@ -52,6 +66,13 @@ class Step(Table):
     has moved to (travel-x, travel-y). A scene without geometry has steps of `increments` alone, which are the times at
     which eigenstrain that changes with time is evaluated. A step with `impacts` stands for one of loading to its
     normal-load and one of unloading at each of their places.
+
+    A step with a `cycle` is that list of steps, done `repeat` times, and prescribes nothing itself. Of a contact that
+    wears not every cycle is solved: see `eigencontact.scene.wear`.
+
+    In a step with `sliding_distance` the surfaces slide all over the contact by that path, which is not resolved: the
+    motion is not counted in shift-x, and the shear is that of its end, along `sliding_direction`, body 2 moving towards
+    positive values; ``"circular"`` ends along x.
     """
 
     normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
@@ -68,11 +89,17 @@ class Step(Table):
     twist: Annotated[Angle, AfterValidator(finite("rad"))] | None = None
     travel_x: FiniteLength | None = None
     travel_y: FiniteLength | None = None
+    sliding_distance: PositiveLength | None = None
+    sliding_direction: Literal["x", "y", "circular"] | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
     impacts: Impacts | None = None
+    cycle: Annotated[list[Step] | None, BeforeValidator(_steps_of_cycle)] = None
+    repeat: Annotated[int, AfterValidator(in_range(1, MOST_CYCLES, "cycles"))] = 1
 
     def written_out(self) -> list[Step]:
-        """The step itself, or those of its impacts."""
+        """The step itself, or those of its impacts; of a cycle with those of its steps."""
+        if self.cycle is not None:
+            return [self.model_copy(update={"cycle": each_impact(self.cycle)})]
         if self.impacts is None:
             return [self]
         out = []
@@ -86,6 +113,16 @@ class Step(Table):
 
     @model_validator(mode="after")
     def _controlled(self) -> Step:
+        if self.cycle is not None:
+            own = sorted(self.model_fields_set - {"cycle", "repeat"})
+            if own:
+                raise ValueError(f"a cycle and nothing else but repeat: leave out {own[0].replace('_', '-')}")
+            if any(step.cycle is not None for step in self.cycle):
+                raise ValueError("a cycle of plain steps: a cycle inside another must be written out")
+        elif self.repeat != 1:
+            raise ValueError("given a cycle beside repeat: cycle = [{ ... }], or leave repeat out")
+        if self.sliding_direction is not None and self.sliding_distance is None:
+            raise ValueError("given a sliding-distance beside sliding-direction")
         if self.impacts is not None and (self.normal_load is None or len(self.prescribed) > 1):
             raise ValueError("given impacts and normal-load, and nothing else that loads or moves")
         for mode in (*NORMAL_MODES, *TANGENTIAL_MODES):
@@ -94,8 +131,71 @@ class Step(Table):
         return self
 
     @property
+    def slides(self) -> bool:
+        """Whether the surfaces slide all over the contact: by a distance, or as the geometry moves."""
+        return any(value is not None for value in (self.sliding_distance, self.travel_x, self.travel_y))
+
+    @property
     def prescribed(self) -> list[str]:
         """Names of the loads and motions given, as written in a scene."""
         modes = (*NORMAL_MODES, *TANGENTIAL_MODES)
         names = [*(name for mode in modes for name in (mode.force, mode.displacement)), *TRAVEL]
         return [name.replace("_", "-") for name in names if getattr(self, name) is not None]
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A part of the load history that is done as a whole, once or again and again.
+
+    Attributes
+    ----------
+    first : int
+        Its first ramp.
+    ramps : int
+        How many it has.
+    repeat : int
+        How often it is done.
+    cycle : bool
+        Whether the scene calls it a cycle.
+    """
+
+    first: int
+    ramps: int
+    repeat: int
+    cycle: bool
+
+
+def ramps_of(steps: Sequence[Step]) -> list[Step]:
+    """Plain steps in order, those of each cycle once.
+
+    Examples
+    --------
+    >>> there_and_back = Step(cycle=[{"shift-x": 1e-6}, {"shift-x": 0.0}], repeat=50)
+    >>> [ramp.shift_x for ramp in ramps_of([Step(normal_load=1.0), there_and_back])]
+    [None, 1e-06, 0.0]
+    """
+    return [ramp for step in steps for ramp in ([step] if step.cycle is None else step.cycle)]
+
+
+def segments_of(steps: Sequence[Step]) -> list[Segment]:
+    """Plain steps, and cycles, by their place among the ramps of `ramps_of`."""
+    found, first = list[Segment](), 0
+    for step in steps:
+        count = 1 if step.cycle is None else len(step.cycle)
+        found.append(Segment(first, count, step.repeat, step.cycle is not None))
+        first += count
+    return found
+
+
+def expected_points(steps: Sequence[Step], wear: Wear | None) -> int:
+    """Increments that will be solved: of cycles that wear some; where their number follows from errors, a guess."""
+    total = 0
+    for step, segment in zip(steps, segments_of(steps), strict=True):
+        solved = segment.repeat
+        if wear is not None and segment.repeat > 2:
+            jumped = 3 + 2 * segment.repeat.bit_length()
+            if wear.cycles_per_update is not None:
+                jumped = 3 + segment.repeat // wear.cycles_per_update
+            solved = min(solved, jumped)
+        total += solved * sum(ramp.increments for ramp in ramps_of([step]))
+    return total

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo, field_validator
 
 from eigencontact.core.quantities import Length
 from eigencontact.scene.checks import finite, non_negative, one_or_many, only_numbers, positive
 
-__all__ = ["Depth", "FiniteLength", "OfKind", "PositiveLength", "Table", "Tables"]
+__all__ = ["ComponentTable", "Depth", "FiniteLength", "OfKind", "PositiveLength", "Table", "Tables"]
 
 PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
 FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
@@ -38,3 +38,17 @@ class Table(BaseModel):
         field = cls.model_fields[str(info.field_name)]
         only_numbers(Annotated[field.annotation, None, *field.metadata], value)
         return value
+
+
+class ComponentTable(Table):
+    """Table whose further keys are the fields of the plugin of a `kind` that ``type`` names."""
+
+    model_config = ConfigDict(extra="allow")
+    kind: ClassVar[str]
+
+    type: str
+
+    @property
+    def component(self) -> dict[str, Any]:
+        """Table of the plugin: ``type`` and its fields."""
+        return {"type": self.type, **(self.model_extra or {})}

@@ -38,6 +38,11 @@ class PrescribedModes:
             for name in given:
                 require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
 
+    @property
+    def given(self) -> list[str]:
+        """Names of the forces and displacements that are prescribed."""
+        return [name for mode in self.modes for name in mode if getattr(self, name) is not None]
+
     def forces(self) -> dict[int, float]:
         """Prescribed forces by number of mode."""
         values = {i: getattr(self, mode.force) for i, mode in enumerate(self.modes)}

@@ -138,8 +138,8 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
 def _of_the_steps(model: Model) -> Iterator[Caution]:
     if model.friction is None or model.coupling is None:
         return
-    steps = held_steps(model.scene.steps)
-    first = model.scene.steps[0].increments
+    steps = held_steps(model.scene.ramps)
+    first = model.scene.ramps[0].increments
     if model.coupling.joins_normal and first < _GROWTH and not measured(model):
         error = _PER_INCREMENT / first
         words = (

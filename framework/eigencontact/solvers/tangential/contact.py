@@ -111,6 +111,7 @@ class _Increment:
     before: Sliding
     offset: FloatArray | None
     tolerance: float | None
+    slide: FloatArray | None
     progress: Progress | None
 
 
@@ -188,6 +189,7 @@ class FrictionalContact:
         offset: FloatArray | None = None,
         tolerance: float | None = None,
         start: FrictionalSolution | None = None,
+        slide: FloatArray | None = None,
         progress: Progress | None = None,
     ) -> FrictionalSolution:
         """Solve one increment.
@@ -206,6 +208,9 @@ class FrictionalContact:
             Instead of that of the options: an outer iteration need not solve to the end at once.
         start : FrictionalSolution, optional
             An answer near by: that of the same increment under another offset.
+        slide : (k,) float64, optional
+            Way that body 2 slides on body 1 all over the contact [m]: the shear is at its bound everywhere, against it,
+            whatever `tangential` says. The way is not counted among the rigid displacements.
         progress : callable, optional
             Told the residual of each iteration.
 
@@ -215,7 +220,7 @@ class FrictionalContact:
             See `NormalSolver` and `TangentialSolver`.
         """
         before = before or Sliding.at_rest(self.grid, self.components)
-        asked = _Increment(separation, control, tangential, before, offset, tolerance, progress)
+        asked = _Increment(separation, control, tangential, before, offset, tolerance, slide, progress)
         last = None if start is None else self._as_round(start, before)
         if self._by_shear is None:
             return self._solution(asked, self._round(asked, last, before.lift, tolerance), before.lift, 1, 0.0)
@@ -265,10 +270,14 @@ class FrictionalContact:
         normal = self._normal(asked, lift, last.normal.pressure if last else start, inner)
         bound, carried = self.bound(normal.pressure, before), self._carried(normal.pressure)
         offset = carried - before.position if asked.offset is None else carried + asked.offset - before.position
-        found = self.tangential.solve(
-            bound, offset, asked.tangential, start=last.shear_under(bound) if last else before.shear,
-            tolerance=inner, progress=asked.progress,
-        )  # fmt: skip
+        if asked.slide is not None:
+            direction = asked.slide / np.linalg.norm(asked.slide)
+            found = self.tangential.slid(bound, offset, direction, before.rigid)
+        else:
+            found = self.tangential.solve(
+                bound, offset, asked.tangential, start=last.shear_under(bound) if last else before.shear,
+                tolerance=inner, progress=asked.progress,
+            )  # fmt: skip
         counts = (normal.report.convolutions, found.report.convolutions)
         if last is not None:
             counts = (counts[0] + last.convolutions[0], counts[1] + last.convolutions[1])
@@ -295,7 +304,7 @@ class FrictionalContact:
     ) -> FrictionalSolution:
         return FrictionalSolution(
             normal=last.normal, tangential=last.tangential,
-            sliding=self._after(asked.before, last.normal.pressure, last.tangential, lift),
+            sliding=self._after(asked.before, last.normal.pressure, last.tangential, lift, asked.slide),
             tangential_by_pressure=last.carried, rounds=rounds, coupling_residual=change,
             normal_convolutions=last.convolutions[0], tangential_convolutions=last.convolutions[1],
         )  # fmt: skip
@@ -326,17 +335,23 @@ class FrictionalContact:
         largest = float(np.max(np.abs(difference), where=loaded, initial=0.0))
         return largest / deflection if deflection > 0 else 0.0
 
-    def _after(self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray) -> Sliding:
+    def _after(
+        self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray,
+        slide: FloatArray | None,
+    ) -> Sliding:  # fmt: skip
         """State at the end of the increment.
 
         Friction works with the mean of the bounds at both ends, in cells that lose contact too: never negative, and
         hardly dependent on the number of increments (the mean of the shears would balance with the work of the loads
-        exactly, but count the shear before the slip began).
+        exactly, but count the shear before the slip began). On a way that it slides the bound is that of its end.
         """
         loaded, left = pressure > 0, (before.pressure > 0) & (pressure <= 0)
         slip = found.slip * ((loaded & ~found.stick) | left)
         distance = np.sqrt(np.einsum("kij,kij->ij", slip, slip))
-        work = 0.5 * (self.bound(before.pressure, before) + self.bound(pressure, before)) * distance
+        if slide is not None:
+            distance = loaded * float(np.linalg.norm(slide))
+        after = self.bound(pressure, before)
+        work = (after if slide is not None else 0.5 * (self.bound(before.pressure, before) + after)) * distance
         return Sliding(
             pressure=pressure, shear=found.shear, position=before.position + found.slip, lift=lift, rigid=found.rigid,
             slip_distance=before.slip_distance + distance, dissipated=before.dissipated + work,

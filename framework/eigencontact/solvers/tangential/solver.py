@@ -187,6 +187,41 @@ class TangentialSolver:
             report.convolutions = self.operator.applications - done
             report.seconds = perf_counter() - began
 
+    def slid(
+        self, bound: FloatArray, offset: FloatArray, direction: FloatArray, rigid: FloatArray
+    ) -> TangentialSolution:
+        """Shear of a contact in which everything has slid far, one way.
+
+        Parameters
+        ----------
+        bound, offset : (ny, nx), (k, ny, nx) float64
+            See `solve`.
+        direction : (k,) float64
+            In which body 2 slides on body 1, of length 1.
+        rigid : (3,) float64
+            Rigid displacements that are counted [m, m, rad]; the way that it slides is not among them.
+
+        Returns
+        -------
+        TangentialSolution
+            Its slip is that beside the way that it slides.
+        """
+        shear = direction[:, None, None] * bound
+        box = Box(0, self.grid.ny, 0, self.grid.nx) if self.options.periodic else Box.around(bound > 0)
+        report, fields = TangentialReport(), mode_fields(self.grid, self.components)
+        report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=0.0)
+        displacement = np.zeros_like(shear)
+        if box is not None:
+            whole, done = Box(0, self.grid.ny, 0, self.grid.nx), self.operator.applications
+            displacement = self.operator.apply(shear[:, *box.slices], box, whole)
+            report.convolutions = self.operator.applications - done
+        return TangentialSolution(
+            shear=shear, displacement=displacement, rigid=rigid, report=report,
+            slip=displacement + offset - np.einsum("m,mkij->kij", rigid, fields),
+            stick=np.zeros(self.grid.shape, dtype=bool),
+            forces=np.einsum("mkij,kij->m", fields, shear) * self.grid.cell_area,
+        )  # fmt: skip
+
     def _solve(
         self,
         bound: FloatArray,

@@ -1,0 +1,61 @@
+"""Blocks of wear: the separation of worn surfaces before the contact, and wear by what it slipped after it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from eigencontact.execution.beside_contact import Separation
+from eigencontact.execution.block import Block
+from eigencontact.execution.mechanics import Mechanics
+from eigencontact.execution.step import Step
+from eigencontact.execution.wear.surface import WornSurface
+from eigencontact.model.model import Model
+
+__all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
+
+
+class WornSeparation(Separation):
+    """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step."""
+
+    def __init__(self, model: Model, surface: WornSurface) -> None:
+        super().__init__(model)
+        self._surface = surface
+        self.why += ", and what has worn"
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        super().advance(step)
+        step.fields["separation"] = self._surface.begin(step, step.fields["separation"])
+
+
+class Wear(Block):
+    """Depth that the surfaces lose by what the contact slipped."""
+
+    name = "wear"
+
+    def __init__(self, model: Model, surface: WornSurface) -> None:
+        assert model.wear is not None
+        assert model.scene.wear is not None
+        self._surface = surface
+        bodies = model.scene.wear.parts
+        which = " and ".join(f"body {body}" for body in bodies)
+        self.why = f"{which} wear{'s' if len(bodies) == 1 else ''} by {model.wear.key!r}"
+        slips = {"slip_distance", "dissipated_energy_density"} if model.friction is not None else set()
+        self.requires = frozenset({"pressure", *slips})
+        self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in bodies)), "[wear]")
+        self.provides = frozenset(self.wanted)
+
+    def start(self) -> None:
+        """See `Block.start`."""
+        self._surface.start()
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        self._surface.end(step)
+
+
+def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
+    """What moves the surfaces, before and after the contact."""
+    surface = WornSurface(model, mechanics)
+    yield WornSeparation(model, surface)
+    yield Wear(model, surface)

@@ -1,0 +1,86 @@
+"""How many cycles a solved one stands for: as many as keep the error of the worn volume small.
+
+The rate of a cycle goes on changing as it did between the last two solved ones; by how much the next solved cycle
+differs from that is the error of the jump, which grows with the square of its size relative to what it wears.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.grid import Grid
+from eigencontact.execution.step import CyclePlace
+from eigencontact.execution.wear.rate import Rate
+from eigencontact.execution.wear.state import WornState
+from eigencontact.scene.wear import Wear
+
+__all__ = ["Jumps", "ahead"]
+
+FloatArray = NDArray[np.float64]
+
+#: Largest growth and fall of a jump from one to the next, and what it stays below the size that the error allows.
+_GROWTH, _FALL, _SAFETY = 2.5, 0.3, 0.8
+#: Part of the wear so far that may bear the error where the last cycles wear little.
+_OF_ALL = 0.5
+#: Part of the stable explicit step (0.9 dx p / E*, or 0.8 times the deflection of a loaded cell) that is taken.
+_STABLE = 0.4
+
+
+def ahead(memory: dict[str, FloatArray], cycles: float) -> Rate:
+    """Rate so many cycles after the last solved one; never less than nothing, nor more than twice."""
+    rate = memory["rate"]
+    return Rate(pressed=np.clip(rate + cycles * memory["slope"], 0.0, 2.0 * rate), steady=memory["steady"])
+
+
+class Jumps:
+    """The size of jumps.
+
+    Parameters
+    ----------
+    table : Wear
+        Error, or size, that the scene asks for.
+    grid : Grid
+    softness : callable
+        Deflection of a cell by a unit pressure on it [m/Pa].
+    """
+
+    def __init__(self, table: Wear, grid: Grid, softness: float) -> None:
+        self._table, self._area, self._softness = table, grid.cell_area, softness
+
+    def decide(self, state: WornState, cycle: CyclePlace, rate: Rate, energy: FloatArray, pressure: FloatArray) -> None:
+        """Set the next jump, and what it goes by, from a solved cycle: its rate, energy, and pressure in its end."""
+        memory, last = state.memory, state.jump
+        known, slope, wanted = memory.get("rate"), np.zeros_like(pressure), 1.0
+        if known is not None:
+            slope = (rate.pressed - known) / last
+            expected = ahead(memory, last)
+            missed = np.abs(rate.pressed - expected.pressed) * pressure + np.abs(rate.steady - expected.steady)
+            missing = float(missed.sum()) * self._area
+            state.error += 0.5 * (last - 1) * missing
+            wanted = self._by_error(state, missing, float(rate.depth(pressure).sum()) * self._area)
+            if _regime(rate.pressed, pressure) != _regime(known, pressure):
+                wanted = 1.0
+        if self._table.cycles_per_update is not None:
+            wanted = float(self._table.cycles_per_update)
+        most = float(rate.steady.max())
+        if most > 0:
+            wanted = min(wanted, max(1.0, _STABLE * self._softness * float(pressure.max()) / most))
+        state.jump = max(1, min(int(wanted), cycle.left))
+        state.memory = {"rate": rate.pressed, "steady": rate.steady, "slope": slope, "energy": energy}
+
+    def _by_error(self, state: WornState, missing: float, worn: float) -> float:
+        """Next jump by what the last one missed a cycle, and what a cycle wears [m³]."""
+        if self._table.error is None:
+            return 1.0
+        volume, last = float(state.total.sum()) * self._area, state.jump
+        allowed = self._table.error * max(worn, _OF_ALL * volume / (state.cycles + last))
+        share = 0.5 * missing / allowed if allowed > 0 else 0.0
+        factor = float(np.clip(_SAFETY / np.sqrt(share), _FALL, _GROWTH)) if share > 0 else _GROWTH
+        return max(last * factor, last + 1.0) if factor > 1.0 else last * factor
+
+
+def _regime(rate: FloatArray, pressure: FloatArray) -> tuple[bool, bool]:
+    """Whether something, and whether everything, in contact wears."""
+    inside = rate[pressure > 0] > 0
+    return bool(inside.any()), bool(inside.all())

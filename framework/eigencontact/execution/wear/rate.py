@@ -1,0 +1,93 @@
+"""What a cycle wears, by place: in proportion to the pressure, and whatever the pressure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import WearLaw, WearState
+from eigencontact.plugin.wear import checked_depth
+
+__all__ = ["Rate", "energy_of", "filled", "quotient", "rate_of"]
+
+FloatArray = NDArray[np.float64]
+
+#: Relative change of pressure, shear and energy by which the derivative of a law is taken.
+_NUDGE = 1e-4
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Rate:
+    """Depth that a cycle, or an increment, wears.
+
+    Attributes
+    ----------
+    pressed : (ny, nx)
+        By pressure [m/(Pa cycle)].
+    steady : (ny, nx)
+        Whatever the pressure [m/cycle].
+    """
+
+    pressed: FloatArray
+    steady: FloatArray
+
+    def depth(self, pressure: FloatArray) -> FloatArray:
+        """Depth by one cycle under a pressure [m]."""
+        return self.pressed * pressure + self.steady
+
+    @property
+    def any(self) -> bool:
+        """Whether anything wears."""
+        return bool(self.pressed.any() or self.steady.any())
+
+
+def rate_of(law: WearLaw, state: WearState) -> Rate:
+    """Rate by a law: by pressure where there is pressure in the end, and whatever the pressure elsewhere."""
+    depth, loaded = checked_depth(law, state), state.pressure > 0
+    slope = quotient(depth, state.pressure, loaded)
+    if not law.linear_in_pressure and depth.any():
+        names = ("pressure", "shear", "energy")
+        nudged = replace(state, **{name: (1.0 + _NUDGE) * getattr(state, name) for name in names})
+        change = np.maximum(checked_depth(law, nudged) - depth, 0.0)
+        slope = quotient(change, _NUDGE * state.pressure, loaded)
+        return filled(Rate(pressed=slope, steady=depth - slope * state.pressure), loaded)
+    return filled(Rate(pressed=slope, steady=np.where(loaded, 0.0, depth)), loaded)
+
+
+def filled(rate: Rate, loaded: NDArray[np.bool_]) -> Rate:
+    """Rate by pressure also where nothing touches yet: that of the nearest cell in contact."""
+    return replace(rate, pressed=_nearest(rate.pressed, loaded))
+
+
+def energy_of(added: FloatArray, depth: FloatArray, energy: FloatArray, cycles: float) -> FloatArray:
+    """Work of friction [J/m²] that goes with an added depth.
+
+    Parameters
+    ----------
+    added : (ny, nx)
+        Depth [m].
+    depth, energy : (ny, nx)
+        What a solved cycle wore and spent: their ratio holds; where it wore nothing, its energy does.
+    cycles : float
+        That the added depth took.
+    """
+    worn = depth > 0
+    ratio = _nearest(quotient(energy, depth, worn), worn)
+    return np.where(worn | (added > 0), ratio * added, cycles * energy)
+
+
+def quotient(values: FloatArray, by: FloatArray, where: NDArray[np.bool_]) -> FloatArray:
+    """Quotient at some cells, 0 elsewhere."""
+    return np.divide(values, by, out=np.zeros_like(values), where=where)
+
+
+def _nearest(values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
+    """Values with those of the nearest known cell elsewhere."""
+    if known.all() or not known.any():
+        return values
+    from scipy.ndimage import distance_transform_edt
+
+    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    return np.asarray(values[rows, columns])

@@ -1,0 +1,199 @@
+"""Surfaces that wear: moved by each increment, by a cycle, or by many cycles at once.
+
+A surface that has lost depth is pressed less. An update therefore takes what the pressure wears by the pressure that is
+left on the way: with a rate k [m/(Pa cycle)] that stays, ``dw/dN = k p(w)`` is integrated by
+`eigencontact.solvers.moving_surface`, whose steps are implicit and have no largest stable size.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.execution.step import CyclePlace, Step
+from eigencontact.execution.wear.jumps import Jumps, ahead
+from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
+from eigencontact.execution.wear.state import recalled, store
+from eigencontact.model.model import Model
+from eigencontact.plugin import FrictionState, WearState
+from eigencontact.plugin.friction import checked_shear_bound
+from eigencontact.solvers.control import Control
+from eigencontact.solvers.moving_surface import moved
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from eigencontact.execution.mechanics import Mechanics
+
+__all__ = ["WornSurface"]
+
+FloatArray = NDArray[np.float64]
+
+#: Part of the error of a jump that the integration at a fixed rate may make.
+_INTEGRATION = 0.1
+#: A cycle that wore more than its end alone explains wore within it.
+_WITHIN = 1e-9
+
+
+class WornSurface:
+    """The surfaces of a scene that wears, from step to step; all that it knows comes from stored records.
+
+    Parameters
+    ----------
+    model : Model
+        With a wear law.
+    mechanics : Mechanics
+        Whose contact says what pressure moved surfaces have.
+    """
+
+    def __init__(self, model: Model, mechanics: Mechanics) -> None:
+        assert model.wear is not None
+        assert model.scene.wear is not None
+        self._law, self._friction, self._grid = model.wear, model.friction, model.grid
+        self._mechanics, self._parts = mechanics, model.scene.wear.parts
+        self._at_once = model.scene.wear.update == "increment"
+        self._table, self._tolerance = model.scene.wear, _INTEGRATION * (model.scene.wear.error or 1e-2)
+        self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
+
+    def start(self) -> None:
+        """Prepare the jumps; the mechanics is started."""
+        self._jumps = Jumps(self._table, self._grid, self._mechanics.softness)
+
+    def begin(self, step: Step, separation: FloatArray) -> FloatArray:
+        """Separation of surfaces that nobody has worn to that which the contact of a step meets ``(ny, nx)`` [m].
+
+        Cycles that are skipped before the step wear the surfaces, and so does what it slides all over the contact.
+        """
+        self._separation, self._state = separation, recalled(step.previous, self._parts, self._grid)
+        cycle = step.cycle
+        if cycle is not None and cycle.begins:
+            if cycle.skipped:
+                self._skip(step, cycle.skipped)
+            self._note_start(step)
+        if step.slide is not None:
+            self._slide(step)
+        return separation + self._state.total
+
+    def end(self, step: Step) -> None:
+        """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
+        cycle, memory = step.cycle, self._state.memory
+        at_once = cycle is None or self._at_once
+        slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
+        if step.slide is not None:
+            if "start_slip" in memory:  # it has worn already
+                memory["start_slip"] = memory["start_slip"] + slip
+                memory["start_dissipated"] = memory["start_dissipated"] + energy
+        elif at_once:
+            self._wear(step, slip, energy, amplitude=0.0)
+        if cycle is not None and cycle.ends:
+            self._end_cycle(step, cycle)
+        store(self._state, step, self._grid)
+        alpha, volume = self._law.volume_per_energy, step.scalars["worn_volume"]
+        if alpha is not None:
+            missing = abs(volume - alpha * step.scalars["wear_energy"])
+            step.scalars["energy_volume_residual"] = missing / volume if volume > 0 else 0.0
+
+    def _note_start(self, step: Step) -> None:
+        """Values at the start of a cycle."""
+        state, zero = self._state, np.zeros(self._grid.shape)
+        fields = {} if step.previous is None else step.previous.fields
+        state.memory |= {"start_depth": state.total, "start_energy": state.energy}
+        if self._friction is not None and not self._at_once:
+            state.memory["start_slip"] = fields.get("slip_distance", zero)
+            state.memory["start_dissipated"] = fields.get("dissipated_energy_density", zero)
+
+    def _skip(self, step: Step, cycles: int) -> None:
+        """Wear by the cycles between the last solved one and this, under the load that the last one ended with."""
+        last = step.previous
+        assert last is not None
+        assert step.control is not None
+        modes = {name: last.scalars[name] for name in step.control.given}
+        pressure, memory = last.fields["pressure"], self._state.memory
+        depth = Rate(pressed=memory["rate"], steady=memory["steady"]).depth(pressure)
+        rate = ahead(memory, 0.5 * (cycles + 1))
+        self._move(Control(**modes), last.fields, rate, cycles, depth, memory["energy"], pressure)
+        self._state.cycles += cycles
+
+    def _slide(self, step: Step) -> None:
+        """Wear by sliding all over the contact, on the way to the pressure that the step will find."""
+        assert step.slide is not None
+        assert step.control is not None
+        fields = {} if step.previous is None else step.previous.fields
+        pressure = self._mechanics.pressed(step.control, fields, self._separation + self._state.total, None, None)
+        shear = np.zeros_like(pressure)
+        if self._friction is not None:
+            y, x = self._grid.axes()
+            slipped = fields.get("slip_distance", shear)
+            state = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time)
+            shear = checked_shear_bound(self._friction, state)
+        slip, still = step.slide.distance * (pressure > 0), np.zeros_like(pressure)
+        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
+        self._move(step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure)
+
+    def _wear(self, step: Step, slip: FloatArray, energy: FloatArray, *, amplitude: float) -> Rate:
+        """Wear by a solved increment or cycle; `amplitude` is that of the slip by its path."""
+        pressure, fields = step.fields["pressure"], step.fields
+        shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
+        rate = rate_of(self._law, self._seen(step, pressure, shear, slip, amplitude * slip, energy))
+        assert step.control is not None
+        self._move(step.control, fields, rate, 1, rate.depth(pressure), energy, pressure)
+        return rate
+
+    def _end_cycle(self, step: Step, cycle: CyclePlace) -> None:
+        """Wear by a whole cycle, and decide how many more it stands for."""
+        state, pressure = self._state, step.fields["pressure"]
+        memory, rate, energy = state.memory, None, np.zeros_like(pressure)
+        if "start_slip" in memory:
+            energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
+            rate = self._wear(step, step.fields["slip_distance"] - memory["start_slip"], energy, amplitude=0.25)
+        state.cycles += 1.0
+        if cycle.left == 0:
+            state.memory, state.jump = {}, 1
+            return
+        depth = state.total - memory["start_depth"]
+        if rate is None or np.any(depth > (1.0 + _WITHIN) * rate.depth(pressure)):
+            # Something wore within the cycle: all of it together is what a cycle wears.
+            energy = state.energy - memory["start_energy"]
+            loaded = (pressure > 0) & (not self._travels)
+            rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
+            rate = filled(rate, loaded)
+        self._jumps.decide(state, cycle, rate, energy, pressure)
+
+    def _seen(
+        self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
+        energy: FloatArray,
+    ) -> WearState:  # fmt: skip
+        """What the law may look at."""
+        y, x = self._grid.axes()
+        return WearState(
+            pressure=pressure, shear=shear, slip=slip, slip_amplitude=amplitude, energy=energy,
+            worn_depth=self._state.total, total_energy=self._state.energy,
+            material=np.zeros(pressure.shape, dtype=np.intp), x=x, y=y, time=step.time,
+        )  # fmt: skip
+
+    def _move(
+        self, control: Control, fields: Mapping[str, FloatArray], rate: Rate, cycles: int, depth: FloatArray,
+        energy: FloatArray, pressure: FloatArray,
+    ) -> None:  # fmt: skip
+        """Move the surfaces by so many cycles of a rate, of which a solved one wore a depth and spent an energy."""
+        state, added = self._state, np.zeros_like(pressure)
+        if rate.any:
+            found = moved(
+                lambda worn, springs, start: self._mechanics.pressed(
+                    control, fields, self._separation + worn, springs, start
+                ),
+                state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
+            )  # fmt: skip
+            added = found.depth
+            state.depth = {body: known + self._parts[body] * added for body, known in state.depth.items()}
+            state.error += found.error * float(added.sum()) * self._grid.cell_area
+        state.energy = state.energy + energy_of(added, depth, energy, cycles)
+
+
+def _grown(step: Step, name: str) -> FloatArray:
+    """By how much a field that adds up has grown in a step."""
+    if name not in step.fields:
+        return np.zeros_like(step.fields["pressure"])
+    return step.fields[name] if step.previous is None else step.fields[name] - step.previous.fields[name]

@@ -1,0 +1,133 @@
+"""The kind *wear law*: the depth that sliding takes off the surfaces."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.plugin.component import Component
+
+__all__ = ["WearLaw", "WearState", "checked_depth"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class WearState:
+    """What a wear law may look at: one load increment, or one whole cycle. Arrays are read-only.
+
+    Attributes
+    ----------
+    pressure : (ny, nx) float64
+        Contact pressure [Pa] at its end, compression positive, 0 out of contact.
+    shear : (ny, nx) float64
+        Magnitude of the shear traction at its end [Pa]; 0 without friction.
+    slip : (ny, nx) float64
+        Length of the path slipped in it [m].
+    slip_amplitude : (ny, nx) float64
+        Quarter of that path in a cycle [m]: half of the way from one end of it to the other, there and back. 0 outside
+        of cycles.
+    energy : (ny, nx) float64
+        Work of friction in it [J/m²]; 0 without friction.
+    worn_depth : (ny, nx) float64
+        Depth that both bodies together have lost before [m].
+    total_energy : (ny, nx) float64
+        Work of friction of all that came before, skipped cycles included [J/m²].
+    material : (ny, nx) int
+        What is exposed: 0 the body, k its k-th inclusion or layer.
+    x, y : (1, nx), (ny, 1) float64
+        Centres of the cells [m].
+    time : float
+        Its end, in load steps with all cycles written out.
+    """
+
+    pressure: FloatArray
+    shear: FloatArray
+    slip: FloatArray
+    slip_amplitude: FloatArray
+    energy: FloatArray
+    worn_depth: FloatArray
+    total_energy: FloatArray
+    material: NDArray[np.intp]
+    x: FloatArray
+    y: FloatArray
+    time: float
+
+
+class WearLaw(Component, ABC):
+    """Depth that both bodies together lose by an increment or a cycle of sliding; the scene says which loses how much.
+
+    Attributes
+    ----------
+    linear_in_pressure : bool
+        Whether the depth is in proportion to pressure, shear and energy together, at the slip that there was: the
+        update of the surface is then implicit as it is. Of other laws the derivative is taken by a small change.
+    needs_friction : bool
+        Whether it looks at shear or energy: without friction there are none.
+    needs_cycles : bool
+        Whether it looks at the slip amplitude: only a cycle has one.
+    """
+
+    kind: ClassVar[str] = "wear-law"
+    linear_in_pressure: ClassVar[bool] = False
+    needs_friction: ClassVar[bool] = False
+    needs_cycles: ClassVar[bool] = False
+
+    @abstractmethod
+    def depth(self, state: WearState) -> FloatArray:
+        """Worn depth ``(ny, nx)`` [m] of this increment or cycle: finite, zero or positive.
+
+        The law must keep no memory: what it may remember is in the state. Cells out of contact through all of it have
+        no slip and no energy in the state.
+        """
+
+    @property
+    def volume_per_energy(self) -> float | None:
+        """Worn volume by work of friction [m³/J] of a law that is such a proportion; None of others."""
+        return None
+
+
+def checked_depth(law: WearLaw, state: WearState) -> FloatArray:
+    """Worn depth of a law ``(ny, nx)`` [m]; refused unless finite and not negative.
+
+    Raises
+    ------
+    PluginError
+        The law fails, or answers with another shape, with numbers that are not finite, or with negative ones.
+    """
+    where = f"depth of wear law {law.key!r}"
+    try:
+        depth = np.asarray(law.depth(_protected(state)), dtype=float)
+    except EigencontactError:
+        raise
+    except Exception as problem:
+        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
+    shape = state.pressure.shape
+    if depth.shape != shape:
+        raise PluginError(f"{where} must be of shape {shape}, that of the pressure (got shape {depth.shape})")
+    wrong = ~(np.isfinite(depth) & (depth >= 0))
+    if wrong.any():
+        row, column = (int(index) for index in np.argwhere(wrong)[0])
+        raise PluginError(
+            f"{where} must be zero or positive, and finite [m] (got {float(depth[row, column])!r} at x = "
+            f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m, and at {int(wrong.sum())} of "
+            f"{wrong.size} cells)"
+        )
+    return depth
+
+
+def _protected(state: WearState) -> WearState:
+    """Return the state with arrays that a law cannot write to."""
+    views = {}
+    for item in fields(state):
+        value = getattr(state, item.name)
+        if isinstance(value, np.ndarray):
+            value = value.view()
+            value.flags.writeable = False
+        views[item.name] = value
+    return WearState(**views)

@@ -1,0 +1,80 @@
+"""The table of wear: which law, which body loses how much, and how many cycles one update of the surface stands for."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import AfterValidator, model_validator
+
+from eigencontact.scene.checks import at_least, in_range, non_negative
+from eigencontact.scene.table import ComponentTable, Table
+
+__all__ = ["Shares", "Wear"]
+
+_Share = Annotated[float, AfterValidator(non_negative("-"))]
+
+
+class Shares(Table):
+    """Parts of the worn depth that each body loses; their sum is 1."""
+
+    body1: _Share = 0.0
+    body2: _Share = 0.0
+
+    @model_validator(mode="after")
+    def _whole(self) -> Shares:
+        total = self.body1 + self.body2
+        if abs(total - 1.0) > 1e-12:
+            raise ValueError(f"of sum 1, as body1 = 0.7, body2 = 0.3 (the sum is {total:g})")
+        return self
+
+
+class Wear(ComponentTable):
+    """What slides loses depth: ``type`` names the wear law, whose fields stand beside it.
+
+    The depth is that which both bodies lose together. Each increment of a load step moves the surface; the increments
+    of a cycle leave it, and the cycle moves it in the end by what all of them wear: with ``update = "increment"`` they
+    move it one by one there too.
+
+    Of the repeats of a cycle some are solved; what they wear stands for those between them. Their number follows from
+    ``jump_error``, or is that of ``cycles_per_update``. The first two and the last are solved in any case.
+
+    Attributes
+    ----------
+    body : {1, 2}, optional
+        The one that wears; 1 by default.
+    shares : Shares, optional
+        Where both do.
+    jump_error : float, optional
+        Error of the worn volume by cycles that are not solved, relative to it; 0.01 by default.
+    cycles_per_update : int, optional
+        Cycles that each solved one stands for, instead.
+    update : {"cycle", "increment"}
+        When the surface moves within a cycle.
+    """
+
+    kind: ClassVar[str] = "wear-law"
+
+    body: Literal[1, 2] | None = None
+    shares: Shares | None = None
+    jump_error: Annotated[float, AfterValidator(in_range(1e-6, 1.0, "[-]"))] | None = None
+    cycles_per_update: Annotated[int, AfterValidator(at_least(1))] | None = None
+    update: Literal["cycle", "increment"] = "cycle"
+
+    @model_validator(mode="after")
+    def _single(self) -> Wear:
+        for one, other in (("body", "shares"), ("jump_error", "cycles_per_update")):
+            if getattr(self, one) is not None and getattr(self, other) is not None:
+                raise ValueError(f"given {one} or {other}, not both".replace("_", "-"))
+        return self
+
+    @property
+    def parts(self) -> dict[int, float]:
+        """Part of the depth that each body loses, of those that lose any."""
+        if self.shares is None:
+            return {self.body or 1: 1.0}
+        return {body: part for body, part in ((1, self.shares.body1), (2, self.shares.body2)) if part > 0.0}
+
+    @property
+    def error(self) -> float | None:
+        """Error that the jumps may make; None where the scene gives their size."""
+        return None if self.cycles_per_update is not None else self.jump_error or 1e-2

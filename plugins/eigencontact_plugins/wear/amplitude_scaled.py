@@ -1,0 +1,57 @@
+"""Wear by work of friction and slip amplitude, as Fouvry and Paulin found it in gross slip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Unit, WearLaw, WearState, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["AmplitudeScaled"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AmplitudeScaled(WearLaw):
+    """Depth ``c s E`` by the work of friction E by area of a cycle and the slip amplitude s of the cycle there.
+
+    The amplitude is that of the whole cycle, a quarter of the path slipped in it: the depth does not depend on the
+    number of increments. With the slip of single increments in its place it would.
+
+    Parameters
+    ----------
+    coefficient : float
+        Worn volume by work of friction and amplitude [m²/J], as ``"1e4 mm^3/(J mm)"``: that of the energy law at a
+        reference amplitude, divided by it.
+    """
+
+    key: ClassVar[str] = "amplitude-scaled"
+    references: ClassVar[tuple[str, ...]] = (
+        "S. Fouvry, C. Paulin, T. Liskiewicz, Tribol. Int. 40 (2007) 1428, doi:10.1016/j.triboint.2007.02.011",
+    )
+    linear_in_pressure: ClassVar[bool] = True
+    needs_friction: ClassVar[bool] = True
+    needs_cycles: ClassVar[bool] = True
+
+    coefficient: Annotated[float, Unit("m^2/J", "a worn volume by work of friction and amplitude")]
+
+    def __post_init__(self) -> None:
+        rule = "zero or positive, and finite [m^2/J]"
+        require(0 <= self.coefficient < np.inf, self.key, "coefficient", self.coefficient, rule)
+
+    def depth(self, state: WearState) -> FloatArray:
+        """Worn depth [m]; see `WearLaw`."""
+        return self.coefficient * state.slip_amplitude * state.energy
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[WearLaw]]:
+    """Register the law of energy and amplitude."""
+    return [AmplitudeScaled]

@@ -1,0 +1,54 @@
+"""Archard's law: depth in proportion to pressure and path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Stress, Unit, WearLaw, WearState, hookimpl, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Archard"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Archard(WearLaw):
+    """Depth ``(K / H) p s`` by a pressure p over a path s; no friction is needed.
+
+    Parameters
+    ----------
+    coefficient : float
+        K: a number where a hardness is given, else K / H [1/Pa], as ``"1e-13 m^3/(N m)"``.
+    hardness : float, optional
+        H [Pa].
+    """
+
+    key: ClassVar[str] = "archard"
+    references: ClassVar[tuple[str, ...]] = ("J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448",)
+    linear_in_pressure: ClassVar[bool] = True
+
+    coefficient: Annotated[float, Unit("1/Pa", "a worn volume by load and path")]
+    hardness: Stress | None = None
+
+    def __post_init__(self) -> None:
+        rule = "zero or positive, and finite"
+        require(0 <= self.coefficient < np.inf, self.key, "coefficient", self.coefficient, rule)
+        if self.hardness is not None:
+            require(0 < self.hardness < np.inf, self.key, "hardness", self.hardness, "positive and finite [Pa]")
+
+    def depth(self, state: WearState) -> FloatArray:
+        """Worn depth [m]; see `WearLaw`."""
+        return self.coefficient / (self.hardness or 1.0) * state.pressure * state.slip
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[WearLaw]]:
+    """Register Archard's law."""
+    return [Archard]

@@ -1,0 +1,59 @@
+"""Wear by work of friction beyond what the surface takes unworn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import Unit, WearLaw, WearState, hookimpl, require
+from eigencontact_plugins.wear.dissipated_energy import VolumePerEnergy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ThresholdEnergy"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThresholdEnergy(WearLaw):
+    """Depth in proportion to the work of friction by area, once more of it than a threshold has gone into a place.
+
+    Parameters
+    ----------
+    coefficient : float
+        Worn volume by work of friction beyond the threshold [m³/J].
+    threshold : float
+        Work of friction by area that a place takes before it wears [J/m²].
+    """
+
+    key: ClassVar[str] = "threshold-energy"
+    references: ClassVar[tuple[str, ...]] = (
+        "S. Fouvry, T. Liskiewicz, P. Kapsa, S. Hannel, E. Sauger, Wear 255 (2003) 287, "
+        "doi:10.1016/S0043-1648(03)00117-0",
+    )
+    needs_friction: ClassVar[bool] = True
+
+    coefficient: VolumePerEnergy
+    threshold: Annotated[float, Unit("J/m^2", "a work by area")]
+
+    def __post_init__(self) -> None:
+        for name, unit in (("coefficient", "m^3/J"), ("threshold", "J/m^2")):
+            value = getattr(self, name)
+            require(0 <= value < np.inf, self.key, name, value, f"zero or positive, and finite [{unit}]")
+
+    def depth(self, state: WearState) -> FloatArray:
+        """Worn depth [m]; see `WearLaw`."""
+        before = np.maximum(state.total_energy - self.threshold, 0.0)
+        after = np.maximum(state.total_energy + state.energy - self.threshold, 0.0)
+        return self.coefficient * (after - before)
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[WearLaw]]:
+    """Register the law with a threshold."""
+    return [ThresholdEnergy]
