@@ -205,6 +205,7 @@ def test_every_kind_comes_from_its_exported_class():
         "layered-medium": "LayeredMedium",
         "observer": "Observer",
         "surface-influence": "SurfaceInfluence",
+        "wear-law": "WearLaw",
     }
 
 

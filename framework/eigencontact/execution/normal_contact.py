@@ -99,7 +99,7 @@ class NormalContact(Contact):
         self,
         control: Control,
         separation: FloatArray,
-        fields: Fields,
+        fields: Fields,  # noqa: ARG002
         springs: FloatArray | None,
         start: FloatArray | None,
     ) -> FloatArray:

@@ -86,7 +86,7 @@ def _check_steps(scene: Scene) -> None:
                 'no shear); add [friction] with type = "coulomb" and a coefficient, or leave it out'
             )
         if step.sliding_distance is not None:
-            _check_sliding(scene, step, where, along)
+            _check_sliding(scene, where, along)
 
 
 def _places(scene: Scene) -> Iterator[tuple[str, Step]]:
@@ -112,7 +112,7 @@ def _check_number_of_steps(scene: Scene) -> None:
         )
 
 
-def _check_sliding(scene: Scene, step: Step, where: str, along: Sequence[str]) -> None:
+def _check_sliding(scene: Scene, where: str, along: Sequence[str]) -> None:
     if along:
         raise ValueError(
             f"!{where} must slide by sliding-distance, or be loaded or moved by {along[0]} (got both); make two steps "

@@ -33,8 +33,7 @@ class ThresholdEnergy(WearLaw):
 
     key: ClassVar[str] = "threshold-energy"
     references: ClassVar[tuple[str, ...]] = (
-        "S. Fouvry, T. Liskiewicz, P. Kapsa, S. Hannel, E. Sauger, Wear 255 (2003) 287, "
-        "doi:10.1016/S0043-1648(03)00117-0",
+        "S. Fouvry, T. Liskiewicz, P. Kapsa et al., Wear 255 (2003) 287, doi:10.1016/S0043-1648(03)00117-0",
     )
     needs_friction: ClassVar[bool] = True
 

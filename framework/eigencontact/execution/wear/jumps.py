@@ -67,7 +67,7 @@ class Jumps:
         if most > 0:
             wanted = min(wanted, max(1.0, _STABLE * self._softness * float(pressure.max()) / most))
         state.jump = max(1, min(int(wanted), cycle.left))
-        state.memory = {"rate": rate.pressed, "steady": rate.steady, "slope": slope, "energy": energy}
+        state.memory = {"rate": rate.pressed, "steady": rate.steady, "slope": slope, "cycle_energy": energy}
 
     def _by_error(self, state: WornState, missing: float, worn: float) -> float:
         """Next jump by what the last one missed a cycle, and what a cycle wears [m³]."""

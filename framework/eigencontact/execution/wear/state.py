@@ -26,7 +26,7 @@ _REMEMBERED = {
     "rate": ("m/Pa", "depth that the last solved cycle wore, by pressure"),
     "steady": ("m", "depth that the last solved cycle wore whatever the pressure"),
     "slope": ("m/Pa", "change of the depth by pressure from cycle to cycle"),
-    "energy": ("J/m2", "work of friction of the last solved cycle"),
+    "cycle_energy": ("J/m2", "work of friction of the last solved cycle"),
 }
 
 

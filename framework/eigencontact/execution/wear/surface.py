@@ -113,7 +113,7 @@ class WornSurface:
         pressure, memory = last.fields["pressure"], self._state.memory
         depth = Rate(pressed=memory["rate"], steady=memory["steady"]).depth(pressure)
         rate = ahead(memory, 0.5 * (cycles + 1))
-        self._move(Control(**modes), last.fields, rate, cycles, depth, memory["energy"], pressure)
+        self._move(Control(**modes), last.fields, rate, cycles, depth, memory["cycle_energy"], pressure)
         self._state.cycles += cycles
 
     def _slide(self, step: Step) -> None:
@@ -128,7 +128,7 @@ class WornSurface:
             slipped = fields.get("slip_distance", shear)
             state = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time)
             shear = checked_shear_bound(self._friction, state)
-        slip, still = step.slide.distance * (pressure > 0), np.zeros_like(pressure)
+        slip, still = np.where(pressure > 0, step.slide.distance, 0.0), np.zeros_like(pressure)
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
         self._move(step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure)
 
