@@ -4,6 +4,7 @@ import re
 import sys
 import types
 
+import numpy as np
 import pytest
 
 import eigencontact as ec
@@ -75,7 +76,7 @@ def test_the_test_of_the_page_has_all_checks(names):
 
 def test_the_scene_runs_with_the_shape_of_the_first_block(page, install, tmp_path):
     install(blocks(page, "python")[0], name="eigencontact-hollow-ball", entry="hollow-ball")
-    text, _ = blocks(page, "toml")
+    text, *_ = blocks(page, "toml")
     (tmp_path / "shell.toml").write_text(text, encoding="utf-8")
     plan = ec.plan(ec.load_scene(tmp_path / "shell.toml"))
     assert "plugin 'hollow-ball'" in plan.explain()
@@ -97,6 +98,20 @@ def test_the_scene_runs_with_the_law_of_its_block(page, install, tmp_path):
     assert unloaded == close(loaded, rel=1e-6)
 
 
+def test_the_scene_runs_with_the_wear_law_of_its_block(page, install, tmp_path):
+    """Below the hard skin the same path wears more."""
+    (skin,) = (block for block in blocks(page, "python") if "class HardSkin" in block)
+    before = BEFORE.replace("Stress, hookimpl", "Length, Stress, hookimpl")
+    install(before + skin + AFTER.replace("CrushingFoam", "HardSkin"), name="eigencontact-hard-skin", entry="hard-skin")
+    (tmp_path / "skin.toml").write_text(blocks(page, "toml")[2], encoding="utf-8")
+    result = ec.run(ec.load_scene(tmp_path / "skin.toml"))
+    depth = result.dataset["max_worn_depth"].values
+    more = np.diff(depth)
+    assert depth[1] == close(1e-14 * 0.125e-3 * float(result.dataset["max_pressure"][1]), rel=0.1)
+    assert depth[-1] > 20e-9
+    assert more[-1] > 2 * more[0]
+
+
 def hyperbolic(names):
     return names["Hyperbolic"](yield_stress=1e9, gain=5e8, half=0.01)
 
@@ -107,10 +122,20 @@ def test_the_hardening_law_of_the_page_passes_its_checks(names):
             check(hyperbolic(names))
 
 
+def hard_skin(names):
+    return names["HardSkin"](wear=1e-4, skin=2e-7, hardness=1e10, core_hardness=1e9)
+
+
+def test_the_wear_law_of_the_page_passes_its_checks(names):
+    for check in checks_for(hard_skin(names)):
+        if check.__name__ != "check_registered":
+            check(hard_skin(names))
+
+
 def test_every_check_is_explained_and_no_other(page, names):
     rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `check_")]
     explained = {name for row in rows for name in re.findall(r"`(check_\w+)`", row)}
-    components = (names["fast_shell"], names["crushing"], hyperbolic(names))
+    components = (names["fast_shell"], names["crushing"], hyperbolic(names), hard_skin(names))
     assert explained == {c.__name__ for item in components for c in checks_for(item, finite_elements=True)}
 
 

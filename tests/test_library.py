@@ -98,7 +98,11 @@ def test_make_gives_the_component_of_the_scene():
 @pytest.mark.parametrize(
     ("key", "parameters", "words"),
     [
-        ("shpere", {"radius": 1.0}, "unknown plugin 'shpere'; installed: 'amplitude-scaled', 'archard', 'armstrong-frederick', "),
+        (
+            "shpere",
+            {"radius": 1.0},
+            "unknown plugin 'shpere'; installed: 'amplitude-scaled', 'archard', 'armstrong-frederick', ",
+        ),
         ("shpere", {"radius": 1.0}, "did you mean 'sphere'?"),
         ("sphere", {"radius": 1.0, "kind": "observer"}, "unknown observer 'sphere'; installed: 'dissipated-energy', "),
         (

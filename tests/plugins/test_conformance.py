@@ -104,6 +104,26 @@ def test_friction_laws_conform(component, check):
     check(component)
 
 
+def wear(key, **parameters):
+    return ec.make(key, kind="wear-law", **parameters)
+
+
+WEAR = [
+    wear("archard", coefficient="1e-13 m^3/(N m)"),
+    wear("archard", coefficient=1e-4, hardness="2 GPa"),
+    wear("dissipated-energy", coefficient="1e-3 mm^3/J"),
+    wear("dissipated-energy", coefficient=0.0),
+    wear("amplitude-scaled", coefficient="1e4 mm^3/(J mm)"),
+    wear("threshold-energy", coefficient="1e-3 mm^3/J", threshold="1 kJ/m^2"),
+    wear("threshold-energy", coefficient="1e-3 mm^3/J", threshold=0.0),
+]
+
+
+@parametrize_with_checks(WEAR)
+def test_wear_laws_conform(component, check):
+    check(component)
+
+
 def stack(*layers, substrate=(210e9, 0.3)):
     """Bonded layers of (thickness, E, nu) on a substrate of (E, nu)."""
     tables = [{"thickness": h, "young_modulus": E, "poisson_ratio": nu} for h, E, nu in layers]

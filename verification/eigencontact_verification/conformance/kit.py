@@ -25,6 +25,7 @@ from eigencontact_verification.conformance import (
     layered,
     region,
     surface,
+    wear,
 )
 from eigencontact_verification.conformance.report import Check
 
@@ -63,6 +64,16 @@ _BY_KIND: dict[str, tuple[Check, ...]] = {
     ),
     "geometry": (geometry.check_separation_arrays, geometry.check_separation_pure),
     "friction-law": (friction.check_shear_bound, friction.check_shear_bound_pure),
+    "wear-law": (
+        wear.check_worn_depth,
+        wear.check_worn_depth_pure,
+        wear.check_no_slip_no_wear,
+        wear.check_pressed_in_proportion,
+        wear.check_volume_by_energy,
+        wear.check_says_what_it_needs,
+        wear.check_cut_increments,
+        wear.check_reversed_cells,
+    ),
     "constitutive-law": (
         law_arrays.check_variables,
         law_arrays.check_response_shapes,
