@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -203,7 +203,14 @@ def _run_in(
     # A finished run of the very same scene may be made again; anything else in the folder is protected.
     wanted = planned.scene.output
     regions = [request.label for request in planned.scene.stress]
-    refuse_foreign(folder, regions, summary=True, pictures=wanted.pictures, vtk=wanted.vtk)
+    if wanted.animation:
+        from eigencontact.viz.movie import refuse_animation
+
+        planes = any(request.shape == "plane" for request in planned.scene.stress)
+        refuse_animation(wanted.animation, planned.steps, shows=bool(planned.geometries) or planes)
+    refuse_foreign(
+        folder, regions, summary=True, pictures=wanted.pictures, vtk=wanted.vtk, animation=bool(wanted.animation)
+    )
     store = ResultStore.create(folder, run_info(planned), resume=resume, overwrite=overwrite)
     accepted = store.accepted() if resume else []
     done = {index: partial(store.load_step, index) for index in accepted}
@@ -274,16 +281,21 @@ def _summary(planned: Plan, store: Store, solved: _Solved, files: Mapping[str, s
 
 
 def _draw(planned: Plan, results: Path, folder: Path) -> dict[str, str]:
-    """Pictures and VTK files of a finished run, as far as the scene wants them."""
+    """Pictures, animation and VTK files of a finished run, as far as the scene wants them."""
     files: dict[str, str] = {}
-    if not (planned.scene.output.pictures or planned.scene.output.vtk):
+    wanted = planned.scene.output
+    if not (wanted.pictures or wanted.vtk or wanted.animation):
         return files
     with open_results(results) as dataset:
-        if planned.scene.output.pictures:
+        if wanted.pictures:
             from eigencontact.viz.figures import draw_all
 
-            files |= draw_all(dataset, folder, solid=planned.scene.output.vtk)
-        if planned.scene.output.vtk:
+            files |= draw_all(dataset, folder, solid=wanted.vtk)
+        if wanted.animation:
+            from eigencontact.viz.animation import animate, subject_of
+
+            files |= animate(dataset, folder, wanted.animation) if subject_of(dataset) else {}
+        if wanted.vtk:
             from eigencontact.viz.vtk import write_vtk
 
             files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
@@ -297,8 +309,9 @@ def draw(
     vtk: bool = False,
     table: Mapping[str, Any] | str | None = None,
     step: int | None = None,
+    animation: Literal[False, True, "gif", "mp4"] = False,
 ) -> dict[Path, str]:
-    """Pictures, and VTK files if wanted, of stored results; returns each file and what it shows.
+    """Pictures, and an animation and VTK files if wanted, of stored results; returns each file and what it shows.
 
     Parameters
     ----------
@@ -313,6 +326,8 @@ def draw(
         Another region: its fields are found, stored and drawn, and nothing else; see `region`.
     step : int, optional
         Number of the load step to draw, from 1.
+    animation : bool or str
+        Whether to draw the history as an animation, a GIF; ``"mp4"`` takes the program ffmpeg.
     """
     from eigencontact.results.atomic import DAMAGE, reason
     from eigencontact.results.ownership import refuse_foreign
@@ -326,11 +341,17 @@ def draw(
         names = list(json.loads(dataset.attrs["regions"]))
         if table is not None:
             stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
-        refuse_foreign(target, names, summary=False, pictures=True, vtk=vtk)
+        refuse_foreign(target, names, summary=False, pictures=True, vtk=vtk, animation=bool(animation))
         _make_folder(target)
         try:
             shown = None if step is None or table is not None else _place_of(dataset, step)
-            files = {target / name: text for name, text in draw_all(dataset, target, shown, solid=vtk).items()}
+            named = {}
+            if animation:  # refused before anything is drawn
+                from eigencontact.viz.animation import animate
+
+                named = animate(dataset, target, animation)
+            named |= draw_all(dataset, target, shown, solid=vtk)
+            files = {target / name: text for name, text in named.items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 

@@ -250,10 +250,14 @@ def plot(
     ] = None,
     step: Annotated[int | None, typer.Option("--step", metavar="N", help="Load step to draw, from 1.")] = None,
     vtk: Annotated[bool, typer.Option(help="Also write VTK files for ParaView.")] = True,
+    animation: Annotated[
+        bool, typer.Option("--animation", help="Also draw the history as an animation (GIF).")
+    ] = False,
+    mp4: Annotated[bool, typer.Option("--mp4", help="The animation as MP4, which takes the program ffmpeg.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Draw pictures (PNG) and write VTK files from stored results.
+    """Draw pictures (PNG), an animation if wanted, and write VTK files from stored results.
 
     With `--region` the stress, strain or displacement in a region that the run did not have, without solving again:
     `eigencontact plot hertz --region 'name = "below", shape = "plane", normal = "z", position = "50 um"'`
@@ -261,7 +265,7 @@ def plot(
     from eigencontact import app as calls
 
     try:
-        files = calls.draw(results, output, vtk=vtk, table=region, step=step)
+        files = calls.draw(results, output, vtk=vtk, table=region, step=step, animation="mp4" if mp4 else animation)
     except EigencontactError as problem:
         _fail(problem)
     if as_json:

@@ -7,7 +7,16 @@ import unicodedata
 
 from eigencontact.core.quantities import QUANTITIES
 
-__all__ = ["FOLDER_RULE", "OF_REGIONS", "PICTURES", "SURFACE", "clashes", "is_folder_name", "to_folder_name"]
+__all__ = [
+    "ANIMATION",
+    "FOLDER_RULE",
+    "OF_REGIONS",
+    "PICTURES",
+    "SURFACE",
+    "clashes",
+    "is_folder_name",
+    "to_folder_name",
+]
 
 #: Pictures of a run that are not those of a region, without ``.png``.
 PICTURES = (
@@ -32,6 +41,8 @@ PICTURES = (
     "load-depth",
     "coverage",
 )
+#: Animation of a run, without its ending.
+ANIMATION = "animation"
 #: What pictures of a region add to its name.
 OF_REGIONS = ("-loaded", "-means")
 #: VTK files of the surface begin so.

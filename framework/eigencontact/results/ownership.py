@@ -1,9 +1,9 @@
 """Whose a file is: a run and ``plot`` replace only files that this package wrote.
 
 Everything that it writes says so: results and stored steps by their format, ``summary.json`` by the hash of its scene,
-pictures and VTK files by the name of the package inside. Files of an earlier version that do not are known by the
-``files`` of the summary beside them. Any other file is left alone, and what would have its name is refused before
-anything is computed.
+pictures, animations and VTK files by the name of the package inside. Files of an earlier version that do not are known
+by the ``files`` of the summary beside them. Any other file is left alone, and what would have its name is refused
+before anything is computed.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import json
 import re
 from pathlib import Path
 
-from eigencontact.core.names import OF_REGIONS, PICTURES, SURFACE
+from eigencontact.core.names import ANIMATION, OF_REGIONS, PICTURES, SURFACE
 from eigencontact.errors import ResultsError
 
 __all__ = ["RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
@@ -38,7 +38,9 @@ def listed_files(folder: Path) -> list[str]:
         return []
 
 
-def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures: bool, vtk: bool) -> None:
+def refuse_foreign(
+    folder: Path, regions: list[str], *, summary: bool, pictures: bool, vtk: bool, animation: bool = False
+) -> None:
     """Refuse a folder that holds files of others under names that a run or its drawings may use.
 
     Parameters
@@ -47,7 +49,7 @@ def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures:
         Where files will go; it may be missing.
     regions : list of str
         Names of the sub-surface regions.
-    summary, pictures, vtk : bool
+    summary, pictures, vtk, animation : bool
         What will be written.
 
     Raises
@@ -64,7 +66,7 @@ def refuse_foreign(folder: Path, regions: list[str], *, summary: bool, pictures:
     stems = "|".join(re.escape(name) for name in (*PICTURES, *drawn))
     names += r"|cells_[12]"
     used = [rf"({stems})\.png"] * pictures + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
-    used += [re.escape(SUMMARY)] * summary
+    used += [re.escape(SUMMARY)] * summary + [rf"{ANIMATION}\.(gif|mp4)"] * animation
     for path in present:
         if any(re.fullmatch(pattern, path.name, re.IGNORECASE) for pattern in used) and not is_ours(path):
             raise ResultsError(

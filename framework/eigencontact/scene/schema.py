@@ -171,13 +171,15 @@ class Output(Table):
     """What is written besides results and summary.
 
     What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any of
-    them without solving again.
+    them without solving again, and an animation shows what has yielded in each. The animation of a history of several
+    steps is a GIF, or an MP4 where the program ffmpeg is installed.
     """
 
     pictures: bool = True
     vtk: bool = False
     tangential_displacement: bool = False
     history: Literal["last", "all"] = "last"
+    animation: Literal[False, True, "gif", "mp4"] = False
 
 
 class Scene(Table):

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.viz.frame import Frame
+
 __all__ = ["dissipation_map", "shear_map", "shear_profiles"]
 
 #: Arrows across the longer side of the contact, about.
@@ -29,7 +31,7 @@ _NEGLIGIBLE = 0.05
 _SYMMETRIC = 0.05
 
 
-def shear_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+def shear_map(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
     """Shear traction on body 1 as arrows over the map of stick and slip.
 
     Parameters
@@ -38,6 +40,8 @@ def shear_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         Results of a run with friction.
     step : int
         Position along ``step``.
+    on : Frame, optional
+        Frame of an animation to draw in; its arrows are of one scale in all frames.
 
     Returns
     -------
@@ -48,10 +52,11 @@ def shear_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     from matplotlib.patches import Patch
 
     zone = np.rint(_field(dataset, "contact_zone", step)).astype(int)
-    window = contact_window(dataset, zone > 0)
+    touched = zone > 0 if on is None else on.film.touched("contact_zone")
+    window = contact_window(dataset, touched)
     shown = zone[window.view.slices]
     with paper_style():
-        figure, axes, wide = window.axes_of_map()
+        figure, axes, wide = window.axes_of_map(on)
         axes.imshow(
             shown,
             origin="lower",
@@ -61,27 +66,28 @@ def shear_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         )
         window.label(axes)
         window.outline(axes, shown > 0)
-        if np.any(shown):
-            key = _arrows(axes, dataset, step, zone, window)
-            counts = [np.count_nonzero(shown == value) / np.count_nonzero(shown) for value in (2, 1)]
+        if np.any(shown) or on is not None:  # frames keep their layout where the contact is lost
+            key = _arrows(axes, dataset, step, zone, window, on)
+            counts = [np.count_nonzero(shown == value) / (np.count_nonzero(shown) or 1) for value in (2, 1)]
             words = [f"{ZONES[value]}, {100 * part:.3g} %" for value, part in zip((2, 1), counts, strict=True)]
             patches = [
                 Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=word)
                 for value, word in zip((2, 1), words, strict=True)
             ]
+            wide = wide or on is not None
             where = "outside lower center" if wide else "outside right center"
             figure.legend(handles=[*patches, *key], loc=where, ncols=3 if wide else 1, handlelength=2.2)
-        else:
+        if not np.any(shown):
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color="0.4")
         axes.set_title(friction_heading(dataset, step, "Shear traction"))
     return figure
 
 
-def _arrows(axes: Axes, dataset: xr.Dataset, step: int, zone: NDArray[Any], window: Any) -> list[Any]:
+def _arrows(axes: Axes, dataset: xr.Dataset, step: int, zone: NDArray[Any], window: Any, on: Frame | None) -> list[Any]:
     """Arrows on some cells; an entry for the legend that says what the longest of all cells stands for."""
     from matplotlib.lines import Line2D
 
-    box = Box.around(zone > 0)
+    box = Box.around(zone > 0 if on is None else on.film.touched("contact_zone"))
     assert box is not None
     rows, columns = (_thinned(low, side, max(box.shape)) for low, side in zip((box.y0, box.x0), box.shape, strict=True))
     q = [_field(dataset, f"shear_{axis}", step) for axis in "xy"]
@@ -91,14 +97,17 @@ def _arrows(axes: Axes, dataset: xr.Dataset, step: int, zone: NDArray[Any], wind
     if is_ragged(zone > 0):
         row, column = _nearest_loaded(zone > 0, row, column, rows[1] - rows[0] if len(rows) > 1 else 1)
     longest = float(size[row, column].max(initial=0.0))
-    kept = size[row, column] > 1e-2 * longest
+    whole = longest
+    if on is not None:
+        whole = max(float(np.abs(on.film.limits(f"shear_{axis}")).max()) for axis in "xy" if f"shear_{axis}" in dataset)
+    kept = size[row, column] > 1e-2 * whole
     row, column = row[kept], column[kept]
     if longest == 0:
         return []
     steps = [abs(at[index[1]] - at[index[0]]) for at, index in ((x, columns), (y, rows)) if len(index) > 1]
     reach = 0.95 * min(steps) if steps else 0.5 * float(np.ptp(window.extent[:2]))
     axes.quiver(
-        x[column], y[row], *(part[row, column] / longest * reach for part in q),
+        x[column], y[row], *(part[row, column] / whole * reach for part in q),
         angles="xy", scale_units="xy", scale=1.0, pivot="middle", color="0.1", width=0.0042, headwidth=3.6,
         headlength=4.2, headaxislength=3.8, minlength=0.4, zorder=4,
     )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 
 from eigencontact.core.grid import Box
 from eigencontact.results.cycles import last_cycle
+from eigencontact.viz.frame import draw_way
 from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, is_ragged, view_of
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from eigencontact.results.cycles import Cycle
+    from eigencontact.viz.frame import Frame
 
 __all__ = ["fretting_loops", "zone_strip"]
 
@@ -32,13 +34,17 @@ def _history(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
     return {str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars}
 
 
-def fretting_loops(dataset: xr.Dataset) -> Figure:
+def fretting_loops(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
     """Tangential load over shift, torsion moment over twist, through all steps.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Results of a run with friction and a load along or about the surface (`driven`).
+    step : int
+        Position along ``step`` up to which a frame draws the loops.
+    on : Frame, optional
+        Frame of an animation to draw in; without one all steps are drawn.
 
     Returns
     -------
@@ -48,15 +54,19 @@ def fretting_loops(dataset: xr.Dataset) -> Figure:
     """
     modes = driven(dataset)
     with paper_style():
-        figure = new_figure(3.5 * len(modes) + (1.3 if len(modes) == 1 else 0.3), 3.4)
+        figure = new_figure(3.5 * len(modes) + (1.3 if len(modes) == 1 else 0.3), 3.4, on)
         for axes, mode in zip(figure.subplots(1, len(modes), squeeze=False)[0], modes, strict=True):
             load, way, units, words = MODES[mode]
             forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
             cycle = last_cycle(_history(dataset), "twist" if mode == "twist" else "shift")
             scales = scale_for(ways, units[1]), scale_for(forces, units[0])
-            _loop(axes, scales[0](ways), scales[1](forces), cycle)
+            if on is None:
+                _loop(axes, scales[0](ways), scales[1](forces), cycle)
+            else:
+                draw_way(axes, scales[0](ways), scales[1](forces), step)
             axes.set(xlabel=f"{words[1]} [{scales[0].unit}]", ylabel=f"{words[0]} [{scales[1].unit}]")
-        figure.suptitle(_energy_words(dataset, modes), fontsize=9.5)
+        title = _energy_words(dataset, modes) if on is None else _spent_words(dataset, step)
+        figure.suptitle(title, fontsize=9.5)
     return figure
 
 
@@ -76,10 +86,7 @@ def _energy_words(dataset: xr.Dataset, modes: list[str]) -> str:
     motion = "twist" if modes == ["twist"] else "shift"
     cycle = last_cycle(_history(dataset), "twist" if motion == "twist" else "shift")
     if cycle is None:
-        if "dissipated_energy" not in dataset:
-            return "Load and displacement"
-        spent = float(dataset["dissipated_energy"][-1])
-        return f"Work of friction {scale_for([spent], 'J').text(spent)}, no closed cycle"
+        return _spent_words(dataset, -1) + (", no closed cycle" if "dissipated_energy" in dataset else "")
     steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
     loops = "loop" if len(modes) == 1 else "loops"
     words = (
@@ -91,6 +98,14 @@ def _energy_words(dataset: xr.Dataset, modes: list[str]) -> str:
         ratio = "4 M\\varphi" if motion == "twist" else "4 Q\\delta"
         words += f"\nenergy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}"
     return words
+
+
+def _spent_words(dataset: xr.Dataset, step: int) -> str:
+    """Work of friction up to a step, in words."""
+    if "dissipated_energy" not in dataset:
+        return "Load and displacement"
+    spent = float(dataset["dissipated_energy"][step])
+    return f"Work of friction {scale_for([spent], 'J').text(spent)}"
 
 
 def zone_strip(dataset: xr.Dataset) -> Figure:

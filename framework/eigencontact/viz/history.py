@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.viz.frame import draw_way
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from eigencontact.viz.frame import Frame
 
 __all__ = ["load_history"]
 
@@ -18,7 +21,7 @@ __all__ = ["load_history"]
 MARKERS = 40
 
 
-def load_history(dataset: xr.Dataset) -> Figure:
+def load_history(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
     """What was prescribed against what followed, and contact area, through all steps.
 
     Normal load against approach and contact area against load; where the load stays the same and a moment or a tilt
@@ -28,6 +31,10 @@ def load_history(dataset: xr.Dataset) -> Figure:
     ----------
     dataset : xarray.Dataset
         Results of a run with several steps.
+    step : int
+        Position along ``step`` up to which a frame draws the curves.
+    on : Frame, optional
+        Frame of an animation to draw in; without one all steps are drawn.
 
     Returns
     -------
@@ -42,10 +49,13 @@ def load_history(dataset: xr.Dataset) -> Figure:
     surface = scale_for(area, "m2")
     every = max(1, -(-loads.size // MARKERS))
     with paper_style():
-        figure = new_figure(6.6, 2.8)
+        figure = new_figure(6.6, 2.8, on)
         left, right = figure.subplots(1, 2)
         curves = ((left, way_scale(ways), load_scale(loads)), (right, load_scale(loads), surface(area)))
         for axes, x, y in curves:
+            if on is not None:
+                draw_way(axes, x, y, step)
+                continue
             axes.plot(x, y, "o-", color=COLOURS[0], markevery=every)
             axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5)
         left.set(xlabel=f"{words[1]} [{way_scale.unit}]", ylabel=f"{words[0]} [{load_scale.unit}]")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.frame import draw_way
 from eigencontact.viz.remembered import SHARE, CellField, draw_zone
 from eigencontact.viz.style import (
     COLOURS,
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from eigencontact.viz.frame import Frame
 
 __all__ = ["load_depth", "loaded_step", "plastic_history", "plastic_section", "unloads"]
 
@@ -50,13 +53,17 @@ def unloads(dataset: xr.Dataset) -> bool:
     return bool(np.any(np.diff(loads) < -FALL * loads.max(initial=0.0)))
 
 
-def load_depth(dataset: xr.Dataset) -> Figure:
+def load_depth(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
     """Normal load against approach, loading and unloading told apart.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Results of a run in which `unloads` holds.
+        Results of a run.
+    step : int
+        Position along ``step`` up to which a frame draws the curve.
+    on : Frame, optional
+        Frame of an animation to draw in; without one all steps are drawn.
 
     Returns
     -------
@@ -65,16 +72,19 @@ def load_depth(dataset: xr.Dataset) -> Figure:
     """
     loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
     force, length = scale_for(loads, "N"), scale_for(depths, "m")
-    rising = np.diff(loads) >= 0
+    last = len(loads) - 1 if on is None else step
+    rising = np.diff(loads[: last + 1]) >= 0
     with paper_style():
-        figure = new_figure(4.4, 3.2)
+        figure = new_figure(4.4, 3.2, on)
         axes = figure.add_subplot()
+        if on is not None:
+            draw_way(axes, length(depths), force(loads), step, line=False)
         labelled: set[str] = set()
-        for first, last in _runs(rising):
+        for first, end in _runs(rising) if rising.size else []:
             up = bool(rising[first])
             name = "loading" if up else "unloading"
             style: dict[str, Any] = {"color": COLOURS[0 if up else 1], "linestyle": "-" if up else "--"}
-            part = slice(first, last + 1)
+            part = slice(first, end + 1)
             axes.plot(
                 length(depths[part]),
                 force(loads[part]),
@@ -83,15 +93,16 @@ def load_depth(dataset: xr.Dataset) -> Figure:
                 **style,
             )
             labelled.add(name)
-        words = f"largest {length.text(depths.max())}"
-        left = float(depths[-1])
-        if loads[-1] <= FALL * loads.max():
+        left = float(depths[last])
+        words = f"largest {length.text(depths[: last + 1].max())}"
+        if last > 0 and loads[last] <= FALL * loads.max():
             words += f", {scale_for([left], 'm').text(left)} when the load has gone"
         axes.set(xlabel=f"Approach [{length.unit}]", ylabel=f"Normal load [{force.unit}]")
         axes.set_title(f"Load and depth\n{words}")
         axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
         axes.set_ylim(bottom=0.0)
-        axes.legend(loc="upper left")
+        if labelled:
+            axes.legend(loc="upper left")
     return figure
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
+from eigencontact.viz.frame import extremes
 from eigencontact.viz.outline import draw_outline
 from eigencontact.viz.remembered import draw_zone, plastic_strains
 from eigencontact.viz.style import (
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from eigencontact.viz.frame import Frame
 
 __all__ = ["drawable", "mean_profile", "stress_profile", "stress_section"]
 
@@ -60,7 +63,7 @@ def drawable(dataset: xr.Dataset) -> dict[str, str]:
     return found
 
 
-def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
+def stress_section(dataset: xr.Dataset, region: str, step: int = -1, on: Frame | None = None) -> Figure:
     """Equivalent stress of one step on a section, z downwards where the section contains it, equal scales.
 
     Parameters
@@ -71,6 +74,8 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
         A region of shape plane or volume. A volume is cut normal to y through its largest value.
     step : int
         Position along ``step``.
+    on : Frame, optional
+        Frame of an animation to draw in.
 
     Returns
     -------
@@ -93,14 +98,17 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
     vertical, horizontal = dims
     v, h = (np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) for axis in dims)
     length = scale_for([v.min(), v.max(), h.min(), h.max()], "m")
-    stress = scale_for(values, "Pa")
+    name = f"{region}_{field}"
+    limits = values if on is None else on.film.limits(name)
+    colours = _ends(values) if on is None else tuple(on.film.limits(name, _ends))
+    stress = scale_for(limits, "Pa")
     width, height = box_size(float(np.ptp(h)), float(np.ptp(v)), (4.4, 3.4))
     with paper_style():
         wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
+        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7), on)
         axes = figure.add_subplot()
         axes.set_aspect("equal")
-        filled = _contours(axes, length(h), length(v), stress(values))
+        filled = _contours(axes, (length(h), length(v), stress(values)), stress(limits), stress(colours))
         if len(described["dims"]) == 2:
             draw_outline(axes, dataset, f"{region}_outline", length)
         axes.set_xlim(length(h[[0, -1]]))
@@ -241,24 +249,40 @@ def _is_single(dataset: xr.Dataset, region: str, axis: str) -> bool:
     return f"{region}_{axis}" in dataset.variables and dataset[f"{region}_{axis}"].ndim == 0
 
 
-def _contours(axes: Axes, x: NDArray[Any], y: NDArray[Any], values: NDArray[Any]) -> Any:
-    """Filled contours with round levels; None where the field vanishes."""
+def _ends(values: NDArray[Any]) -> tuple[float, float]:
+    """Smallest and largest value, without those that stand out."""
+    size = np.abs(values[np.isfinite(values)])
+    end = min(float(size.max()), OUTLYING * float(np.quantile(size, COMMON)) or np.inf) if size.size else 0.0
+    return extremes(np.clip(values, -end, end))
+
+
+def _contours(axes: Axes, field: tuple[NDArray[Any], ...], limits: NDArray[Any], ends: NDArray[Any]) -> Any:
+    """Filled contours of a field (x, y, values) with round levels between ends; None where limits and ends are zero."""
     from matplotlib.ticker import MaxNLocator
 
-    if not np.any(np.nan_to_num(values)):
+    if not np.any(np.nan_to_num(limits)):
         return None
-    size = np.abs(values[np.isfinite(values)])
-    end = min(float(size.max()), OUTLYING * float(np.quantile(size, COMMON)) or np.inf)
-    colours, low, high = colour_range(np.clip(values, -end, end))
+    x, y, values = field
+    colours, low, high = colour_range(ends)
     signed = low < 0 < high
-    least = float(np.nanmin(values))
+    least = float(np.nanmin(limits))
     if low == 0.0 and least > NARROW * high:  # a close-up, whose values differ little
         low = least
     levels = MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high)
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-    extend = beyond[bool(np.nanmin(values) < levels[0]), bool(np.nanmax(values) > levels[-1])]
+    extend = beyond[bool(least < levels[0]), bool(np.nanmax(limits) > levels[-1])]
     filled = axes.contourf(x, y, np.ma.masked_invalid(values), levels=levels, cmap=colours, extend=extend)
-    axes.contour(filled, levels=list(levels)[::2], colors="0.15" if signed else "1.0", linewidths=0.3, alpha=0.6)
+    inner = [level for level in levels[::2] if np.nanmin(values) < level < np.nanmax(values)]
+    if inner:
+        axes.contour(
+            x,
+            y,
+            np.ma.masked_invalid(values),
+            levels=inner,
+            colors="0.15" if signed else "1.0",
+            linewidths=0.3,
+            alpha=0.6,
+        )
     return filled
 
 

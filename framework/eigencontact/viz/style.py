@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
+    from eigencontact.viz.frame import Frame
+
 __all__ = [
     "COLOURS",
     "Scale",
@@ -141,8 +143,10 @@ def box_size(width: float, height: float, largest: tuple[float, float] = (4.2, 3
     return width * ratio, height * ratio
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """Empty figure [inch] with a canvas of its own, unknown to pyplot."""
+def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
+    """Empty figure [inch] with a canvas of its own, unknown to pyplot; the part of a frame where one is given."""
+    if on is not None and on.part is not None:
+        return cast("Figure", on.part)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

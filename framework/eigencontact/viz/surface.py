@@ -15,13 +15,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.viz.frame import Frame
+
 __all__ = ["homogeneous_words", "pressure_map", "pressure_profiles", "relative_difference"]
 
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
 
 
-def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+def pressure_map(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
     """Contact pressure of one step as a map, cut to the contact and some room around it.
 
     Parameters
@@ -30,6 +32,8 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         Results of a run.
     step : int
         Position along ``step``.
+    on : Frame, optional
+        Frame of an animation to draw in.
 
     Returns
     -------
@@ -38,7 +42,7 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         below it are dashed.
     """
     pressure, _, _ = _surface(dataset, step)
-    window = contact_window(dataset, pressure != 0)
+    window = contact_window(dataset, pressure != 0 if on is None else on.film.touched("pressure"))
     figure = masked_map(
         window,
         pressure,
@@ -47,6 +51,8 @@ def pressure_map(dataset: xr.Dataset, step: int = -1) -> Figure:
         title=heading(dataset, step, "Contact pressure"),
         outline=pressure != 0,
         empty="no contact",
+        limits=None if on is None else on.film.limits("pressure"),
+        on=on,
     )
     draw_outline_below(figure.axes[0], dataset, window.length)
     return figure

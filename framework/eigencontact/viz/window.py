@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.viz.frame import Frame
     from eigencontact.viz.style import Scale
 
 __all__ = [
@@ -64,11 +65,11 @@ class Window:
         left, right, bottom, top = (float(end) for end in self.length(ends))
         self.extent = (left, right, bottom, top)
 
-    def axes_of_map(self) -> tuple[Figure, Axes, bool]:
+    def axes_of_map(self, on: Frame | None = None) -> tuple[Figure, Axes, bool]:
         """Figure for a map of equal scales; whether it is wide, so that what explains it goes below."""
         width, height = box_size(self.extent[1] - self.extent[0], self.extent[3] - self.extent[2])
         wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
+        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7), on)
         axes = figure.add_subplot()
         axes.set_facecolor("0.93")
         return figure, axes, wide
@@ -83,7 +84,16 @@ class Window:
 
 
 def masked_map(
-    window: Window, field: NDArray[Any], *, unit: str, label: str, title: str, outline: NDArray[np.bool_], empty: str
+    window: Window,
+    field: NDArray[Any],
+    *,
+    unit: str,
+    label: str,
+    title: str,
+    outline: NDArray[np.bool_],
+    empty: str,
+    limits: NDArray[Any] | None = None,
+    on: Frame | None = None,
 ) -> Figure:
     """Map of a field over a window.
 
@@ -99,12 +109,17 @@ def masked_map(
         Cells to draw a line around, on all cells.
     empty : str
         What is said in the picture where the field is zero everywhere.
+    limits : (2,) array, optional
+        Smallest and largest value that the colours are for; by default of the cells shown.
+    on : Frame, optional
+        Frame of an animation to draw in.
     """
     shown = field[window.view.slices]
     with paper_style():
-        figure, axes, wide = window.axes_of_map()
-        scale = scale_for(shown, unit)
-        colours, low, high = colour_range(shown)
+        figure, axes, wide = window.axes_of_map(on)
+        limits = shown if limits is None else limits
+        scale = scale_for(limits, unit)
+        colours, low, high = colour_range(limits)
         image = axes.imshow(
             np.ma.masked_where(shown == 0, scale(shown)),
             origin="lower",
@@ -116,7 +131,7 @@ def masked_map(
         window.label(axes)
         axes.set_title(title)
         window.outline(axes, outline[window.view.slices])
-        if np.any(shown):
+        if np.any(limits):
             bar = figure.colorbar(
                 image,
                 ax=axes,
@@ -126,7 +141,7 @@ def masked_map(
                 pad=0.03,
             )
             bar.set_label(f"{label} [{scale.unit}]")
-        else:
+        if not np.any(shown):
             axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center", color="0.4")
     return figure
 

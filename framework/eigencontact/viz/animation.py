@@ -1,0 +1,192 @@
+"""Animations of a load history: which pictures a frame holds, and the frames one by one."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from eigencontact.core.names import ANIMATION
+from eigencontact.errors import ResultsError
+from eigencontact.viz.frame import Film, Frame
+from eigencontact.viz.friction import shear_map
+from eigencontact.viz.friction_history import fretting_loops
+from eigencontact.viz.friction_words import driven
+from eigencontact.viz.history import load_history
+from eigencontact.viz.movie import write_movie
+from eigencontact.viz.plastic import load_depth
+from eigencontact.viz.remembered import yields
+from eigencontact.viz.rolling import rolls
+from eigencontact.viz.section import drawable, stress_section
+from eigencontact.viz.style import new_figure, paper_style
+from eigencontact.viz.surface import pressure_map
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    Draw = Callable[..., Figure]
+
+__all__ = ["FRAMES", "Subject", "animate", "frames", "subject_of"]
+
+#: Longer histories are thinned to so many frames.
+FRAMES = 80
+#: Resolution of the frames [dots per inch].
+DPI = 110
+#: Rounds of the layout until axes of equal scales stay in place.
+ROUNDS = 4
+#: Room around the pictures [inch].
+ROOM = 0.09
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What the frames of an animation show.
+
+    Attributes
+    ----------
+    pictures : tuple of callable
+        Each draws one picture when called with ``step`` (a position) and ``on`` (a `Frame`).
+    sentence : str
+        What is shown.
+    stacked : bool
+        Whether the pictures lie below one another; beside one another otherwise.
+    """
+
+    pictures: tuple[Draw, ...]
+    sentence: str
+    stacked: bool = False
+
+
+def subject_of(dataset: xr.Dataset) -> Subject | None:
+    """Pictures for the frames of a history; None where it has one step, or nothing that is drawn.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    """
+    if dataset.sizes["step"] < 2:
+        return None
+    regions = json.loads(dataset.attrs["regions"])
+    planes = [name for name, how in drawable(dataset).items() if how == "section" and regions[name]["shape"] == "plane"]
+    section: list[Draw] = [partial(stress_section, dataset, name) for name in planes[:1]]
+    below = f", over the stress on {planes[0]!r}" if planes else ""
+    if "pressure" not in dataset:
+        return Subject(tuple(section), f"Stress on {planes[0]!r}.") if planes else None
+    pressure = partial(pressure_map, dataset)
+    if rolls(dataset):
+        return Subject((pressure, *section), f"Contact pressure as the geometry travels{below}.", stacked=True)
+    if "contact_zone" in dataset:
+        shear = partial(shear_map, dataset)
+        if driven(dataset):
+            return Subject((shear, partial(fretting_loops, dataset)), "Shear over stick and slip, beside the loop.")
+        return Subject((shear, pressure), "Shear over stick and slip, beside the contact pressure.")
+    known = {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
+    if known and yields(dataset):
+        beside = f"the stress on {planes[0]!r}" if section else "the contact pressure"
+        sentence = f"Load against depth, beside {beside}."
+        if section and dataset.sizes.get("history_step") == dataset.sizes["step"]:
+            sentence += " The line is around what has yielded."
+        return Subject((section[0] if section else pressure, partial(load_depth, dataset)), sentence)
+    if known and not section:
+        return Subject(
+            (pressure, partial(load_history, dataset)), "Contact pressure through the load history.", stacked=True
+        )
+    return Subject((pressure, *section), f"Contact pressure{below}.", stacked=bool(section))
+
+
+def thinned(dataset: xr.Dataset, most: int = FRAMES) -> tuple[int, ...]:
+    """Positions along ``step``, evenly spaced, the first and the last among them, at most so many."""
+    count = dataset.sizes["step"]
+    return tuple(np.unique(np.rint(np.linspace(0, count - 1, min(most, count))).astype(int)).tolist())
+
+
+def frames(dataset: xr.Dataset, subject: Subject) -> Iterator[Figure]:
+    """One figure, drawn anew for every frame, with the same size, axes and colours.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    subject : Subject
+        What the frames show.
+    """
+    film = Film(dataset, thinned(dataset))
+    alone = [draw(step=film.steps[0], on=Frame(film)).get_size_inches() for draw in subject.pictures]
+    along, across = (1, 0) if subject.stacked else (0, 1)
+    size = np.zeros(2)
+    size[along], size[across] = sum(one[along] for one in alone), max(one[across] for one in alone)
+    size = np.ceil(size * DPI / 2) * 2 / DPI  # of even numbers of pixels, as films ask for
+    ratios = [one[along] for one in alone]
+    with paper_style():
+        figure = new_figure(*size)
+    figure.set_dpi(DPI)
+    figure.set_layout_engine("constrained", w_pad=ROOM, h_pad=ROOM)
+    # Axes lie in all frames where the layout of the one in the middle puts them; it needs some rounds to settle.
+    _draw(figure, subject, film, film.steps[len(film.steps) // 2], ratios)
+    for _ in range(ROUNDS):
+        figure.canvas.draw()
+    places = [axes.get_position(original=True) for axes in _axes(figure)]
+    figure.set_layout_engine("none")
+    for step in film.steps:
+        _draw(figure, subject, film, step, ratios)
+        for axes, place in zip(_axes(figure), places, strict=False):
+            axes.set_position(place)
+        with paper_style():
+            yield figure
+
+
+def _draw(figure: Figure, subject: Subject, film: Film, step: int, ratios: list[float]) -> None:
+    """Draw the pictures of one step into an empty figure."""
+    figure.clear()
+    if subject.stacked:
+        parts = figure.subfigures(len(ratios), 1, squeeze=False, height_ratios=ratios).ravel()
+    else:
+        parts = figure.subfigures(1, len(ratios), squeeze=False, width_ratios=ratios).ravel()
+    for draw, part in zip(subject.pictures, parts, strict=True):
+        draw(step=step, on=Frame(film, part))
+
+
+def _axes(figure: Figure) -> list[Axes]:
+    return [axes for part in figure.subfigs for axes in part.axes]
+
+
+def animate(dataset: xr.Dataset, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:
+    """Write the animation of a history.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    folder : Path
+        Existing folder.
+    kind : str or bool
+        ``"gif"`` or True, or ``"mp4"`` where the program ffmpeg is installed.
+
+    Returns
+    -------
+    dict of str to str
+        File name and one sentence on what it shows.
+
+    Raises
+    ------
+    ResultsError
+        Where there is nothing to animate (`subject_of`); when it cannot be stored, or ffmpeg is missing or fails.
+    """
+    subject = subject_of(dataset)
+    if subject is None:
+        raise ResultsError(
+            "an animation must be of several load steps with contact or a plane of stress "
+            f"(got {dataset.sizes['step']} of {dataset.attrs['title'] or 'a run'!r}); draw pictures alone"
+        )
+    name = f"{ANIMATION}.{kind if isinstance(kind, str) else 'gif'}"
+    write_movie(frames(dataset, subject), folder / name)
+    return {name: subject.sentence}

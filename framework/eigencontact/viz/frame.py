@@ -1,0 +1,86 @@
+"""What the frames of an animation share: window, scales and colours over all its steps, and the place to draw in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.style import COLOURS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import SubFigure
+    from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Film", "Frame", "draw_way", "extremes"]
+
+
+def extremes(values: NDArray[Any]) -> tuple[float, float]:
+    """Smallest and largest number; zeros where there is none."""
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Film:
+    """Fields of the steps of an animation, one at a time, and what all of them have in common.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        Results of a run.
+    steps : tuple of int
+        Positions along ``step`` that have a frame, in order.
+    """
+
+    dataset: xr.Dataset
+    steps: tuple[int, ...]
+    _known: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    def limits(self, name: str, of: Callable[[NDArray[Any]], tuple[float, float]] = extremes) -> NDArray[np.float64]:
+        """Smallest lower and largest upper limit (2,) of a field over the frames, in its SI unit."""
+        if (name, of) not in self._known:
+            found = [of(np.asarray(self.dataset[name][step].values, dtype=float)) for step in self.steps]
+            self._known[name, of] = np.array([min(low for low, _ in found), max(high for _, high in found)])
+        return np.asarray(self._known[name, of])
+
+    def touched(self, name: str) -> NDArray[np.bool_]:
+        """Cells (ny, nx) in which a field differs from zero in any of the frames."""
+        if name not in self._known:
+            cells = np.zeros(self.dataset[name].shape[-2:], dtype=bool)
+            for step in self.steps:
+                cells |= self.dataset[name][step].values != 0
+            self._known[name] = cells
+        return np.asarray(self._known[name])
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Order to draw a picture as part of a frame: with the view and the colours that all frames share.
+
+    Attributes
+    ----------
+    film : Film
+        The frames.
+    part : SubFigure, optional
+        Where to draw; by default a figure of its own.
+    """
+
+    film: Film
+    part: SubFigure | None = None
+
+
+def draw_way(
+    axes: Axes, x: ArrayLike, y: ArrayLike, until: int, *, colour: str = COLOURS[0], line: bool = True
+) -> None:
+    """Draw a curve as far as a point: the whole of it faint, its part up to there, and a dot at the point."""
+    x, y = np.asarray(x), np.asarray(y)
+    axes.plot(x, y, "-", color="0.82", linewidth=1.0, zorder=1, label="_")
+    if line:
+        axes.plot(x[: until + 1], y[: until + 1], "-", color=colour, zorder=2, label="_")
+    axes.plot(x[until], y[until], "o", color=colour, markersize=5.5, zorder=5, label="_")

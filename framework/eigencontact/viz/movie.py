@@ -1,0 +1,169 @@
+"""Films from figures: GIF by Pillow, which matplotlib brings along, and MP4 where the program ffmpeg is installed."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import subprocess
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from eigencontact import __version__
+from eigencontact.errors import EigencontactError, ResultsError, SceneError, shown
+from eigencontact.results.atomic import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+    from PIL.Image import Image
+
+__all__ = ["refuse_animation", "write_movie"]
+
+#: A film takes so long [s] if its frames are not shown for less or more [ms] than these.
+LENGTH, SHORTEST, LONGEST = 9.0, 80, 500
+#: The last frame stays [ms].
+LAST = 1500
+#: Frames whose colours make the palette, which all frames of a GIF share so that colours do not flicker.
+SAMPLES = 6
+#: So many colours of the palette are kept as they are.
+EXACT = 176
+
+
+def refuse_animation(wanted: Literal[True, "gif", "mp4"], steps: int, *, shows: bool) -> None:
+    """Refuse an animation that could not be written after a run.
+
+    Parameters
+    ----------
+    wanted : True or str
+        ``output.animation`` of a scene.
+    steps : int
+        Number of load steps.
+    shows : bool
+        Whether there is contact or a plane of stress.
+
+    Raises
+    ------
+    SceneError
+        Names the field, and what to write instead.
+    """
+    if steps < 2 or not shows:
+        raise SceneError(
+            "output.animation must be false where there are not several load steps with contact or a plane of stress "
+            f"(got {shown(wanted)} with a number of load steps of {steps}); give a step increments"
+        )
+    if wanted == "mp4":
+        _ffmpeg("output.animation", SceneError)
+
+
+def _ffmpeg(asked: str, error: type[EigencontactError]) -> str:
+    """Path of the program; refuses MP4 where it is missing."""
+    found = shutil.which("ffmpeg")
+    if found is None:
+        raise error(
+            f"{asked} must be 'gif' where the program ffmpeg is not installed (got 'mp4', and no ffmpeg on the search "
+            "path); install ffmpeg, or ask for a GIF"
+        )
+    return found
+
+
+def write_movie(figures: Iterable[Figure], path: Path) -> None:
+    """Write frames as ``.gif`` or ``.mp4``; the file appears complete or not at all, and names this package.
+
+    Parameters
+    ----------
+    figures : iterable of Figure
+        Frames of one size; each is drawn before the next is taken.
+    path : Path
+        Where to; its ending decides.
+
+    Raises
+    ------
+    ResultsError
+        When the file cannot be stored, or ffmpeg is missing or fails.
+    """
+    if path.suffix == ".mp4":
+        _ffmpeg("the animation", ResultsError)
+    images = [_image(figure) for figure in figures]
+    pause = int(np.clip(1000 * LENGTH / len(images), SHORTEST, LONGEST)) // 10 * 10
+    with replacing(path, f"animation {path.name}") as sink:
+        sink.write(_mp4(images, pause) if path.suffix == ".mp4" else _gif(images, pause))
+
+
+def _image(figure: Figure) -> Image:
+    from PIL import Image
+
+    figure.canvas.draw()
+    return Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())  # type: ignore[attr-defined]
+
+
+def _gif(images: list[Image], pause: int) -> bytes:
+    from PIL import Image
+
+    palette = _palette(images[:: max(1, len(images) // SAMPLES)])
+    drawn = []
+    for image in images:
+        colours, place = _colours(image)
+        nearest = KDTree(palette).query(colours)[1].astype(np.uint8)
+        frame = Image.fromarray(nearest[place].reshape(image.height, image.width))
+        frame.putpalette(palette.tobytes())
+        drawn.append(frame)
+    file = io.BytesIO()
+    drawn[0].save(
+        file,
+        format="GIF",
+        save_all=True,
+        append_images=drawn[1:],
+        duration=[pause] * (len(drawn) - 1) + [LAST],
+        loop=0,
+        comment=f"eigencontact {__version__}".encode(),
+    )
+    return file.getvalue()
+
+
+def _colours(image: Image) -> tuple[NDArray[np.uint8], NDArray[np.intp]]:
+    """Colours (n, 3) of an image, and for each pixel the number of its colour."""
+    packed = np.zeros((image.height * image.width, 4), dtype=np.uint8)
+    packed[:, :3] = np.asarray(image).reshape(-1, 3)
+    found, place = np.unique(packed.view(np.uint32).ravel(), return_inverse=True)
+    return found.view(np.uint8).reshape(-1, 4)[:, :3], place
+
+
+def _palette(images: list[Image]) -> NDArray[np.uint8]:
+    """At most 256 colours (n, 3): the most frequent ones as they are, the ground among them; means of the others."""
+    from PIL import Image
+
+    sheet = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
+    colours, place = _colours(sheet)
+    colours = colours[np.argsort(-np.bincount(place), kind="stable")]
+    exact, others = colours[:EXACT], colours[EXACT:]
+    if not len(others):
+        return exact
+    strip = Image.fromarray(np.ascontiguousarray(others[None]))
+    means = strip.quantize(256 - EXACT, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).getpalette()
+    return np.concatenate([exact, np.reshape(means or [], (-1, 3))[: 256 - EXACT].astype(np.uint8)])
+
+
+def _mp4(images: list[Image], pause: int) -> bytes:
+    """MP4 (H.264) of frames, the last one held."""
+    width, height = images[0].size
+    rate = f"1000/{pause}"
+    shown = [*images, *[images[-1]] * (LAST // pause)]
+    reads = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
+    writes = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-metadata", f"comment=eigencontact {__version__}"]
+    # What goes to a pipe cannot be sought in: a fragmented file is written from front to end.
+    ends = ["-movflags", "frag_keyframe+empty_moov", "-f", "mp4", "-"]
+    done = subprocess.run(
+        [_ffmpeg("the animation", ResultsError), "-v", "error", *reads, *writes, *ends],
+        input=b"".join(image.tobytes() for image in shown),
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode:
+        said = " ".join(done.stderr.decode(errors="replace").split())
+        raise ResultsError(f"ffmpeg must write the animation (got: {said}); ask for a GIF instead")
+    return done.stdout

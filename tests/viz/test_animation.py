@@ -1,0 +1,225 @@
+"""Animations: how many frames, of what size, with colours and axes that stay; who may be replaced; what is refused."""
+
+import json
+import sys
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from PIL import Image
+
+import eigencontact as ec
+from close import close
+from eigencontact.app import draw
+from eigencontact.results.ownership import is_ours
+from eigencontact.results.reader import open_results
+from eigencontact.results.store import ResultStore
+from eigencontact.viz.animation import FRAMES, frames, subject_of, thinned
+from eigencontact.viz.movie import LAST, LONGEST, write_movie
+from eigencontact.viz.style import new_figure
+from results import synthetic
+from viz.test_friction_pictures import CYCLE
+from viz.test_friction_pictures import record as sheared
+
+LOADS = (0.2, 0.65, 0.4, 0.0)
+AGAIN = ["stress=[]", "grid.cells-per-contact-radius=6", "output.pictures=false", "output.animation=true"]
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """Made-up runs: presses and lets go, over a section where wanted; rolls; frets."""
+    opened = {}
+
+    def build(kind):
+        if kind not in opened:
+            count = len(CYCLE) if kind == "frets" else len(LOADS)
+            info = synthetic.info(steps=count, nx=24, ny=24)
+            store = ResultStore.create(tmp_path_factory.mktemp(kind), info)
+            for n in range(1, count + 1):
+                if kind == "frets":
+                    made = sheared(info, n, *CYCLE[n - 1])
+                else:
+                    made = synthetic.step(
+                        info, n, LOADS[n - 1], ("plane",) if kind != "presses" else (), reference=False
+                    )
+                if kind == "rolls":
+                    made.scalars.update(travel_x=1e-6 * n, travel_y=0.0)
+                store.write_step(made)
+            store.finish()
+            opened[kind] = open_results(store.folder)
+        return opened[kind]
+
+    yield build
+    for dataset in opened.values():
+        dataset.close()
+
+
+def test_long_histories_are_thinned_evenly_from_the_first_to_the_last():
+    class Steps:
+        def __init__(self, count):
+            self.sizes = {"step": count}
+
+    assert thinned(Steps(7)) == tuple(range(7))
+    chosen = thinned(Steps(1001))
+    assert len(chosen) == FRAMES == 80
+    assert (chosen[0], chosen[-1]) == (0, 1000)
+    assert set(np.diff(chosen)) <= {12, 13}
+
+
+@pytest.mark.parametrize(
+    ("kind", "sentence", "stacked"),
+    [
+        ("presses", "Contact pressure through the load history.", True),
+        ("over a section", "Contact pressure, over the stress on 'plane_0'.", True),
+        ("rolls", "Contact pressure as the geometry travels, over the stress on 'plane_0'.", True),
+        ("frets", "Shear over stick and slip, beside the loop.", False),
+    ],
+)
+def test_what_a_history_shows(stored, kind, sentence, stacked):
+    subject = subject_of(stored(kind))
+    assert (subject.sentence, subject.stacked, len(subject.pictures)) == (sentence, stacked, 2)
+    assert subject_of(stored(kind).isel(step=[0])) is None
+
+
+def test_a_history_of_what_yields_shows_load_and_depth(stored):
+    dataset = stored("over a section").assign(equivalent_plastic_strain_1=0.0)
+    assert subject_of(dataset).sentence == "Load against depth, beside the stress on 'plane_0'."
+
+
+@pytest.fixture(scope="module")
+def filmed(stored, tmp_path_factory):
+    """GIF of a load that rises and goes, and what its frames were when they were drawn."""
+    dataset = stored("presses")
+    seen, places = [], []
+
+    def watched():
+        for figure in frames(dataset, subject_of(dataset)):
+            yield figure
+            main, bar, *_ = [axes for part in figure.subfigs for axes in part.axes]
+            numbers = (*main.images[0].get_clim(), *main.get_xlim(), *main.get_ylim(), *main.get_position().bounds)
+            seen.append((*numbers, *bar.get_ylim(), *figure.get_size_inches(), main.get_xlabel(), bar.get_ylabel()))
+            assert main.get_aspect() == 1.0
+            places.append(main.transData.transform((0.0, 0.0)))
+
+    path = tmp_path_factory.mktemp("film") / "animation.gif"
+    write_movie(watched(), path)
+    return path, seen, places
+
+
+def test_all_frames_have_one_window_and_one_scale(stored, filmed):
+    """Those of the largest pressure and contact, although the last frame has none."""
+    dataset, (_, seen, _) = stored("presses"), filmed
+    assert len(seen) == len(LOADS)
+    assert set(seen) == {seen[0]}
+    assert 1e9 * seen[0][1] == close(float(dataset["pressure"].max()), rel=1e-12)
+    assert seen[0][-2:] == ("x [µm]", "Pressure [GPa]")
+    widest = dataset["x"].values[(dataset["pressure"].values > 0).any(axis=(0, 1))]
+    assert seen[0][2] < 1e6 * widest[0]
+    assert seen[0][3] > 1e6 * widest[-1]
+
+
+def test_a_gif_has_every_step_and_true_colours(stored, filmed):
+    """The middle of the contact has in each frame the colour that its pressure has on the common scale."""
+    pressure, (path, _, places) = stored("presses")["pressure"].values, filmed
+    with Image.open(path) as film:
+        assert film.n_frames == len(LOADS)
+        assert film.info["loop"] == 0
+        size = film.size
+        for n, (x, y) in enumerate(places):
+            film.seek(n)
+            assert film.size == size
+            drawn = film.convert("RGB").getpixel((round(x), size[1] - 1 - round(y)))
+            middle = float(pressure[n, 11:13, 11:13].max()) / pressure.max()
+            wanted = np.array(mpl.colormaps["viridis"](middle)[:3]) if middle else np.array([0.93] * 3)
+            np.testing.assert_allclose(np.array(drawn) / 255, wanted, atol=0.03)
+        assert film.info["duration"] == LAST
+
+
+def test_contours_of_stress_are_those_of_all_frames(stored):
+    dataset = stored("rolls")
+    levels = []
+    for figure in frames(dataset, subject_of(dataset)):
+        (filled,) = [item for item in figure.subfigs[1].axes[0].collections if isinstance(item, mpl.contour.ContourSet)
+                     and item.filled]  # fmt: skip
+        levels.append(tuple(filled.levels))
+    assert len(levels) == len(LOADS)
+    assert set(levels) == {levels[0]}
+    assert levels[0][-1] == close(1e-9 * float(dataset["plane_0_von_mises"].max()), rel=0.1)
+
+
+def test_the_loop_is_drawn_as_far_as_the_step_and_arrows_have_one_scale(stored):
+    dataset = stored("frets")
+    shift, load, shear = (dataset[name].values for name in ("shift_x", "tangential_load_x", "shear_x"))
+    lengths = []
+    for n, figure in enumerate(frames(dataset, subject_of(dataset))):
+        *_, way, dot = figure.subfigs[1].axes[0].get_lines()
+        np.testing.assert_allclose(1e-9 * way.get_xdata(), shift[: n + 1], rtol=1e-12)
+        np.testing.assert_allclose(
+            [1e-9 * dot.get_xdata()[0], 1e-3 * dot.get_ydata()[0]], [shift[n], load[n]], rtol=1e-12
+        )
+        for item in figure.subfigs[0].axes[0].collections:
+            if isinstance(item, mpl.quiver.Quiver) and item.U.size:
+                row, column = (
+                    np.searchsorted(dataset[axis], 1e-6 * item.XY[:, k] - 1e-9) for axis, k in (("y", 1), ("x", 0))
+                )
+                lengths.extend(item.U / shear[n, row, column])
+    assert len(lengths) > 500
+    np.testing.assert_allclose(lengths, lengths[0], rtol=1e-9)
+
+
+def test_a_run_lists_its_animation_and_replaces_no_file_of_others(tmp_path):
+    scene = ec.load_scene("hertz", [*AGAIN, "steps.increments=2"])
+    (tmp_path / "animation.gif").write_bytes(b"mine")
+    with pytest.raises(ec.EigencontactError, match=r"animation\.gif must be a file that eigencontact wrote"):
+        ec.run(scene, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["animation.gif"]
+    (tmp_path / "animation.gif").unlink()
+    ec.run(scene, tmp_path)
+    assert "animation.gif" in json.loads((tmp_path / "summary.json").read_text())["files"]
+    (tmp_path / "summary.json").unlink()
+    assert is_ours(tmp_path / "animation.gif")
+    with Image.open(tmp_path / "animation.gif") as film:
+        assert film.n_frames == 2
+
+
+def test_what_cannot_be_shown_is_refused_before_the_run(tmp_path, monkeypatch):
+    with pytest.raises(ec.EigencontactError, match=r"output\.animation must be false where .* load steps of 1\)"):
+        ec.run(ec.load_scene("hertz", AGAIN), tmp_path / "one")
+    monkeypatch.setattr("shutil.which", lambda _name: None)
+    changes = [*AGAIN, "steps.increments=2", "output.animation='mp4'"]
+    with pytest.raises(ec.EigencontactError, match=r"output\.animation must be 'gif' where the program ffmpeg is not"):
+        ec.run(ec.load_scene("hertz", changes), tmp_path / "none")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(ec.EigencontactError, match=r"output.animation must be one of .* did you mean 'gif'"):
+        ec.load_scene("hertz", ["output.animation='git'"])
+
+
+def test_plot_refuses_one_step_before_anything_is_drawn(tmp_path):
+    ec.run(ec.load_scene("hertz", AGAIN[:-1]), tmp_path)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(ec.EigencontactError, match="animation must be of several load steps"):
+        draw(tmp_path, animation=True)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_mp4_is_what_ffmpeg_makes_of_the_frames(tmp_path, monkeypatch, fails):
+    """A program in its place answers with its arguments and the number of bytes that it was given."""
+    program = tmp_path / "ffmpeg"
+    ending = "sys.exit('no such codec')" if fails else ""
+    program.write_text(
+        f"#!{sys.executable}\nimport sys\nprint(' '.join(sys.argv[1:]), len(sys.stdin.buffer.read()))\n{ending}\n"
+    )
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    film, path = [new_figure(0.2, 0.1)] * 4, tmp_path / "animation.mp4"
+    if fails:
+        with pytest.raises(ec.EigencontactError, match=r"ffmpeg must write the animation \(got: no such codec\)"):
+            write_movie(film, path)
+        assert not path.exists()
+        return
+    write_movie(film, path)
+    said = path.read_text().split()
+    assert said[said.index("-s") + 1] == "20x10"
+    assert int(said[-1]) == 3 * 20 * 10 * (len(film) + LAST // LONGEST)
+    assert is_ours(path)
