@@ -29,6 +29,7 @@ class Separation(Block):
 
     name = "separation"
     provides = frozenset({"separation"})
+    settles = True
 
     def __init__(self, model: Model) -> None:
         self._geometries, self._grid = model.geometries, model.grid

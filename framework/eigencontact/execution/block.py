@@ -91,11 +91,14 @@ class Block(Part, ABC):
     wanted : mapping of str to str
         Those among `provides` that are results by themselves, and who asked for them; the others are computed where
         another block requires them.
+    settles : bool
+        Whether a step depends on what it did in the one before, so that it takes part in steps that are not results.
     """
 
     requires: frozenset[str] = frozenset()
     provides: frozenset[str] = frozenset()
     wanted: Mapping[str, str] = MappingProxyType({})
+    settles: bool = False
 
     @property
     def parts(self) -> Sequence[Part]:

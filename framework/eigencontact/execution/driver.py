@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 from eigencontact.execution.block import Block
@@ -16,6 +17,7 @@ from eigencontact.execution.loading import (
 from eigencontact.execution.step import Step
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Scene
+from eigencontact.scene.steps import Step as Ramp
 
 __all__ = ["Watcher", "drive"]
 
@@ -77,43 +79,99 @@ def drive(
     StepRecord
         Each newly accepted step.
     """
-    done = done or {}
-    friction, contact = plan.scene.friction is not None, bool(plan.scene.geometry)
-    history, total = LoadHistory(plan.scene.steps, friction=friction), plan.steps
-    started = False
-    ramp_start: dict[str, float] = {}
+    done, course = done or {}, _Course(plan, watcher)
     last: StepRecord | None = None
     before: LoadPoint | None = None
-    while (point := history.after(before, cycles=_stands_for(last))) is not None:
-        if history.begins_ramp(point) and last is not None:
-            ramp_start = start_of_ramp(last.scalars, history.ramp_before(point) if friction else None)
+    while (point := course.history.after(before, cycles=_stands_for(last))) is not None:
         if point.index in done:
+            course.passes(point, last)
             last, before = done[point.index](), point
             continue
-        if not started:
-            for block in plan.blocks:
-                block.start()
-            started = True
+        course.start()
+        total = max(plan.steps, point.index)
         if watcher is not None:
-            watcher.step_started(point, max(total, point.index))
-        ramp = history.ramp(point)
-        step = Step(
-            index=point.index,
-            time=point.time,
-            control=control_at(ramp, point.fraction, ramp_start) if contact else None,
-            tangential=tangential_control_at(ramp, point.fraction, ramp_start) if friction else None,
-            travel=history.travel(point),
-            cycle=history.cycle(point),
-            slide=history.slide(point, before),
-            previous=last,
-            progress=None if watcher is None else watcher.iterated,
-        )
+            watcher.step_started(point, total)
+        point, last = course.settled(point, last)
+        course.passes(point, last)
+        step = course.step(point, before, last)
         for block in plan.blocks:
             block.advance(step)
         last, before = step.record(), point
         yield last
         if watcher is not None:
-            watcher.step_finished(last, max(total, point.index))
+            watcher.step_finished(last, total)
+
+
+class _Course:
+    """Steps of a plan, made one after the other.
+
+    Attributes
+    ----------
+    history : LoadHistory
+    """
+
+    def __init__(self, plan: Drivable, watcher: Watcher | None) -> None:
+        self._plan, self._watcher = plan, watcher
+        self._friction, self._contact = plan.scene.friction is not None, bool(plan.scene.geometry)
+        self.history = LoadHistory(plan.scene.steps, friction=self._friction)
+        self._started = False
+        self._ramp_start: dict[str, float] = {}
+
+    def start(self) -> None:
+        """Start the blocks, once."""
+        if not self._started:
+            for block in self._plan.blocks:
+                block.start()
+        self._started = True
+
+    def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
+        """Note what a ramp starts from where a point begins one; `last` is the step before."""
+        if last is not None and self.history.begins_ramp(point):
+            self._ramp_start = start_of_ramp(last.scalars, self._told(point))
+
+    def _told(self, point: LoadPoint) -> Ramp | None:
+        return self.history.ramp_before(point) if self._friction else None
+
+    def step(self, point: LoadPoint, before: LoadPoint | None, last: StepRecord | None) -> Step:
+        """A step that is still to be computed."""
+        ramp, begin = self.history.ramp(point), self._ramp_start
+        return Step(
+            index=point.index,
+            time=point.time,
+            control=control_at(ramp, point.fraction, begin) if self._contact else None,
+            tangential=tangential_control_at(ramp, point.fraction, begin) if self._friction else None,
+            travel=self.history.travel(point),
+            cycle=self.history.cycle(point),
+            slide=self.history.slide(point, before),
+            previous=last,
+            progress=None if self._watcher is None else self._watcher.iterated,
+        )
+
+    def settled(self, point: LoadPoint, last: StepRecord | None) -> tuple[LoadPoint, StepRecord | None]:
+        """Point with no cycles to skip before it, and the state before it: at the end of the last of those.
+
+        The surfaces have moved by all of them at once. What slips on the way to the next state is not what a cycle
+        slips: the last of them is therefore gone through, each ramp in one increment, and not counted.
+        """
+        ends = self.history.ends_of_cycle_before(point) if point.skipped else []
+        if last is None or not ends:
+            return point, last
+        counts = {name: last.fields[name] for name in _COUNTED if name in last.fields}
+        for ramp_end in ends:
+            self.passes(ramp_end, last)
+            step = self.step(ramp_end, None, last)
+            assert step.cycle is not None
+            step.cycle = replace(step.cycle, settling=True)
+            for block in self._plan.blocks:
+                if block.settles:
+                    block.advance(step)
+            last = step.record()
+        last.fields.update(counts)
+        return replace(point, skipped=0), replace(last, index=point.index - 1)
+
+
+#: Fields that add up over the steps that are solved.
+_COUNTED = ("slip_distance", "dissipated_energy_density")
 
 
 def _stands_for(last: StepRecord | None) -> int:

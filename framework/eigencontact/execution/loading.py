@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
 
 from eigencontact.execution.step import CyclePlace, Slide
@@ -99,6 +99,21 @@ class LoadHistory:
         time = begin + (cycle - 1) * part.ramps + (ramp - part.first) + fraction
         return LoadPoint(index, float(time), ramp, fraction, part, cycle, skipped)
 
+    def ends_of_cycle_before(self, point: LoadPoint) -> list[LoadPoint]:
+        """Ends of the ramps of the cycle before that of a point, each reached in one increment.
+
+        The first of them has those cycles skipped before it that have been skipped before the point, and itself.
+        Empty where every ramp slides all over the contact: what happened before is then forgotten.
+        """
+        part, found = point.segment, list[LoadPoint]()
+        places = range(part.first, part.first + part.ramps)
+        if all(self._ramps[place].slides for place in places):
+            return []
+        for place in places:
+            last = self._at(point.index, part, point.cycle - 1, place, self._ramps[place].increments, 0)
+            found.append(replace(last, skipped=point.skipped if place == part.first else 0))
+        return found
+
     def begins_ramp(self, point: LoadPoint) -> bool:
         """Whether it is the first increment of its ramp."""
         return round(point.fraction * self._ramps[point.ramp].increments) == 1
@@ -122,7 +137,7 @@ class LoadHistory:
         part = point.segment
         if not part.cycle:
             return None
-        begins = point.ramp == part.first and self.begins_ramp(point)
+        begins = point.ramp == part.first and (self.begins_ramp(point) or point.skipped > 0)
         return CyclePlace(
             number=point.cycle, skipped=point.skipped, left=part.repeat - point.cycle, begins=begins,
             ends=point.ends_cycle,

@@ -53,6 +53,8 @@ class Mechanics(Block):
         Names of the numbers that the laws of the scene give.
     """
 
+    settles = True
+
     def __init__(
         self,
         contact: Contact | None,

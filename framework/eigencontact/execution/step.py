@@ -31,6 +31,8 @@ class CyclePlace:
         Repeats after it.
     begins, ends : bool
         Whether it is the first, or the last, increment of the cycle.
+    settling : bool
+        Whether it is of a cycle that is only gone through, after others have been skipped.
     """
 
     number: int
@@ -38,6 +40,7 @@ class CyclePlace:
     left: int
     begins: bool
     ends: bool
+    settling: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -32,6 +32,7 @@ class Wear(Block):
     """Depth that the surfaces lose by what the contact slipped."""
 
     name = "wear"
+    settles = True
 
     def __init__(self, model: Model, surface: WornSurface) -> None:
         assert model.wear is not None

@@ -23,6 +23,8 @@ FloatArray = NDArray[np.float64]
 _GROWTH, _FALL, _SAFETY = 2.5, 0.3, 0.8
 #: Part of the wear so far that may bear the error where the last cycles wear little.
 _OF_ALL = 0.5
+#: Cycles that say nothing about those after them.
+_RUN_IN = 1
 #: Part of the stable explicit step (0.9 dx p / E*, or 0.8 times the deflection of a loaded cell) that is taken.
 _STABLE = 0.4
 
@@ -67,6 +69,9 @@ class Jumps:
         if most > 0:
             wanted = min(wanted, max(1.0, _STABLE * self._softness * float(pressure.max()) / most))
         state.jump = max(1, min(int(wanted), cycle.left))
+        if state.cycles < _RUN_IN + 0.5:  # the first cycle begins where nothing has slipped
+            state.memory, state.jump = {}, 1
+            return
         state.memory = {"rate": rate.pressed, "steady": rate.steady, "slope": slope, "cycle_energy": energy}
 
     def _by_error(self, state: WornState, missing: float, worn: float) -> float:

@@ -33,8 +33,6 @@ FloatArray = NDArray[np.float64]
 
 #: Part of the error of a jump that the integration at a fixed rate may make.
 _INTEGRATION = 0.1
-#: A cycle that wore more than its end alone explains wore within it.
-_WITHIN = 1e-9
 
 
 class WornSurface:
@@ -72,13 +70,16 @@ class WornSurface:
             if cycle.skipped:
                 self._skip(step, cycle.skipped)
             self._note_start(step)
-        if step.slide is not None:
+        if step.slide is not None and not (cycle is not None and cycle.settling):
             self._slide(step)
         return separation + self._state.total
 
     def end(self, step: Step) -> None:
         """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
         cycle, memory = step.cycle, self._state.memory
+        if cycle is not None and cycle.settling:
+            store(self._state, step, self._grid)
+            return
         at_once = cycle is None or self._at_once
         slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
         if step.slide is not None:
@@ -145,6 +146,7 @@ class WornSurface:
         """Wear by a whole cycle, and decide how many more it stands for."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
+        within = not np.array_equal(state.total, memory["start_depth"])
         if "start_slip" in memory:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
             rate = self._wear(step, step.fields["slip_distance"] - memory["start_slip"], energy, amplitude=0.25)
@@ -152,10 +154,9 @@ class WornSurface:
         if cycle.left == 0:
             state.memory, state.jump = {}, 1
             return
-        depth = state.total - memory["start_depth"]
-        if rate is None or np.any(depth > (1.0 + _WITHIN) * rate.depth(pressure)):
+        if rate is None or within:
             # Something wore within the cycle: all of it together is what a cycle wears.
-            energy = state.energy - memory["start_energy"]
+            depth, energy = state.total - memory["start_depth"], state.energy - memory["start_energy"]
             loaded = (pressure > 0) & (not self._travels)
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
             rate = filled(rate, loaded)
