@@ -1,4 +1,4 @@
-"""Laws of materials for tests: one that yields, with implicit return, one that hardens elastically, linear ones."""
+"""Laws of materials for tests: of implicit return, of hardening elasticity, of a neighbourhood; linear ones."""
 
 # ruff: noqa: ARG002 - the interface of a law
 
@@ -10,6 +10,7 @@ import numpy as np
 from eigencontact.plugin import (
     ConstitutiveLaw,
     Direction,
+    Length,
     LinearLaw,
     Response,
     Stress,
@@ -87,6 +88,51 @@ class Stiffening(ConstitutiveLaw):
         outer = strain[:, None] * strain[None]
         tangent = 2 * G * ((1 + self.growth * squared) * np.eye(6)[..., None] + 2 * self.growth * outer)
         return Response(stress=2 * G * (1 + self.growth * squared) * strain, tangent=tangent)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Waning(ConstitutiveLaw):
+    """Loses stiffness down to half by the largest strain so far, or by its mean about the point."""
+
+    key: ClassVar[str] = "waning"
+    references: ClassVar[tuple[str, ...]] = ("J. Lemaitre, J.-L. Chaboche 1990, Mechanics of Solid Materials, 7",)
+    isotropic: ClassVar[bool] = True
+    symmetric: ClassVar[bool] = False
+    variables: ClassVar = {
+        "strained": Variable(unit="1", meaning="largest strain so far"),
+        "lost": Variable(unit="1", meaning="part of the stiffness that is lost"),
+    }
+
+    young_modulus: Stress
+    poisson_ratio: float
+    strain: float
+    radius: Length
+
+    def __post_init__(self):
+        for name in ("young_modulus", "strain", "radius"):
+            require(0 < getattr(self, name) < np.inf, self.key, name, getattr(self, name), "positive and finite")
+        require(0 <= self.poisson_ratio < 0.5, self.key, "poisson_ratio", self.poisson_ratio, "from 0 to below 0.5")
+
+    @property
+    def averaged(self):
+        return {"strained": self.radius}
+
+    def loss(self, most):
+        """Part of the stiffness that is lost, and its derivative."""
+        fading = np.exp(-most / self.strain)
+        return 0.5 * (1.0 - fading), 0.5 * fading / self.strain
+
+    def update(self, strain, before, step):
+        size = np.linalg.norm(strain, axis=0)
+        most = np.maximum(size, before["strained"][0])
+        mean = step.means.get("strained")
+        lost, slope = self.loss(most if mean is None else np.maximum(mean[0], 0.0))
+        stiffness = isotropic_stiffness(self.young_modulus, self.poisson_ratio)
+        sound, grows = stiffness @ strain, (size > before["strained"][0]) & (mean is None)
+        direction = strain / np.where(size > 0.0, size, 1.0)
+        tangent = (1.0 - lost) * stiffness[..., None] - np.where(grows, slope, 0.0) * sound[:, None] * direction[None]
+        after = {"strained": most[None], "lost": lost[None]}
+        return Response(stress=(1.0 - lost) * sound, tangent=tangent, variables=after)
 
 
 @dataclass(frozen=True, kw_only=True)

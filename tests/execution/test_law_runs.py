@@ -58,6 +58,35 @@ def pressure_of(*inclusions, **tables):
     return steps_of(*inclusions, **tables)[-1].fields["pressure"]
 
 
+def test_a_law_that_acts_by_a_mean_is_told_that_of_its_own_cells(laws):
+    """What is lost in every cell follows from the bell-shaped mean of what the cells of the ball remember."""
+    laws(classes="Waning")
+    waning = {"type": "waning", "young-modulus": 0.5 * E, "poisson-ratio": NU, "strain": 0.04}
+    runs = [
+        ec.run(
+            scene(
+                ball(waning | {"radius": width * A}, 0.8, 0.9),
+                numerics={"allow_coarse": True},
+                output={"pictures": False},
+            )
+        )
+        for width in (0.6, 0.01)
+    ]
+    for data, width in zip((run.dataset for run in runs), (0.6, 0.01), strict=True):
+        strained, lost = (data[f"{name}_1"].values[0] for name in ("strained", "lost"))
+        inside = np.argwhere(strained > 0)
+        places = np.stack([data[f"cells_1_{axis}"].values[inside[:, n]] for n, axis in enumerate("zyx")], axis=-1)
+        squared = np.sum((places[:, None] - places[None]) ** 2, axis=-1)
+        weight = np.maximum(1 - squared / (width * A) ** 2, 0.0) ** 2
+        mean = weight @ strained[strained > 0] / weight.sum(axis=1)
+        np.testing.assert_allclose(lost[strained > 0], 0.5 * (1 - np.exp(-mean / 0.04)), rtol=1e-4)
+        assert not lost[strained == 0].any()
+    wide, narrow = (run.dataset["lost_1"].values for run in runs)
+    assert 0.05 < wide.max() < 0.97 * narrow.max() < 0.45
+    told = [[warning["code"] for warning in run.summary["warnings"]] for run in runs]
+    assert ["law-length" in codes for codes in told] == [False, True]
+
+
 def test_a_body_that_yields_keeps_what_it_has_yielded(laws):
     laws()
     region = {"name": "cut", "shape": "plane", "depth-max": A, "depth-cells": 6}

@@ -113,6 +113,15 @@ def test_strains_that_are_not_small_are_told():
     assert planned.to_dict()["warnings"][0]["code"] == "small-strain"
 
 
+@pytest.mark.parametrize(("cells", "told"), [(1.9, True), (2.0, False)])
+def test_a_length_of_few_cells_is_told(cells, told):
+    cell = 1.5e-3
+    scene = ec.load_scene("concrete-bars-damage", [f"body1.law.damage.length={cells * cell!r}"])
+    found = [caution for caution in ec.plan(scene).cautions if caution.code == "law-length"]
+    assert len(found) == told
+    assert not told or "is 1.9 cells, fewer than 2" in found[0].words
+
+
 def test_few_increments_are_told_where_shear_follows_from_pressure():
     few = ec.plan(ec.load_scene("fretting-mode-2", ["steps.increments=2"]))
     (caution,) = few.cautions

@@ -97,9 +97,10 @@ def test_markdown_and_figure(verify, tmp_path):
 
 def test_markers_are_looked_for_before_anything_is_solved(verify, tmp_path):
     (tmp_path / "page.md").write_text("nothing\n", encoding="utf-8")
-    outcome = verify("--markdown", "page.md")
-    assert outcome.code == 2
-    assert "page.md must have the lines '<!-- verify:coverage -->' and" in outcome.err
+    for arguments, section in ([], "coverage"), (["--section", "part"], "part"):
+        outcome = verify("--markdown", "page.md", *arguments)
+        assert outcome.code == 2
+        assert f"page.md must have the lines '<!-- verify:{section} -->' and" in outcome.err
     assert not (tmp_path / "cross-check").exists()
 
 

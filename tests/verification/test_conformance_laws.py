@@ -12,16 +12,18 @@ import pytest
 from eigencontact.errors import SceneError
 from eigencontact.plugin import ConstitutiveLaw, LinearLaw, Response, Stress, Variable, isotropic_stiffness
 from eigencontact_verification.conformance import ConformanceError, checks_for
-from toy_laws import DEVIATOR, Fibred, Stiffening, Yielding
+from toy_laws import DEVIATOR, Fibred, Stiffening, Waning, Yielding
 
 STEEL = {"young_modulus": 2e11, "poisson_ratio": 0.3, "yield_stress": 2e8, "hardening_modulus": 1e10}
 RUBBER = {"shear_modulus": 1e9, "growth": 1e4}
 PLY = {"young_modulus": 1e9, "fibre_modulus": 1e11, "direction": (1.0, 2.0, -2.0)}
+FADES = {"young_modulus": 2e11, "poisson_ratio": 0.3, "strain": 1e-3, "radius": 1e-6}
 GOOD = [
     Yielding(**STEEL),
     Yielding(**STEEL | {"hardening_modulus": 0.0, "poisson_ratio": 0.0}),
     Stiffening(**RUBBER),
     Fibred(**PLY),
+    Waning(**FADES),
 ]
 FAULTS = {}  # name of the fault: (component, checks that must notice)
 
@@ -420,6 +422,41 @@ class NegativeStiffness(Fibred):
         return np.diag([1e9, 1e9, -1e9, 1e9, 1e9, 1e9])
 
 
+@plant("check_means", **FADES)
+class DeafToMeans(Waning):
+    """Acts by its own strain whatever it is told."""
+
+    def update(self, strain, before, step):
+        return super().update(strain, before, replace(step, means={}))
+
+
+@plant("check_means", **FADES)
+class MeansOfBefore(Waning):
+    """Takes its own value from before the increment where it has no mean."""
+
+    def update(self, strain, before, step):
+        return super().update(strain, before, replace(step, means={"strained": before["strained"]} | dict(step.means)))
+
+
+@plant("check_means", **FADES)
+class MeansTwice(Waning):
+    """Adds its own strain to the mean."""
+
+    def update(self, strain, before, step):
+        means = {name: values + np.linalg.norm(strain, axis=0) for name, values in step.means.items()}
+        return super().update(strain, before, replace(step, means=means))
+
+
+@plant("check_means", **FADES)
+class AveragesWhatIsNot(Waning):
+    averaged = property(lambda self: {"straind": self.radius})
+
+
+@plant("check_means", **FADES)
+class AveragesOverNothing(Waning):
+    averaged: ClassVar = {"strained": 0.0}
+
+
 @pytest.mark.parametrize("law", GOOD, ids=lambda law: law.key)
 def test_correct_laws_pass(law):
     assert failing(law) == set()
@@ -435,6 +472,7 @@ ALONE = [
     "ElasticTangent", "TangentOfAFirstIncrement", "PrefersAnAxis", "StrainNotAsTensor", "TurnedTheOtherWay",
     "GivesEnergy", "RemembersAtRest", "NeedsAPoint", "UnitOfNothing", "KeepsAMemoryOfItsOwn", "YieldsAllOrNone",
     "FactorsNotComplete", "CellWithoutItsPrestrain", "CellAlmostRight", "BodyBeforeItself",
+    "DeafToMeans", "MeansTwice", "AveragesOverNothing",
 ]  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from eigencontact.model.resolution import (
     pressure_error,
 )
 from eigencontact.model.sources import Inhomogeneity, Patch
-from eigencontact.plugin import HasNativeGrid
+from eigencontact.plugin import HasNativeGrid, NonLocal
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 
@@ -36,13 +36,15 @@ _STIFF = 0.2
 _GROWTH, _PER_INCREMENT = 5, 0.18
 #: Error of the pressure above an inhomogeneity that is not warned of, and cells across a region.
 PROMISE, _ACROSS = 0.02, 4
+#: Cells that the length of a law should reach: within one it does nothing, at 1.5 a neighbour weighs .31 of the cell.
+_WIDE = 2
 #: Part of a cell below which a region touches the surface.
 _FLUSH = 1e-3
 
 
 def foreseen(model: Model) -> tuple[Caution, ...]:
     """Warnings that follow from a scene alone; each is one sentence with a code."""
-    return (*_of_the_contact(model), *_of_the_regions(model), *_of_the_steps(model))
+    return (*_of_the_contact(model), *_of_the_regions(model), *_of_the_laws(model), *_of_the_steps(model))
 
 
 def measured(model: Model) -> bool:
@@ -133,6 +135,24 @@ def _of_the_regions(model: Model) -> Iterator[Caution]:
             "volume, and stress in it is seen by its mean alone"
         )
         yield Caution("inclusion-cells", words)
+
+
+def _of_the_laws(model: Model) -> Iterator[Caution]:
+    """Lengths of laws that act by a neighbourhood of few cells, the shortest one."""
+    found = [
+        (radius / max(source.lattice.edges), radius, source.name)
+        for source in model.inhomogeneities
+        if source.lattice is not None and isinstance(source.law, NonLocal)
+        for radius in source.law.averaged.values()
+    ]
+    cells, radius, name = min(found, default=(np.inf, 0.0, ""))
+    if cells < _WIDE * (1.0 - 1e-6):
+        words = (
+            f"the length {readable(radius, 'm')} of the law of {name!r} is {cells:.2g} cells, fewer than {_WIDE}: its "
+            "means hardly reach beyond a cell, and where it softens the answer follows the cells; give a larger length "
+            "or finer cells"
+        )
+        yield Caution("law-length", words)
 
 
 def _of_the_steps(model: Model) -> Iterator[Caution]:

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CaseList", "campaign", "verify"]
 
-#: Name in the markers of a README.
-_SECTION = "coverage"
-
 
 class CaseList(Protocol):
     """What the module with the cases offers."""
@@ -79,9 +76,12 @@ def verify(
         typer.Option(
             "--markdown",
             metavar="FILE",
-            help="Also write the coverage between `<!-- verify:coverage -->` and `<!-- /verify:coverage -->` of FILE.",
+            help="Also write the coverage between `<!-- verify:SECTION -->` and `<!-- /verify:SECTION -->` of FILE.",
         ),
     ] = None,
+    section: Annotated[
+        str, typer.Option("--section", metavar="SECTION", help="Name in these markers; a part has one of its own.")
+    ] = "coverage",
     figure: Annotated[
         list[str] | None,
         typer.Option(
@@ -117,7 +117,7 @@ def verify(
         chosen += _of_laws(law or [], quick=quick)
         copies = _copies(chosen, figure or [])
         if markdown is not None:
-            check_section(markdown, _SECTION, family="verify")
+            check_section(markdown, section, family="verify")
         executor = _executor(workers or _cores(), memory * 1e9, cluster)
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
@@ -130,7 +130,7 @@ def verify(
     except KeyboardInterrupt:
         typer.echo("eigencontact: interrupted; finished solutions are kept, run the same again to continue", err=True)
         raise typer.Exit(130) from None
-    trouble = _written(report, files, markdown, copies)
+    trouble = _written(report, files, markdown, section, copies)
     if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
     elif not quiet:
@@ -205,14 +205,16 @@ def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
     return copies
 
 
-def _written(report: Report, files: dict[str, Path], markdown: Path | None, copies: dict[str, Path]) -> str:
+def _written(
+    report: Report, files: dict[str, Path], markdown: Path | None, section: str, copies: dict[str, Path]
+) -> str:
     """Write what is wanted outside the folder of the report; the first problem in words, or nothing."""
     from eigencontact_verification.benchmarks.table import replace_section
     from eigencontact_verification.campaign.brief import brief
 
     try:
         if markdown is not None:
-            replace_section(markdown, _SECTION, brief(report), family="verify")
+            replace_section(markdown, section, brief(report), family="verify")
         for case, file in copies.items():
             drawn = files["figures"] / f"{case.replace('/', '-')}.png"
             if not drawn.is_file():
