@@ -19,12 +19,15 @@ FloatArray = NDArray[np.float64]
 #: What is remembered: unit and meaning.
 _REMEMBERED = {
     "total_energy": ("J/m2", "work of friction so far, that of skipped cycles included"),
+    "depth_2": ("m", "depth that body 2 has lost, in coordinates that move with it"),
     "start_depth": ("m", "worn depth at the start of the cycle"),
+    "start_depth_2": ("m", "depth that body 2 had lost at the start of the cycle, in coordinates that move with it"),
     "start_energy": ("J/m2", "work of friction at the start of the cycle, that of skipped cycles included"),
     "start_slip": ("m", "path slipped at the start of the cycle"),
     "start_dissipated": ("J/m2", "work of friction of solved increments at the start of the cycle"),
     "rate": ("m/Pa", "depth that the last solved cycle wore, by pressure"),
     "steady": ("m", "depth that the last solved cycle wore whatever the pressure"),
+    "steady_2": ("m", "depth that the last solved cycle wore off body 2, in coordinates that move with it"),
     "slope": ("m/Pa", "change of the depth by pressure from cycle to cycle"),
     "cycle_energy": ("J/m2", "work of friction of the last solved cycle"),
 }
@@ -34,12 +37,18 @@ _REMEMBERED = {
 class WornState:
     """Two surfaces, one of which at least wears; arrays are (ny, nx).
 
+    Body 1 rests in the window, and body 2 moves with the geometry. What body 2 has lost is therefore kept in
+    coordinates that move with it, and is carried into the window by linear interpolation. What it loses in the window
+    is carried back by the adjoint of that, so that no volume is lost. The frame closes on itself: a contact is smaller.
+
     Attributes
     ----------
     depth : dict of int to array
-        Lost by each body that wears [m].
+        Lost by each body that wears, in its own coordinates [m].
     energy : array
         Work of friction so far, that of skipped cycles included [J/m²].
+    cells : (float, float)
+        By which body 2 has moved along x and y.
     memory : dict of str to array
         Values at the start of the cycle in progress, and rates of the last solved one.
     error : float
@@ -52,6 +61,7 @@ class WornState:
 
     depth: dict[int, FloatArray]
     energy: FloatArray
+    cells: tuple[float, float] = (0.0, 0.0)
     memory: dict[str, FloatArray] = field(default_factory=dict)
     error: float = 0.0
     cycles: float = 0.0
@@ -59,18 +69,64 @@ class WornState:
 
     @property
     def total(self) -> FloatArray:
-        """Depth lost by both [m]."""
+        """Depth lost by both, where they are [m]."""
+        return np.asarray(sum(self.seen(body) for body in self.depth))
+
+    @property
+    def lost(self) -> FloatArray:
+        """Depth lost by both, each in its own coordinates [m]: for volumes, and for the place of each in a cycle."""
         return np.asarray(sum(self.depth.values()))
 
+    def seen(self, body: int) -> FloatArray:
+        """Depth lost by a body, in coordinates of the window [m]."""
+        return carried(self.depth[body], self.cells) if body == 2 else self.depth[body]
 
-def recalled(last: StepRecord | None, bodies: Mapping[int, float], grid: Grid) -> WornState:
-    """State after the last accepted step, from its record alone; of new surfaces before the first."""
-    zero = np.zeros(grid.shape)
+    def wear(self, added: FloatArray, parts: Mapping[int, float]) -> None:
+        """Take a depth [m] off the bodies, each its part, in coordinates of the window."""
+        x, y = self.cells
+        own = {1: added, 2: carried(added, (-x, -y)) if 2 in parts else added}
+        self.depth = {body: known + parts[body] * own[body] for body, known in self.depth.items()}
+
+
+def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
+    """Values ``(ny, nx)`` moved by so many cells along x and y, by linear interpolation, in a frame that is closed.
+
+    The sum stays, and the way back is the adjoint.
+
+    Examples
+    --------
+    >>> carried(np.array([[0.0, 4.0, 0.0, 0.0]]), (1.25, 0.0))
+    array([[0., 0., 3., 1.]])
+    """
+    for axis, distance in ((1, cells[0]), (0, cells[1])):
+        whole = int(np.floor(distance))
+        part = distance - whole
+        if whole:
+            values = np.roll(values, whole, axis)
+        if part:
+            values = (1.0 - part) * values + part * np.roll(values, 1, axis)
+    return values
+
+
+def recalled(
+    last: StepRecord | None, bodies: Mapping[int, float], grid: Grid, travel: tuple[float, float] | None
+) -> WornState:
+    """State after the last accepted step, from its record alone; of new surfaces before the first.
+
+    Body 2 has come to `travel` [m] meanwhile; None where it never moves.
+    """
+    zero, cells = np.zeros(grid.shape), (0.0, 0.0)
+    if travel is not None:
+        cells = (travel[0] / grid.dx, travel[1] / grid.dy)
     if last is None:
-        return WornState(depth=dict.fromkeys(bodies, zero), energy=zero)
+        return WornState(depth=dict.fromkeys(bodies, zero), energy=zero, cells=cells)
     held = {name: last.history[f"wear_{name}"].values[0, 0] for name in _REMEMBERED if f"wear_{name}" in last.history}
+    depth = {body: last.fields[f"worn_depth_{body}"] for body in bodies}
+    if "depth_2" in held:
+        depth[2] = held.pop("depth_2")
     return WornState(
-        depth={body: last.fields[f"worn_depth_{body}"] for body in bodies},
+        depth=depth,
+        cells=cells,
         energy=held.pop("total_energy"),
         memory=held,
         error=last.scalars["wear_error"] * last.scalars["worn_volume"],
@@ -79,10 +135,11 @@ def recalled(last: StepRecord | None, bodies: Mapping[int, float], grid: Grid) -
     )
 
 
-def store(state: WornState, step: Step, grid: Grid) -> None:
-    """Fields, numbers and what is remembered, into a step."""
+def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) -> None:
+    """Fields, numbers and what is remembered, into a step; `travels` where body 2 moves."""
     total, area = state.total, grid.cell_area
-    step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": depth for body, depth in state.depth.items()}}
+    own = {"depth_2": state.depth[2]} if travels and 2 in state.depth else {}
+    step.fields |= {"worn_depth": total, **{f"worn_depth_{body}": state.seen(body) for body in state.depth}}
     volume = float(total.sum()) * area
     step.scalars |= {
         "worn_volume": volume,
@@ -93,7 +150,7 @@ def store(state: WornState, step: Step, grid: Grid) -> None:
         "wear_error": state.error / volume if volume > 0 else 0.0,
     }
     coords = {"z": np.zeros(1), "y": grid.y, "x": grid.x}
-    for name, values in {"total_energy": state.energy, **state.memory}.items():
+    for name, values in {"total_energy": state.energy, **own, **state.memory}.items():
         unit, meaning = _REMEMBERED[name]
         step.history[f"wear_{name}"] = HistoryRecord(
             name=f"wear_{name}", body=1, values=values[None, None], coords=coords, unit=unit, meaning=meaning

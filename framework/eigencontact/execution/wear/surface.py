@@ -64,7 +64,8 @@ class WornSurface:
 
         Cycles that are skipped before the step wear the surfaces, and so does what it slides all over the contact.
         """
-        self._separation, self._state = separation, recalled(step.previous, self._parts, self._grid)
+        travel = step.travel if self._travels else None
+        self._separation, self._state = separation, recalled(step.previous, self._parts, self._grid, travel)
         cycle = step.cycle
         if cycle is not None and cycle.begins:
             if cycle.skipped:
@@ -78,7 +79,7 @@ class WornSurface:
         """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
         cycle, memory = step.cycle, self._state.memory
         if cycle is not None and cycle.settling:
-            store(self._state, step, self._grid)
+            store(self._state, step, self._grid, travels=self._travels)
             return
         at_once = cycle is None or self._at_once
         slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
@@ -90,7 +91,7 @@ class WornSurface:
             self._wear(step, slip, energy, amplitude=0.0)
         if cycle is not None and cycle.ends:
             self._end_cycle(step, cycle)
-        store(self._state, step, self._grid)
+        store(self._state, step, self._grid, travels=self._travels)
         alpha, volume = self._law.volume_per_energy, step.scalars["worn_volume"]
         if alpha is not None:
             missing = abs(volume - alpha * step.scalars["wear_energy"])
@@ -100,7 +101,9 @@ class WornSurface:
         """Values at the start of a cycle."""
         state, zero = self._state, np.zeros(self._grid.shape)
         fields = {} if step.previous is None else step.previous.fields
-        state.memory |= {"start_depth": state.total, "start_energy": state.energy}
+        state.memory |= {"start_depth": state.lost, "start_energy": state.energy}
+        if self._travels and 2 in state.depth:
+            state.memory["start_depth_2"] = state.depth[2]
         if self._friction is not None and not self._at_once:
             state.memory["start_slip"] = fields.get("slip_distance", zero)
             state.memory["start_dissipated"] = fields.get("dissipated_energy_density", zero)
@@ -110,12 +113,24 @@ class WornSurface:
         last = step.previous
         assert last is not None
         assert step.control is not None
+        if self._travels and not self._state.memory["rate"].any():
+            self._repeat(cycles)
+            return
         modes = {name: last.scalars[name] for name in step.control.given}
         pressure, memory = last.fields["pressure"], self._state.memory
         depth = Rate(pressed=memory["rate"], steady=memory["steady"]).depth(pressure)
         rate = ahead(memory, 0.5 * (cycles + 1))
         self._move(Control(**modes), last.fields, rate, cycles, depth, memory["cycle_energy"], pressure)
         self._state.cycles += cycles
+
+    def _repeat(self, cycles: int) -> None:
+        """Wear by cycles that all wear what the last one did, whatever the pressure; each body in its own place."""
+        state, memory = self._state, self._state.memory
+        second = memory.get("steady_2", 0.0)
+        each = {1: memory["steady"] - second, 2: second}
+        state.depth = {body: known + cycles * each[body] for body, known in state.depth.items()}
+        state.energy = state.energy + cycles * memory["cycle_energy"]
+        state.cycles += cycles
 
     def _slide(self, step: Step) -> None:
         """Wear by sliding all over the contact, on the way to the pressure that the step will find."""
@@ -146,7 +161,7 @@ class WornSurface:
         """Wear by a whole cycle, and decide how many more it stands for."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
-        within = not np.array_equal(state.total, memory["start_depth"])
+        within = not np.array_equal(state.lost, memory["start_depth"])
         if "start_slip" in memory:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
             rate = self._wear(step, step.fields["slip_distance"] - memory["start_slip"], energy, amplitude=0.25)
@@ -156,11 +171,14 @@ class WornSurface:
             return
         if rate is None or within:
             # Something wore within the cycle: all of it together is what a cycle wears.
-            depth, energy = state.total - memory["start_depth"], state.energy - memory["start_energy"]
+            depth, energy = state.lost - memory["start_depth"], state.energy - memory["start_energy"]
             loaded = (pressure > 0) & (not self._travels)
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
             rate = filled(rate, loaded)
+        start = memory.get("start_depth_2")
         self._jumps.decide(state, cycle, rate, energy, pressure)
+        if start is not None:
+            state.memory["steady_2"] = state.depth[2] - start
 
     def _seen(
         self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
@@ -188,7 +206,7 @@ class WornSurface:
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
             )  # fmt: skip
             added = found.depth
-            state.depth = {body: known + self._parts[body] * added for body, known in state.depth.items()}
+            state.wear(added, self._parts)
             state.error += found.error * float(added.sum()) * self._grid.cell_area
         state.energy = state.energy + energy_of(added, depth, energy, cycles)
 
