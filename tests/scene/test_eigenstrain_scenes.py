@@ -151,7 +151,7 @@ REFUSED = {
     "unknown shape": ({"inclusions": [ball(type="shpere")]}, "inclusions: unknown inclusion-shape 'shpere'; installed"),
     "unknown key of a shape": (
         {"inclusions": [ball(radus=1.0)]},
-        "unknown key 'radus' in inclusions (sphere); known: center, radius; did you mean 'radius'?",
+        "unknown key 'radus' in inclusions (sphere); known: center, radius, name, body, eigenstrain, material, centers",
     ),
     "missing key of a shape": (
         {"inclusions": [ball(radius=None)]},

@@ -222,16 +222,27 @@ def _wear_law(scene: Scene, registry: Registry) -> WearLaw | None:
     """Wear law of a scene, whose steps have what it looks at."""
     if scene.wear is None:
         return None
-    law: WearLaw = build_component(registry, WearLaw.kind, scene.wear.component, "wear")
+    table = scene.wear
+    law: WearLaw = build_component(registry, WearLaw.kind, table.component, "wear", table.beside)
     if law.needs_friction and scene.friction is None:
+        others = [
+            repr(entry.key)
+            for entry in registry.of_kind(law.kind)
+            if not getattr(entry.component, "needs_friction", True)
+        ]
         raise SceneError(
-            f"wear law {law.key!r} must have friction, whose work it looks at (got a frictionless contact); add "
-            "[friction], or take a law of pressure and path"
+            f"wear.type must name a law of pressure and path in a contact without friction, {' or '.join(others)} "
+            f"(got {law.key!r}, which looks at the work of friction); set it, or add [friction]"
         )
-    if law.needs_cycles and (scene.wear.update == "increment" or all(step.cycle is None for step in scene.steps)):
+    if law.needs_cycles and table.update == "increment":
         raise SceneError(
-            f"wear law {law.key!r} must have steps in a cycle and wear.update = 'cycle', as it looks at the slip "
-            "amplitude of a cycle (got steps that wear one by one); write them as cycle = [{ ... }]"
+            f"wear.update must be 'cycle' with {law.key!r}, which looks at the slip amplitude of a cycle (got "
+            "'increment'); leave it out"
+        )
+    if law.needs_cycles and all(step.cycle is None for step in scene.steps):
+        raise SceneError(
+            f"steps must have a cycle with wear.type = {law.key!r}, which looks at the slip amplitude of a cycle (got "
+            "none); write them as cycle = [{ ... }]"
         )
     return law
 

@@ -188,7 +188,7 @@ def build_sources(
         law = None if given is None else build_law(registry, given, f"{where}.material", body)
         entry = registry.get("inclusion-shape", item.type, where=where)
         for copy, table in enumerate(item.tables(entry.component, where)):
-            shape = build_component(registry, "inclusion-shape", table, where)
+            shape = build_component(registry, "inclusion-shape", table, where, item.beside)
             name = item.name or f"{item.type} {number + 1}"
             name += f", {copy + 1}" if item.centers is not None else ""
             facts: dict[str, Any] = {"name": name, "where": where, "key": item.type, "body": item.body}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from pathlib import Path
@@ -18,8 +18,10 @@ from eigencontact.scene.messages import explain_error, refuse_unknown
 __all__ = ["build_component", "converted", "instantiate", "kind_within"]
 
 
-def build_component(registry: Registry, kind: str, table: Mapping[str, Any], where: str) -> Any:
-    """Component of a scene table; ``type`` names the plugin.
+def build_component(
+    registry: Registry, kind: str, table: Mapping[str, Any], where: str, beside: Iterable[str] = ()
+) -> Any:
+    """Component of a scene table; ``type`` names the plugin. Keys `beside` its fields are taken already.
 
     Raises
     ------
@@ -31,12 +33,14 @@ def build_component(registry: Registry, kind: str, table: Mapping[str, Any], whe
     if not isinstance(key, str) or not key:
         known = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
         raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {known}")
-    return instantiate(registry, registry.get(kind, key, where=where), parameters, where)
+    return instantiate(registry, registry.get(kind, key, where=where), parameters, where, beside)
 
 
-def instantiate(registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str) -> Any:
+def instantiate(
+    registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str, beside: Iterable[str] = ()
+) -> Any:
     """Component of a registered class from named parameters, each converted to its annotated type."""
-    values = converted(registry, entry, parameters, where)
+    values = converted(registry, entry, parameters, where, beside)
     try:
         return entry.component(**values)
     except SceneError:
@@ -47,14 +51,16 @@ def instantiate(registry: Registry, entry: Entry, parameters: Mapping[str, Any],
         ) from problem
 
 
-def converted(registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str) -> dict[str, Any]:
+def converted(
+    registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str, beside: Iterable[str] = ()
+) -> dict[str, Any]:
     """Parameters with the names and types of a registered class; its own rules are not asked yet.
 
     A field whose annotation is a kind of plugin holds the table of a component of that kind.
     """
     cls = entry.component
     known = {item.name: item for item in fields(cls)}
-    refuse_unknown(parameters, known, f"{where} ({entry.key})")
+    refuse_unknown(parameters, [*known, *beside], f"{where} ({entry.key})")
     given = {name.replace("-", "_"): value for name, value in parameters.items()}
     if len(given) < len(parameters):
         raise SceneError(f"{where} must give each key once (got {', '.join(parameters)}); '-' and '_' are one")

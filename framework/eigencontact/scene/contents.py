@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from eigencontact.core.names import clashes
@@ -86,7 +86,7 @@ def _check_steps(scene: Scene) -> None:
                 'no shear); add [friction] with type = "coulomb" and a coefficient, or leave it out'
             )
         if step.sliding_distance is not None:
-            _check_sliding(scene, where, along)
+            _check_sliding(scene, where, step)
 
 
 def _places(scene: Scene) -> Iterator[tuple[str, Step]]:
@@ -103,19 +103,27 @@ def _check_number_of_steps(scene: Scene) -> None:
     counts = [expected_points([step], scene.wear) for step in scene.steps]
     if sum(counts) > _MOST_STEPS:
         largest = max(range(len(counts)), key=counts.__getitem__)
-        step, name = scene.steps[largest], "repeat" if scene.steps[largest].cycle else "increments"
-        where, own = "steps" if len(scene.steps) == 1 else f"steps.{largest}", getattr(step, name)
-        most = max(1, own * (_MOST_STEPS - sum(counts) + counts[largest]) // counts[largest])
+        step, left = scene.steps[largest], _MOST_STEPS - sum(counts) + counts[largest]
+        where = "steps" if len(scene.steps) == 1 else f"steps.{largest}"
+        name = "repeat" if step.cycle else "increments"
+        if step.cycle and expected_points(step.cycle, None) > left:
+            place, step = max(enumerate(step.cycle), key=lambda item: item[1].increments)
+            where, name = f"{where}.cycle.{place}", "increments"
+        own = getattr(step, name)
+        most = max(1, own * left // counts[largest])
+        fewer = name == "repeat" and scene.wear is not None and scene.wear.cycles_per_update is not None
         raise ValueError(
             f"!{where}.{name} must leave at most {_MOST_STEPS} load steps in all, each of which is solved and "
             f"stored (got {shown(own)}, and {shown(sum(counts))} in all); {most} is the most"
+            + (", or set a larger wear.cycles-per-update" if fewer else "")
         )
 
 
-def _check_sliding(scene: Scene, where: str, along: Sequence[str]) -> None:
-    if along:
+def _check_sliding(scene: Scene, where: str, step: Step) -> None:
+    other = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL | set(TRAVEL)]
+    if other:
         raise ValueError(
-            f"!{where} must slide by sliding-distance, or be loaded or moved by {along[0]} (got both); make two steps "
+            f"!{where} must slide by sliding-distance, or be loaded or moved by {other[0]} (got both); make two steps "
             "of them"
         )
     if scene.friction is None and scene.wear is None:
@@ -138,8 +146,8 @@ def _check_wear(scene: Scene) -> None:
         )
     if scene.wear.update == "cycle" and any(_travels(ramp) for step in scene.steps for ramp in step.cycle or ()):
         raise ValueError(
-            "!wear.update must be 'increment' where a cycle moves the geometry by travel-x or travel-y (got 'cycle'); "
-            'set update = "increment"'
+            "!wear.update must be 'increment' where a cycle moves the geometry, by travel-x, travel-y or impacts (got "
+            "'cycle'); set update = \"increment\""
         )
 
 

@@ -114,7 +114,9 @@ class Step(Table):
     @model_validator(mode="after")
     def _controlled(self) -> Step:
         if self.cycle is not None:
-            own = sorted(self.model_fields_set - {"cycle", "repeat"})
+            defaults = {name: field.default for name, field in type(self).model_fields.items()}
+            own = sorted(name for name in defaults if getattr(self, name) != defaults[name])
+            own = [name for name in own if name not in ("cycle", "repeat")]
             if own:
                 raise ValueError(f"a cycle and nothing else but repeat: leave out {own[0].replace('_', '-')}")
             if any(step.cycle is not None for step in self.cycle):

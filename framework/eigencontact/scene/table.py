@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from eigencontact.core.quantities import Length
 from eigencontact.scene.checks import finite, non_negative, one_or_many, only_numbers, positive
@@ -48,7 +56,22 @@ class ComponentTable(Table):
 
     type: str
 
+    @model_validator(mode="before")
+    @classmethod
+    def _names_a_plugin(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "type" not in data:
+            from eigencontact.scene.installed import installed_plugins
+
+            known = " or ".join(repr(entry.key) for entry in installed_plugins().of_kind(cls.kind))
+            raise ValueError(f"given a type, {known}")
+        return data
+
     @property
     def component(self) -> dict[str, Any]:
         """Table of the plugin: ``type`` and its fields."""
         return {"type": self.type, **(self.model_extra or {})}
+
+    @property
+    def beside(self) -> list[str]:
+        """Keys that are not fields of the plugin."""
+        return [name for name in type(self).model_fields if name != "type"]

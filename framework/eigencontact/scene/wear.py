@@ -24,7 +24,7 @@ class Shares(Table):
     def _whole(self) -> Shares:
         total = self.body1 + self.body2
         if abs(total - 1.0) > 1e-12:
-            raise ValueError(f"of sum 1, as body1 = 0.7, body2 = 0.3 (the sum is {total:g})")
+            raise ValueError(f"of sum 1 and not {total:g}, as body1 = 0.7, body2 = 0.3")
         return self
 
 
