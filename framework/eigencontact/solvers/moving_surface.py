@@ -72,6 +72,7 @@ def moved(
     *,
     steady: FloatArray | None = None,
     tolerance: float,
+    least: float = 0.0,
 ) -> Moved:
     """Integrate ``d depth / d cycles = rate p(depth) + steady``, rate and steady frozen.
 
@@ -93,6 +94,8 @@ def moved(
     tolerance : float
         Bound on the estimated relative error of the depth added [-]; the pressure at the end may be off by five times
         as much.
+    least : float
+        Sum of the depth over all cells [m] that the error is relative to where less is added.
 
     Returns
     -------
@@ -140,14 +143,14 @@ def moved(
     coarse, before, solves, count = stepped(1), None, 1, 1
     # The error of one sub-step: the trapezoidal rule would take the mean of the first and the last pressure.
     other = coarse[0] - 0.5 * cycles * rate * (coarse[1] - pressure), 0.5 * (coarse[1] + pressure)
-    answer, errors = coarse, _difference(other, coarse)
+    answer, errors = coarse, _difference(other, coarse, least)
     while _worst(errors) > tolerance and count < _FINEST:
         count *= 2
         fine = stepped(count)
         solves += count
-        errors, plain = _difference(coarse, fine), _extrapolated(coarse, fine, count, bounded=False)
+        errors, plain = _difference(coarse, fine, least), _extrapolated(coarse, fine, count, bounded=False)
         # Of the first extrapolation nothing is known but that it is better than what it is made of.
-        finer = errors if before is None else _difference(before, plain)
+        finer = errors if before is None else _difference(before, plain, least)
         if _worst(finer) <= _worst(errors):
             answer, errors = _extrapolated(coarse, fine, count, bounded=True), finer
         else:
@@ -198,14 +201,14 @@ def _extrapolated(coarse: _State, fine: _State, count: int, *, bounded: bool) ->
     return (np.maximum(depth, 0.0), np.maximum(pressure, 0.0)) if bounded else (depth, pressure)
 
 
-def _difference(one: _State, other: _State) -> tuple[float, float]:
+def _difference(one: _State, other: _State, least: float) -> tuple[float, float]:
     """Differences of depth and of pressure, relative to the second; sums over cells."""
 
-    def relative(a: FloatArray, b: FloatArray) -> float:
-        size, off = float(np.sum(np.abs(b))), float(np.sum(np.abs(a - b)))
+    def relative(a: FloatArray, b: FloatArray, least: float = 0.0) -> float:
+        size, off = max(float(np.sum(np.abs(b))), least), float(np.sum(np.abs(a - b)))
         return off / size if size > 0 else (inf if off > 0 else 0.0)
 
-    return relative(one[0], other[0]), relative(one[1], other[1])
+    return relative(one[0], other[0], least), relative(one[1], other[1])
 
 
 def _worst(errors: tuple[float, float]) -> float:

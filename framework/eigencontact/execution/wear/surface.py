@@ -33,6 +33,8 @@ FloatArray = NDArray[np.float64]
 
 #: Part of the error of a jump that the integration at a fixed rate may make.
 _INTEGRATION = 0.1
+#: Part of the depth so far that its error is relative to where less is added.
+_LEAST = 0.02
 
 
 class WornSurface:
@@ -198,16 +200,18 @@ class WornSurface:
     ) -> None:  # fmt: skip
         """Move the surfaces by so many cycles of a rate, of which a solved one wore a depth and spent an energy."""
         state, added = self._state, np.zeros_like(pressure)
+        least = _LEAST * float(state.total.sum())
         if rate.any:
             found = moved(
                 lambda worn, springs, start: self._mechanics.pressed(
                     control, fields, self._separation + worn, springs, start
                 ),
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
+                least=least,
             )  # fmt: skip
             added = found.depth
             state.wear(added, self._parts)
-            state.error += found.error * float(added.sum()) * self._grid.cell_area
+            state.error += found.error * max(float(added.sum()), least) * self._grid.cell_area
         state.energy = state.energy + energy_of(added, depth, energy, cycles)
 
 
