@@ -15,13 +15,18 @@ SHAPE = (2, 3, 4)
 COORDS = {"z": np.arange(2) * 0.3 + 0.1, "y": np.arange(3) * 0.3, "x": np.arange(4) * 0.3}
 
 
-def remembered(index):
+GRID = synthetic.info().grid
+
+
+def remembered(index, grid=GRID):
     rng = np.random.default_rng(index)
     cells = {"body": 1, "coords": COORDS}
+    surface = {"body": 1, "coords": {"y": grid.y, "x": grid.x}}
     records = [
         HistoryRecord(name="strain_1", values=rng.normal(size=(6, *SHAPE)), unit="1", meaning="a strain", **cells),
         HistoryRecord(name="damage_1", values=rng.random((1, *SHAPE)), unit="1", meaning="a damage", **cells),
         HistoryRecord(name="pair_1", values=rng.random((2, *SHAPE)), unit="Pa", meaning="two stresses", **cells),
+        HistoryRecord(name="lost_1", values=rng.random((1, *grid.shape)), unit="m", meaning="of a surface", **surface),
         HistoryRecord(name="strain_2", values=rng.random((6, 5)), body=2, coords={}, unit="1", meaning="of inclusions"),
     ]
     return {record.name: record for record in records}
@@ -77,6 +82,7 @@ def test_results_open_with_names_units_and_coordinates(tmp_path, every, kept):
         assert data["mandel"].values.tolist() == ["xx", "yy", "zz", "sqrt2 yz", "sqrt2 xz", "sqrt2 xy"]
         assert np.array_equal(data["cells_1_z"], COORDS["z"])
         assert data["damage_1"].dims == ("history_step", "cells_1_z", "cells_1_y", "cells_1_x")
+        assert data["lost_1"].dims == ("history_step", "y", "x")
         assert data["pair_1"].dims[1] == "pair_1_component"
         assert data["strain_2"].dims == ("history_step", "mandel", "inclusion_2")
         last = data["damage_1"].sel(history_step=3).sel(cells_1_x=0.6, method="nearest")

@@ -15,7 +15,7 @@ from results.test_history import remembered
 
 
 def with_history(info):
-    return [replace(synthetic.step(info, n), history=remembered(n)) for n in (1, 2, 3)]
+    return [replace(synthetic.step(info, n), history=remembered(n, info.grid)) for n in (1, 2, 3)]
 
 
 def growing(info):

@@ -2,8 +2,8 @@
 
 The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
 ``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
-coordinates, or ``(history_step[, mandel], inclusion_<body>)``; their role is ``history``. Six components are those of
-a Mandel vector: shears times √2.
+coordinates, ``(history_step, y, x)`` in the cells of a surface, or ``(history_step[, mandel], inclusion_<body>)``;
+their role is ``history``. Six components are those of a Mandel vector: shears times √2.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.results.layout import TEXT, Variable
+from eigencontact.results.layout import AXES, TEXT, Variable, described
 from eigencontact.results.records import HistoryRecord, StepRecord
 
 if TYPE_CHECKING:
@@ -43,8 +43,11 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
     for name, variable in file.items():
         if str(variable.attrs.get("role")) == "history":
             body = int(np.ravel(variable.attrs["body"])[0])  # an array of one in joined results
-            coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
-            values, points = variable[steps.index(index)], 3 if coords else 1
+            if "surface" in variable.attrs:
+                coords = {axis: file[axis][...] for axis in "yx"}
+            else:
+                coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
+            values, points = variable[steps.index(index)], len(coords) or 1
             found[name] = HistoryRecord(
                 name=name,
                 body=body,
@@ -63,8 +66,12 @@ def history_variables(record: StepRecord) -> Iterator[Variable]:
     if any(len(item.values) == len(_MANDEL) for item in record.history.values()):
         attrs = {"role": "coordinate", "units": "1", "long_name": "component of a Mandel vector"}
         yield Variable(name="mandel", dims=("mandel",), values=np.array(_MANDEL, dtype=TEXT), attrs=attrs)
-    for body, coords in {item.body: item.coords for item in record.history.values()}.items():
+    of_cells = {item.body: item.coords for item in record.history.values() if "z" in item.coords}
+    on_surface = [item.coords for item in record.history.values() if item.coords and "z" not in item.coords]
+    for body, coords in of_cells.items():
         yield from _centres(body, coords)
+    for axis, values in on_surface[0].items() if on_surface else ():
+        yield Variable(name=axis, dims=(axis,), values=values, attrs=described("coordinate", AXES[axis]))
     for item in record.history.values():
         yield _stored(item)
 
@@ -77,11 +84,14 @@ def _centres(body: int, coords: Mapping[str, Any]) -> Iterator[Variable]:
 
 
 def _stored(item: HistoryRecord) -> Variable:
-    points = [f"cells_{item.body}_{axis}" for axis in item.coords] or [f"inclusion_{item.body}"]
+    surface = bool(item.coords) and "z" not in item.coords
+    prefix = "" if surface else f"cells_{item.body}_"
+    points = [f"{prefix}{axis}" for axis in item.coords] or [f"inclusion_{item.body}"]
     values = np.asarray(item.values, dtype=float)
     components = {1: [], len(_MANDEL): ["mandel"]}.get(len(values), [f"{item.name}_component"])
     attrs: dict[str, str | int] = {
         "role": "history", "units": item.unit, "long_name": item.meaning, "body": item.body,
+        **({"surface": 1} if surface else {}),
     }  # fmt: skip
     values = values if components else values[0]
     return Variable(name=item.name, dims=(HISTORY_STEP, *components, *points), values=values[None], attrs=attrs)

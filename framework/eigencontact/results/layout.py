@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
-__all__ = ["FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "variables"]
+__all__ = ["AXES", "FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "described", "variables"]
 
 #: Value of the attribute ``format`` of every file of this layout.
 FORMAT = "eigencontact-results-1"
@@ -91,7 +91,8 @@ SCALARS: dict[str, Quantity] = {
     "substeps": Quantity("1", "increments that the step was cut into, to converge or for the accuracy asked for"),
 }
 
-_AXES = {
+#: Coordinates: unit and meaning.
+AXES = {
     "x": Quantity("m", "x"),
     "y": Quantity("m", "y"),
     "z": Quantity("m", "depth below the surface, into the body"),
@@ -183,7 +184,7 @@ def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
         attrs={"role": "coordinate", "units": "1", "long_name": "position in the load history, in load steps"},
     )
     for axis, values in (("y", info.grid.y), ("x", info.grid.x)):
-        yield Variable(name=axis, dims=(axis,), values=values, attrs=_described("coordinate", _AXES[axis]))
+        yield Variable(name=axis, dims=(axis,), values=values, attrs=described("coordinate", AXES[axis]))
     fields = {name for region in record.regions.values() for name in region.fields}
     if fields & {"stress", "strain"}:
         attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "component of stress or strain"}
@@ -211,18 +212,18 @@ def _outlines(info: RunInfo) -> Iterator[Variable]:
 def _surface(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     for name, values in record.fields.items():
         _fits(name, np.shape(values), info.grid.shape)
-        attrs = {**_described("field", QUANTITIES.get(name)), "coordinates": "time"}
+        attrs = {**described("field", QUANTITIES.get(name)), "coordinates": "time"}
         yield Variable(name=name, dims=("step", "y", "x"), values=np.asarray(values)[None], attrs=attrs)
 
 
 def _scalars(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     known = SCALARS | info.numbers
     for name, value in record.scalars.items():
-        attrs = {**_described("scalar", known.get(name, Quantity("unknown", name))), "coordinates": "time"}
+        attrs = {**described("scalar", known.get(name, Quantity("unknown", name))), "coordinates": "time"}
         yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
     for name, value in record.observed.items():
         meaning = Quantity(info.observed_units.get(name, "unknown"), f"{name} as returned by its observer, SI units")
-        attrs = {**_described("observed", meaning), "coordinates": "time"}
+        attrs = {**described("observed", meaning), "coordinates": "time"}
         yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
 
 
@@ -232,7 +233,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
         dims: tuple[str, ...] = ()
         if np.ndim(values) == 1:
             dims = (named[axis] if axis in region.dims else f"{name}_point",)
-        attrs = {**_described("coordinate", _AXES[axis]), "region": name}
+        attrs = {**described("coordinate", AXES[axis]), "region": name}
         yield Variable(name=named[axis], dims=dims, values=np.asarray(values, dtype=float), attrs=attrs)
     beside = " ".join(["time", *(named[axis] for axis in region.coords if axis not in region.dims)])
     sizes = {axis: np.size(region.coords[axis]) for axis in region.dims if axis in region.coords}
@@ -242,7 +243,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
         lead = _LEADING.get(quantity, ())
         _fits(f"{name}.{quantity}", np.shape(values), (*((6,) if lead == ("component",) else (3,) * len(lead)), *grid))
         attrs = {
-            **_described("region", QUANTITIES.get(quantity, Quantity("unknown", quantity))),
+            **described("region", QUANTITIES.get(quantity, Quantity("unknown", quantity))),
             "coordinates": beside,
             "region": name,
             "shape": region.shape,
@@ -253,7 +254,8 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
         yield Variable(name=f"{name}_{quantity}", dims=dims, values=np.asarray(values)[None], attrs=attrs)
 
 
-def _described(role: str, quantity: Quantity | None) -> dict[str, str | int]:
+def described(role: str, quantity: Quantity | None) -> dict[str, str | int]:
+    """Attributes of a variable."""
     found = quantity or Quantity("unknown", "no entry in the vocabulary of quantities")
     return {"role": role, "units": found.unit, "long_name": found.long_name}
 

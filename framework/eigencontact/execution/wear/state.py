@@ -120,7 +120,7 @@ def recalled(
         cells = (travel[0] / grid.dx, travel[1] / grid.dy)
     if last is None:
         return WornState(depth=dict.fromkeys(bodies, zero), energy=zero, cells=cells)
-    held = {name: last.history[f"wear_{name}"].values[0, 0] for name in _REMEMBERED if f"wear_{name}" in last.history}
+    held = {name: last.history[f"wear_{name}"].values[0] for name in _REMEMBERED if f"wear_{name}" in last.history}
     depth = {body: last.fields[f"worn_depth_{body}"] for body in bodies}
     if "depth_2" in held:
         depth[2] = held.pop("depth_2")
@@ -149,9 +149,9 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
         "wear_energy": float(state.energy.sum()) * area,
         "wear_error": state.error / volume if volume > 0 else 0.0,
     }
-    coords = {"z": np.zeros(1), "y": grid.y, "x": grid.x}
+    coords = {"y": grid.y, "x": grid.x}
     for name, values in {"total_energy": state.energy, **own, **state.memory}.items():
         unit, meaning = _REMEMBERED[name]
         step.history[f"wear_{name}"] = HistoryRecord(
-            name=f"wear_{name}", body=1, values=values[None, None], coords=coords, unit=unit, meaning=meaning
+            name=f"wear_{name}", body=1, values=values[None], coords=coords, unit=unit, meaning=meaning
         )
