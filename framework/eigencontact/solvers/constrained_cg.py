@@ -130,8 +130,7 @@ def solve_box(
             if share is None:
                 modes.remove(r, c)
             else:
-                weight = c * share
-                modes.level(r, c, weight)
+                modes.level(r, c, c * share)
         # r carries no force on the loaded cells, so the rigid part of z does not enter the products with it.
         z = problem.precondition(r)
         z *= c
@@ -144,15 +143,17 @@ def solve_box(
             direction += z
         else:
             direction = z
-        if share is None:
-            modes.remove(direction, c)
-        else:
-            modes.unload(direction, weight)
+        _without_forces(modes, direction, c, share)
+        descent = dot(r, direction)
+        if careful and descent <= 0:  # the loaded cells have changed; the old direction leads uphill on these
+            direction = z
+            _without_forces(modes, direction, c, share)
+            descent = dot(r, direction)
         response = problem.apply(direction)
         curvature = dot(direction, response)
         if not curvature > 0:
             break
-        step = dtype.type(dot(r, direction) / curvature)
+        step = dtype.type(descent / curvature)
         p = p + np.multiply(direction, step, out=work)
         if float(p.min()) < 0:  # release the cells that pull; the gap is then computed anew
             pulls = p < 0
@@ -179,6 +180,14 @@ def solve_box(
             work *= c
             deflection = float(work.max())
     return state
+
+
+def _without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:
+    """Take the forces out of a search direction, in place."""
+    if share is None:
+        modes.remove(direction, loaded)
+    else:
+        modes.unload(direction, loaded * share)
 
 
 def _relative(worst: float, deflection: float) -> float:
