@@ -51,8 +51,9 @@ def rate_of(law: WearLaw, state: WearState) -> Rate:
         names = ("pressure", "shear", "energy")
         nudged = replace(state, **{name: (1.0 + _NUDGE) * getattr(state, name) for name in names})
         change = np.maximum(checked_depth(law, nudged) - depth, 0.0)
-        slope = quotient(change, _NUDGE * state.pressure, loaded)
-        return filled(Rate(pressed=slope, steady=depth - slope * state.pressure), loaded)
+        # What a threshold lets through grows faster than in proportion; no place may grow back at a lower pressure.
+        slope = np.minimum(quotient(change, _NUDGE * state.pressure, loaded), slope)
+        return filled(Rate(pressed=slope, steady=np.maximum(depth - slope * state.pressure, 0.0)), loaded)
     return filled(Rate(pressed=slope, steady=np.where(loaded, 0.0, depth)), loaded)
 
 
