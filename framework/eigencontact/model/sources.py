@@ -154,11 +154,6 @@ class Inhomogeneity(Source):
         return self.law.key
 
     @property
-    def material_name(self) -> str:
-        """Name for laws that tell materials apart: the same at each of many places."""
-        return self.name.split(", ")[0]
-
-    @property
     def how(self) -> str:
         """How it is resolved, in words."""
         if self.lattice is None:

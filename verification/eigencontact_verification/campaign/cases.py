@@ -2,8 +2,8 @@
 
 Lengths are in units of an edge or a diameter, which is 1; Young's modulus and the eigenstrain or traction are 1 too.
 Depths are those of the centre. Kernels are the keys of inclusion shapes, of surface influences and of layered media;
-``"inhomogeneity"``, the solver of equivalent inclusions; and ``"plasticity"``, bodies that yield. The radius of a
-circle under pressure is 1.
+``"inhomogeneity"``, the solver of equivalent inclusions; ``"plasticity"``, bodies that yield; and ``"wear"``, surfaces
+that wear. The radius of a circle under pressure is 1.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from eigencontact.library import installed_plugins
-from eigencontact_verification.campaign import inhomogeneities, layers, plastic_cases, plasticity
+from eigencontact_verification.campaign import inhomogeneities, layers, plastic_cases, plasticity, wear
 from eigencontact_verification.campaign.case import Case, Gap
 from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusion_case, shape_of
 from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
@@ -146,6 +146,7 @@ _OTHERS: dict[str, Callable[[], tuple[Case, ...]]] = {
     inhomogeneities.KEY: inhomogeneities.inhomogeneity_cases,
     layers.KEY: layers.layered_cases,
     plasticity.KEY: plastic_cases.plastic_cases,
+    wear.KEY: wear.wear_cases,
 }
 
 
@@ -215,6 +216,11 @@ def gaps() -> tuple[Gap, ...]:
             kernel=plasticity.KEY,
             what="the error of the increments",
             reason="both methods take the same, by backward Euler; orders in the load step are tested apart",
+        ),
+        Gap(
+            kernel=wear.KEY,
+            what="shear coupled to pressure, slip across the load, layers that wear",
+            reason="the reference is rings with Cattaneo's and Mindlin's friction; their limits are tested apart",
         ),
         Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
         *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),

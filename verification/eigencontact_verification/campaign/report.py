@@ -25,7 +25,8 @@ _METHOD = (
     "u_FE, is the sum of a grid convergence index (three meshes) and half the distance of fixed and free outer faces. "
     "A component agrees if |SA − FE| ≤ u_FE at every point of a profile and u_FE is at most {limit} of the field's "
     "largest value there; it disagrees if the difference exceeds u_FE anywhere; otherwise it is inconclusive, which is "
-    "no agreement. Differences and uncertainties below are parts of the field's largest value."
+    "no agreement. Differences and uncertainties below are parts of the field's largest value. For wear, rings of "
+    "uniform pressure stand for the finite elements, in three divisions of space and time."
 )
 
 
