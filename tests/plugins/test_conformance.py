@@ -90,6 +90,7 @@ LAWS = [
     law("coulomb", coefficient=0.3),
     law("coulomb", coefficient=5.0),
     law("shear-cap", coefficient=0.3, cap="200 MPa"),
+    law("by-material", coefficients={"substrate": 0.3}),
     law("coulomb-map", coefficient=0.2, regions=[{"radius": 1e-6, "coefficient": 0.6}]),
     law(
         "coulomb-map",
@@ -116,6 +117,7 @@ WEAR = [
     wear("amplitude-scaled", coefficient="1e4 mm^3/(J mm)"),
     wear("threshold-energy", coefficient="1e-3 mm^3/J", threshold="1 kJ/m^2"),
     wear("threshold-energy", coefficient="1e-3 mm^3/J", threshold=0.0),
+    wear("by-material", laws={"substrate": {"type": "archard", "coefficient": 1e-13}}),
 ]
 
 

@@ -118,6 +118,7 @@ QUANTITIES: dict[str, Quantity] = {
     "worn_depth": Quantity("m", "depth that both bodies together have lost"),
     "worn_depth_1": Quantity("m", "depth that body 1 has lost"),
     "worn_depth_2": Quantity("m", "depth that body 2 has lost"),
+    "exposed_material": Quantity("1", "number of the material that the step met at the surface, 0 the substrate"),
     "contact_zone": Quantity("1", "0 out of contact, 1 slipping in this step, 2 sticking"),
     "residual_displacement_z": Quantity("m", "surface displacement by eigenstrain into the bodies, both summed"),
     "residual_displacement_x": Quantity("m", "surface displacement by eigenstrain along x, body 1 minus body 2"),

@@ -61,10 +61,13 @@ class Contact(Part):
         Of ``"xyz"``: along which a displacement of the surfaces by anything but the tractions matters.
     fields : frozenset of str
         Surface fields that it gives.
+    requires : frozenset of str
+        Quantities that it needs.
     """
 
     directions: str = "z"
     fields: frozenset[str] = frozenset()
+    requires: frozenset[str] = frozenset({"separation"})
 
     def start(self) -> None:
         """Build the solver."""

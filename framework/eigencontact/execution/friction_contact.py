@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from eigencontact.convolution.pace import speed
 from eigencontact.core.tractions import ALONG
 from eigencontact.execution.block import Cost
 from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
+from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.normal_contact import (
     NORMAL_FIELDS,
@@ -67,6 +69,9 @@ class ContactWithFriction(Contact):
         assert model.friction is not None
         grid, box, coupling = model.grid, model.contact_box, model.coupling
         self._law, self._grid, self._numerics = model.friction, grid, model.numerics
+        self._facts = partial(exposed_facts, model)
+        if model.exposed is not None:
+            self.requires = self.requires | {"exposed_material"}
         self._components, self._periodic = coupling.components, model.periodic
         self.directions = f"{coupling.components}z"
         self.fields = NORMAL_FIELDS | friction_fields(coupling.components)
@@ -98,13 +103,14 @@ class ContactWithFriction(Contact):
             self._grid, self._coefficients, self._bound, normal_options(numerics), options
         )  # fmt: skip
         self._time, self._scale = 0.0, 1.0
+        self._material: NDArray[np.intp] | None = None
 
     def _bound(self, pressure: FloatArray, before: Sliding) -> FloatArray:
         """Bound of the law, for tractions that are scaled."""
         y, x = self._grid.axes()
         state = FrictionState(
             pressure=pressure / self._scale if self._scale != 1.0 else pressure,
-            x=x, y=y, slip_distance=before.slip_distance, time=self._time,
+            x=x, y=y, slip_distance=before.slip_distance, time=self._time, **self._facts(self._material),
         )  # fmt: skip
         return self._scale * checked_shear_bound(self._law, state)
 
@@ -157,7 +163,7 @@ class ContactWithFriction(Contact):
         assert increment.control is not None
         assert increment.tangential is not None
         assert increment.separation is not None
-        self._time, self._scale = increment.times[1], 1.0 + softer
+        self._time, self._scale, self._material = increment.times[1], 1.0 + softer, increment.material
         found = self._contact.step(
             increment.separation + offset["z"] if "z" in offset else increment.separation,
             scaled_forces(increment.control, self._scale),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import contact_modulus
 from eigencontact.execution.block import Block
+from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.step import Step
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.model import Model
@@ -36,14 +39,17 @@ class ShearBound(Block):
 
     def __init__(self, model: Model) -> None:
         assert model.friction is not None
-        self._law, self._axes = model.friction, model.grid.axes()
+        self._law, self._axes, self._facts = model.friction, model.grid.axes(), partial(exposed_facts, model)
+        if model.exposed is not None:
+            self.requires = self.requires | {"exposed_material"}
 
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
         y, x = self._axes
         pressure = step.fields["pressure"]
         slipped = np.zeros_like(pressure) if step.previous is None else step.previous.fields["slip_distance"]
-        asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time)
+        facts = self._facts(step.exposed)
+        asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **facts)
         step.fields["shear_bound"] = checked_shear_bound(self._law, asked)
 
 

@@ -35,6 +35,8 @@ class Increment:
         What is prescribed at the end; None without contact, or without friction.
     separation : (ny, nx) or None
         Initial separation, worn depth included [m].
+    material : (ny, nx) int or None
+        What is exposed; None where no law asks.
     slide : Slide or None
         How the surfaces slide all over the contact.
     progress : callable or None
@@ -46,6 +48,7 @@ class Increment:
     control: Control | None
     tangential: TangentialControl | None
     separation: FloatArray | None
+    material: NDArray[np.intp] | None
     slide: Slide | None
     progress: Progress | None
 
@@ -59,6 +62,7 @@ class Increment:
             control=step.control,
             tangential=step.tangential,
             separation=step.fields.get("separation"),
+            material=step.exposed,
             slide=step.slide,
             progress=step.progress,
         )

@@ -75,7 +75,7 @@ class Mechanics(Block):
         self.name, self.why = parts[0].name, parts[0].why
         self.kernels = [kernel for part in parts for kernel in part.kernels]
         self.cost = sum((part.cost for part in parts), Cost())
-        self.requires = frozenset() if contact is None else frozenset({"separation"})
+        self.requires = frozenset() if contact is None else contact.requires
         lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in self._directions}
         own = frozenset() if contact is None else contact.fields
         self.wanted = {**dict.fromkeys(sorted(own), "every run"), **lifts}

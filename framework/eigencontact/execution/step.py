@@ -103,6 +103,12 @@ class Step:
     history: dict[str, HistoryRecord] = field(default_factory=dict)
     progress: Progress | None = None
 
+    @property
+    def exposed(self) -> NDArray[np.intp] | None:
+        """Material ``(ny, nx)`` that the contact of the step meets, by number; None where no law asks."""
+        found = self.fields.get("exposed_material")
+        return None if found is None else found.astype(np.intp)
+
     def record(self) -> StepRecord:
         """The step as it is handed on and stored."""
         return StepRecord(

@@ -21,6 +21,7 @@ from eigencontact.model.boxes import with_cells, with_lattices
 from eigencontact.model.close_up import resolved
 from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.coupling import Coupling, coupling_of
+from eigencontact.model.exposed import Exposed, exposed_of
 from eigencontact.model.grids import given_grid, grid_around
 from eigencontact.model.initial import InitialState
 from eigencontact.model.kernels import Bodies
@@ -66,6 +67,8 @@ class Model:
         Bound of the shear; None where the contact has no friction.
     wear : WearLaw or None
         Depth that sliding takes off the surfaces; None where they stay.
+    exposed : Exposed or None
+        Materials that can come to the surface; None where no law asks and nothing wears, or where there is but one.
     coupling : Coupling or None
         Tractions of the contact and the kernels that join them; None without a contact.
     influences : mapping of str to SurfaceInfluence
@@ -92,6 +95,7 @@ class Model:
     observers: tuple[Observing, ...]
     friction: FrictionLaw | None
     wear: WearLaw | None
+    exposed: Exposed | None
     coupling: Coupling | None
     influences: Mapping[str, SurfaceInfluence]
     prescribed: tuple[Source, ...]
@@ -195,6 +199,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         inhomogeneities = with_cells(inhomogeneities, scene, grid, heights)
     if not scene.numerics.allow_coarse:
         refuse_coarse_regions((*prescribed, *inhomogeneities))
+    wear = _wear_law(scene, registry)
     return Model(
         scene=scene,
         files=files,
@@ -207,7 +212,10 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         geometries=geometries,
         observers=observing(scene, observed),
         friction=friction,
-        wear=_wear_law(scene, registry),
+        wear=wear,
+        exposed=exposed_of(
+            bodies, inhomogeneities, grid, friction, wear, () if scene.wear is None else tuple(scene.wear.parts)
+        ),
         coupling=coupling,
         influences=influences,
         prescribed=prescribed,

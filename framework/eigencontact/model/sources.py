@@ -154,6 +154,11 @@ class Inhomogeneity(Source):
         return self.law.key
 
     @property
+    def material_name(self) -> str:
+        """Name for laws that tell materials apart: the same at each of many places."""
+        return self.name.split(", ")[0]
+
+    @property
     def how(self) -> str:
         """How it is resolved, in words."""
         if self.lattice is None:

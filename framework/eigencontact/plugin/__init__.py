@@ -60,6 +60,7 @@ from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePr
 from eigencontact.plugin.hardening import HardeningLaw, IsotropicHardening, KinematicHardening
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium
+from eigencontact.plugin.materials import NamesMaterials, by_material
 from eigencontact.plugin.observer import Observer, RegionView, RememberedView, StepView
 from eigencontact.plugin.revolution import Revolution
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
@@ -109,6 +110,7 @@ __all__ = [
     "MadeOfLaws",
     "Material",
     "Moment",
+    "NamesMaterials",
     "NonLocal",
     "NotConverged",
     "NotUnique",
@@ -139,6 +141,7 @@ __all__ = [
     "WearLaw",
     "WearState",
     "as_tuple",
+    "by_material",
     "checked_stiffness",
     "derivatives_of",
     "factors_of_compliance",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import ClassVar
 
@@ -29,5 +30,12 @@ class Component:
     def parts(self) -> list[Component]:
         """Components that the fields of this one hold, and theirs."""
         values: list[object] = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
-        held = [one for value in values for one in (value if isinstance(value, tuple) else (value,))]
+        held = [one for value in values for one in _members(value)]
         return [part for one in held if isinstance(one, Component) for part in (one, *one.parts)]
+
+
+def _members(value: object) -> Iterable[object]:
+    """What a field holds: several things in a tuple or by name, or one."""
+    if isinstance(value, Mapping):
+        return value.values()
+    return value if isinstance(value, tuple) else (value,)

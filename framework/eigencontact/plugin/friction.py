@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.plugin.component import Component
+from eigencontact.plugin.materials import SUBSTRATE, only_substrate
 
 __all__ = ["FrictionLaw", "FrictionState", "checked_shear_bound"]
 
@@ -33,6 +34,10 @@ class FrictionState:
         Length of the path that each point has slipped in contact, up to the start of the increment [m].
     time : float
         End of the increment, in load steps: 1 ends the first.
+    material : (ny, nx) int, or (1, 1)
+        What is exposed: a number of `materials`; 0 is the substrate.
+    materials : tuple of str
+        Names by number. They are told where a law names materials (`NamesMaterials`), or surfaces wear.
     """
 
     pressure: FloatArray
@@ -40,6 +45,8 @@ class FrictionState:
     y: FloatArray
     slip_distance: FloatArray
     time: float
+    material: NDArray[np.intp] = field(default_factory=only_substrate)
+    materials: tuple[str, ...] = (SUBSTRATE,)
 
 
 class FrictionLaw(Component, ABC):
@@ -93,13 +100,11 @@ def checked_shear_bound(law: FrictionLaw, state: FrictionState) -> FloatArray:
 
 def _protected(state: FrictionState) -> FrictionState:
     """Return the state with arrays that a law cannot write to."""
-
-    def view(values: FloatArray) -> FloatArray:
-        out = values.view()
-        out.flags.writeable = False
-        return out
-
-    return FrictionState(
-        pressure=view(state.pressure), x=view(state.x), y=view(state.y), slip_distance=view(state.slip_distance),
-        time=state.time,
-    )  # fmt: skip
+    views = {}
+    for item in fields(state):
+        value = getattr(state, item.name)
+        if isinstance(value, np.ndarray):
+            value = value.view()
+            value.flags.writeable = False
+        views[item.name] = value
+    return FrictionState(**views)

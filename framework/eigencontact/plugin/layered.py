@@ -44,6 +44,11 @@ class LayeredMedium(Component, ABC):
         """Depths [m], ascending, where the constants jump; there the in-plane stresses ``xx, yy, xy`` jump too."""
         return ()
 
+    @property
+    def layer_names(self) -> tuple[str, ...]:
+        """Names of the layers above each of the interfaces, for laws that tell materials apart."""
+        return tuple(f"layer {number + 1}" for number in range(len(self.interfaces)))
+
     @abstractmethod
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
         """Return the material at depth z [m]; `side` is that of `response`."""

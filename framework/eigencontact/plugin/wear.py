@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.plugin.component import Component
+from eigencontact.plugin.materials import SUBSTRATE
 
 __all__ = ["WearLaw", "WearState", "checked_depth"]
 
@@ -39,7 +40,9 @@ class WearState:
     total_energy : (ny, nx) float64
         Work of friction of all that came before, skipped cycles included [J/m²].
     material : (ny, nx) int
-        What is exposed: 0 the body, k its k-th inclusion or layer.
+        What is exposed: a number of `materials`; 0 is the substrate.
+    materials : tuple of str
+        Names by number.
     x, y : (1, nx), (ny, 1) float64
         Centres of the cells [m].
     time : float
@@ -57,6 +60,7 @@ class WearState:
     x: FloatArray
     y: FloatArray
     time: float
+    materials: tuple[str, ...] = (SUBSTRATE,)
 
 
 class WearLaw(Component, ABC):

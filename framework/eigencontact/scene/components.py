@@ -91,7 +91,9 @@ def kind_within(hint: Any) -> type[Component] | None:
 
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
-    """Component, or several, of the tables of a field; components themselves stay."""
+    """Component, or several, of the tables of a field, in a row or by name; components themselves stay."""
+    if get_origin(hint) is dict and isinstance(value, Mapping):
+        return {name: _parts(registry, kind, kind, one, f"{where}.{name}") for name, one in value.items()}
     if isinstance(value, list | tuple):
         return tuple(_parts(registry, kind, kind, one, f"{where}.{number}") for number, one in enumerate(value))
     if get_origin(hint) in (list, tuple):

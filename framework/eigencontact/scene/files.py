@@ -99,6 +99,8 @@ def _placed(hint: Any, value: Any, registry: Registry, place: Place) -> Any:
     if any(isinstance(mark, FileMark) for mark in getattr(hint, "__metadata__", ())):
         return place(str(value)) if isinstance(value, str | Path) else value
     kind = kind_within(hint)
+    if kind is not None and get_origin(hint) is dict and isinstance(value, Mapping):
+        return {name: _in_component(one, kind.kind, registry, place) for name, one in value.items()}
     if kind is not None:
         return _in_component(value, kind.kind, registry, place)
     if isinstance(hint, type) and is_dataclass(hint):

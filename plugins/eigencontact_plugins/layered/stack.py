@@ -90,9 +90,12 @@ class Layer(_Solid):
         ν [-] in (-1, 0.5]; 0.5 is exact.
     thickness : float
         h [m].
+    name : str, optional
+        For laws that tell materials apart; ``"layer 1"``, ``"layer 2"`` ... from the surface down by default.
     """
 
     thickness: Length
+    name: str | None = None
 
     def check(self, where: str) -> None:
         """Refuse impossible constants or thickness; `where` names the table."""
@@ -151,6 +154,11 @@ class BondedLayers(LayeredMedium):
     def interfaces(self) -> tuple[float, ...]:
         """Depth of the underside of each layer [m]."""
         return tuple(self._undersides.tolist())
+
+    @property
+    def layer_names(self) -> tuple[str, ...]:
+        """Names of the layers, those that the scene gives or their numbers."""
+        return tuple(layer.name or name for layer, name in zip(self.layers, super().layer_names, strict=True))
 
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
         """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""

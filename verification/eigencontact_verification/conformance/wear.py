@@ -208,7 +208,9 @@ def check_reversed_cells(law: Any) -> None:
     for state in _states(slips=(1e-6,)):
         arrays = {item.name: getattr(state, item.name) for item in fields(state)}
         turned: dict[str, Any] = {
-            name: np.ascontiguousarray(value[::-1, ::-1]) for name, value in arrays.items() if np.ndim(value)
+            name: np.ascontiguousarray(value[::-1, ::-1])
+            for name, value in arrays.items()
+            if isinstance(value, np.ndarray)
         }
         depth, other = np.asarray(law.depth(state)), np.asarray(law.depth(replace(state, **turned)))
         _same(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from eigencontact.execution.beside_contact import Separation
 from eigencontact.execution.block import Block
+from eigencontact.execution.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics import Mechanics
 from eigencontact.execution.step import Step
 from eigencontact.execution.wear.surface import WornSurface
@@ -59,4 +60,6 @@ def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
     """What moves the surfaces, before and after the contact."""
     surface = WornSurface(model, mechanics)
     yield WornSeparation(model, surface)
+    if model.exposed is not None:
+        yield ExposedMaterial(model.exposed, surface.lost)
     yield Wear(model, surface)

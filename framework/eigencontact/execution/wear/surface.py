@@ -7,11 +7,12 @@ left on the way: with a rate k [m/(Pa cycle)] that stays, ``dw/dN = k p(w)`` is 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.step import CyclePlace, Step
 from eigencontact.execution.wear.jumps import Jumps, ahead
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
@@ -51,11 +52,22 @@ class WornSurface:
     def __init__(self, model: Model, mechanics: Mechanics) -> None:
         assert model.wear is not None
         assert model.scene.wear is not None
+        self._model = model
         self._law, self._friction, self._grid = model.wear, model.friction, model.grid
         self._mechanics, self._parts = mechanics, model.scene.wear.parts
         self._at_once = model.scene.wear.update == "increment"
         self._table, self._tolerance = model.scene.wear, _INTEGRATION * (model.scene.wear.error or 1e-2)
         self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
+
+    def lost(self, body: int) -> FloatArray | None:
+        """Depth ``(ny, nx)`` [m] that a body has lost; None for none."""
+        return self._state.depth.get(body)
+
+    @property
+    def _exposed_facts(self) -> dict[str, Any]:
+        """What the states of laws say of the material that is exposed now."""
+        exposed = self._model.exposed
+        return {} if exposed is None else exposed_facts(self._model, exposed.at(self.lost(exposed.body)))
 
     def start(self) -> None:
         """Prepare the jumps; the mechanics is started."""
@@ -144,7 +156,9 @@ class WornSurface:
         if self._friction is not None:
             y, x = self._grid.axes()
             slipped = fields.get("slip_distance", shear)
-            state = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time)
+            state = FrictionState(
+                pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **self._exposed_facts
+            )
             shear = checked_shear_bound(self._friction, state)
         slip, still = np.where(pressure > 0, step.slide.distance, 0.0), np.zeros_like(pressure)
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
@@ -190,8 +204,8 @@ class WornSurface:
         y, x = self._grid.axes()
         return WearState(
             pressure=pressure, shear=shear, slip=slip, slip_amplitude=amplitude, energy=energy,
-            worn_depth=self._state.total, total_energy=self._state.energy,
-            material=np.zeros(pressure.shape, dtype=np.intp), x=x, y=y, time=step.time,
+            worn_depth=self._state.total, total_energy=self._state.energy, x=x, y=y, time=step.time,
+            **{"material": np.zeros(pressure.shape, dtype=np.intp), **self._exposed_facts},
         )  # fmt: skip
 
     def _move(

@@ -1,0 +1,50 @@
+"""Block of the material that is exposed, and the state that friction laws look at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.execution.block import Block
+from eigencontact.execution.step import Step
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.model import Model
+
+__all__ = ["ExposedMaterial", "exposed_facts"]
+
+FloatArray = NDArray[np.float64]
+
+
+class ExposedMaterial(Block):
+    """Topmost material of each column at the surface that the contact of a step meets.
+
+    Parameters
+    ----------
+    exposed : Exposed
+    worn : callable
+        Depth ``(ny, nx)`` [m] that a body (1 or 2) has lost before the step is solved; None for none.
+    """
+
+    name = "exposed-material"
+    requires = frozenset({"separation"})
+    provides = frozenset({"exposed_material"})
+    wanted = dict.fromkeys(("exposed_material",), "laws by material")
+
+    def __init__(self, exposed: Exposed, worn: Callable[[int], FloatArray | None]) -> None:
+        self._exposed, self._worn = exposed, worn
+        names = dict.fromkeys(exposed.names)
+        self.why = f"what of body {exposed.body} is at the surface: {', '.join(names)}"
+
+    def advance(self, step: Step) -> None:
+        """See `Block.advance`."""
+        step.fields["exposed_material"] = self._exposed.at(self._worn(self._exposed.body)).astype(float)
+
+
+def exposed_facts(model: Model, material: NDArray[np.intp] | None) -> dict[str, Any]:
+    """Exposed material and names by number, as the states of laws take them; nothing where no law asks."""
+    if model.exposed is None or material is None:
+        return {}
+    return {"material": material, "materials": model.exposed.names}

@@ -1,0 +1,66 @@
+"""Laws that tell the materials of a surface apart, by the names that a scene gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import SceneError
+
+__all__ = ["SUBSTRATE", "NamesMaterials", "by_material", "only_substrate"]
+
+#: Name of what a body is made of where neither a layer nor an inclusion is.
+SUBSTRATE = "substrate"
+
+
+@runtime_checkable
+class NamesMaterials(Protocol):
+    """Optional ability of a friction or wear law: it has numbers for materials by name.
+
+    A scene whose body has no material of such a name is refused, with the nearest.
+    """
+
+    @property
+    def materials(self) -> Collection[str]:
+        """Names that the law knows."""
+        ...
+
+
+def only_substrate() -> NDArray[np.intp]:
+    """Exposed material of a state that says nothing of it, ``(1, 1)``: the substrate everywhere."""
+    return np.zeros((1, 1), dtype=np.intp)
+
+
+def by_material(law: str, state: Any, known: Collection[str]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    """Each material that is exposed, by name, and the cells ``(ny, nx)`` where it is.
+
+    Parameters
+    ----------
+    law : str
+        Names the law in messages.
+    state : FrictionState or WearState
+        With ``material``, ``materials``, ``pressure``, ``x`` and ``y``.
+    known : collection of str
+        Materials that the law knows; others may be exposed where nothing touches, and are left out.
+
+    Raises
+    ------
+    SceneError
+        A material in contact that the law does not know.
+    """
+    material = np.broadcast_to(state.material, state.pressure.shape)
+    for number in np.unique(material):
+        name, exposed = state.materials[number], np.asarray(material == number)
+        if name in known:
+            yield name, exposed
+            continue
+        lost = exposed & (state.pressure > 0)
+        if lost.any():
+            row, column = (int(index) for index in np.argwhere(lost)[0])
+            raise SceneError(
+                f"{law} must know every material in contact (got {', '.join(map(repr, known))}, and {name!r} at x = "
+                f"{float(state.x[0, column]):.6g} m, y = {float(state.y[row, 0]):.6g} m); give it numbers for {name!r}"
+            )

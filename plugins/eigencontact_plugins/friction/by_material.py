@@ -1,0 +1,71 @@
+"""Friction that differs with the material at the surface: a coating and what is under it, a matrix and grains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import FrictionLaw, FrictionState, SceneError, by_material, hookimpl
+from eigencontact_plugins.friction.coulomb import Coulomb, check_coefficient
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ByMaterial"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByMaterial(FrictionLaw):
+    """Each column of the contact has the law of the material that is exposed there.
+
+    Materials are named as in the scene: inclusions and layers by their ``name``; all else is ``substrate``.
+
+    Parameters
+    ----------
+    coefficients : table of float
+        Coulomb's coefficient [-] by name: ``{ coating = 0.2, substrate = 0.6 }``.
+    laws : table of FrictionLaw
+        Other laws by name: ``{ coating = { type = "shear-cap", ... } }``.
+    """
+
+    key: ClassVar[str] = "by-material"
+    references: ClassVar[tuple[str, ...]] = ("C. A. Coulomb 1785, Theorie des machines simples",)
+
+    coefficients: dict[str, float] = field(default_factory=dict)
+    laws: dict[str, FrictionLaw] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, value in self.coefficients.items():
+            check_coefficient(f"{self.key}.coefficients", name, value)
+        if not self.materials:
+            raise SceneError(f"{self.key} must have coefficients, laws or both, by name of a material (got neither)")
+        twice = sorted(self.coefficients.keys() & self.laws.keys())
+        if twice:
+            raise SceneError(
+                f"{self.key} must have one law for {twice[0]!r} (got a coefficient and a law); leave one out"
+            )
+
+    @property
+    def materials(self) -> tuple[str, ...]:
+        """See `NamesMaterials.materials`."""
+        return (*self.coefficients, *self.laws)
+
+    def shear_bound(self, state: FrictionState) -> FloatArray:
+        """Shear bound [Pa]; see `FrictionLaw`."""
+        bound = np.zeros_like(state.pressure)
+        for name, exposed in by_material(f"friction law {self.key!r}", state, self.materials):
+            law = self.laws.get(name) or Coulomb(coefficient=self.coefficients[name])
+            own = replace(state, pressure=np.where(exposed, state.pressure, 0.0))
+            bound = np.where(exposed, law.shear_bound(own), bound)
+        return bound
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[FrictionLaw]]:
+    """Register friction by material."""
+    return [ByMaterial]

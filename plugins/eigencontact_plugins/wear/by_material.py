@@ -1,0 +1,79 @@
+"""Wear that differs with the material at the surface: a coating and what is under it, a matrix and grains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import SceneError, WearLaw, WearState, by_material, hookimpl
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ByMaterial"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByMaterial(WearLaw):
+    """Each column wears by the law of the material that is exposed there.
+
+    Materials are named as in the scene: inclusions and layers by their ``name``; all else is ``substrate``.
+
+    Parameters
+    ----------
+    laws : table of WearLaw
+        By name: ``coating = { type = "archard", coefficient = "1e-15 m^2/N" }``.
+    """
+
+    key: ClassVar[str] = "by-material"
+    references: ClassVar[tuple[str, ...]] = ("J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448",)
+
+    laws: dict[str, WearLaw]
+
+    def __post_init__(self) -> None:
+        if not self.laws:
+            raise SceneError(f"{self.key} must have laws by name of a material (got none)")
+
+    @property
+    def materials(self) -> tuple[str, ...]:
+        """See `NamesMaterials.materials`."""
+        return tuple(self.laws)
+
+    @property
+    def linear_in_pressure(self) -> bool:  # type: ignore[override]
+        """See `WearLaw`."""
+        return all(law.linear_in_pressure for law in self.laws.values())
+
+    @property
+    def needs_friction(self) -> bool:  # type: ignore[override]
+        """See `WearLaw`."""
+        return any(law.needs_friction for law in self.laws.values())
+
+    @property
+    def needs_cycles(self) -> bool:  # type: ignore[override]
+        """See `WearLaw`."""
+        return any(law.needs_cycles for law in self.laws.values())
+
+    @property
+    def volume_per_energy(self) -> float | None:
+        """See `WearLaw.volume_per_energy`: where all laws have the same."""
+        found = {law.volume_per_energy for law in self.laws.values()}
+        return found.pop() if len(found) == 1 else None
+
+    def depth(self, state: WearState) -> FloatArray:
+        """Worn depth [m]; see `WearLaw`."""
+        depth = np.zeros_like(state.pressure)
+        for name, exposed in by_material(f"wear law {self.key!r}", state, self.materials):
+            depth = np.where(exposed, self.laws[name].depth(state), depth)
+        return depth
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[WearLaw]]:
+    """Register wear by material."""
+    return [ByMaterial]

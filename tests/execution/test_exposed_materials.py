@@ -1,0 +1,128 @@
+"""Laws by exposed material: layers and inclusions at the surface, by their names; what is refused."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.errors import SceneError
+from eigencontact.execution.driver import drive
+
+STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
+COATED = {
+    "medium": {
+        "type": "bonded-layers",
+        "layers": [{"name": "coating", "thickness": "20 um", **STEEL}, {"thickness": "2 um", **STEEL}],
+        "substrate": STEEL,
+    }
+}
+#: A bar of the body's own constants whose edge runs along x = 0.
+BAR = {
+    "name": "bar", "type": "cuboid", "center": ["15 um", 0, "1.25 um"], "edges": ["30 um", "60 um", "2.5 um"],
+    "material": STEEL,
+}  # fmt: skip
+COULOMB = {"type": "by-material", "coefficients": {"bar": 0.1, "substrate": 0.4}}
+
+
+def scene(**changes):
+    return ec.Scene(
+        **{
+            "body1": STEEL, "body2": {"rigid": True}, "geometry": {"type": "sphere", "radius": "200 um"},
+            "grid": {"cells": 24, "size": ["60 um", "60 um"]}, "numerics": {"coupling": "none", "threads": 1},
+            "steps": [{"normal-load": "12.307 N"}, {"tangential-load-x": "1 N"}], **changes,
+        }
+    )  # fmt: skip
+
+
+def last(made):
+    *_, record = drive(ec.plan(made))
+    return record
+
+
+def test_each_half_of_the_contact_has_the_coefficient_of_its_material():
+    """The bar has the constants of the body: the pressure is Hertz's, the bound alone knows it."""
+    found = last(scene(friction=COULOMB, inclusions=BAR))
+    pressure, bound, x = found.fields["pressure"], found.fields["shear_bound"], (np.arange(24) - 11.5) * 2.5e-6
+    loaded = pressure > 0
+    expected = np.where(x > 0, 0.1, 0.4) * pressure
+    np.testing.assert_allclose(bound[loaded], expected[loaded], rtol=1e-12)
+    assert set(np.unique(found.fields["exposed_material"])) == {0.0, 1.0}
+    shear = np.hypot(found.fields["shear_x"], found.fields["shear_y"])
+    assert np.all(shear <= bound * (1 + 1e-9))
+    slips = found.fields["contact_zone"] == 1
+    assert slips[:, 12:].sum() > 2 * slips[:, :12].sum() > 0
+
+
+def test_one_law_for_all_is_the_law():
+    """One coefficient under every name gives what Coulomb's law gives, to the bit."""
+    steel = {
+        "type": "by-material",
+        "coefficients": {"bar": 0.3},
+        "laws": {"substrate": {"type": "coulomb", "coefficient": 0.3}},
+    }
+    one, other = (last(scene(friction=law, inclusions=BAR)) for law in (steel, {"type": "coulomb", "coefficient": 0.3}))
+    for name in ("pressure", "shear_x", "slip_x"):
+        np.testing.assert_array_equal(one.fields[name], other.fields[name])
+
+
+def test_layers_have_names_or_numbers():
+    made = ec.plan(scene(body1=COATED, friction={"type": "by-material", "coefficients": {"coating": 0.2}}))
+    assert made.exposed.names == ("substrate", "coating", "layer 2")
+    depth = np.full(made.grid.shape, 19e-6)
+    depth[0, :4] = 20e-6, 21e-6, 22e-6, 30e-6
+    assert made.exposed.at(depth)[0, :5].tolist() == [2, 2, 0, 0, 1]
+
+
+SLIDES = [{"normal-load": "12.307 N"}, {"normal-load": "12.307 N", "sliding-distance": "10 um"}]
+ARCHARD = {name: {"type": "archard", "coefficient": f"{k} 1/Pa"} for name, k in (("bar", 1e-16), ("substrate", 3e-16))}
+
+
+def test_the_halves_wear_by_their_own_laws():
+    """Frictionless, on a path so short that the pressure hardly changes: depth is K p s by its mean."""
+    exact = {"coupling": "none", "threads": 1, "tolerance": 1e-10}
+    law = {"type": "by-material", "laws": ARCHARD, "jump-error": 1e-6}
+    before, after = drive(ec.plan(scene(wear=law, inclusions=BAR, steps=SLIDES, numerics=exact)))
+    pressure = 0.5 * (before.fields["pressure"] + after.fields["pressure"])
+    expected = np.where((np.arange(24) - 11.5) > 0, 1e-16, 3e-16) * 1e-5 * pressure
+    off = np.abs(after.fields["worn_depth"] - expected).max() / expected.max()
+    assert off < 1e-6
+    assert after.scalars["max_worn_depth"] > 1e-11
+
+
+REFUSED = {
+    "a name that there is not": (
+        {"friction": {"type": "by-material", "coefficients": {"baar": 0.1, "substrate": 0.4}}, "inclusions": BAR},
+        r"friction \(by-material\) must name materials of body 1: 'substrate', 'bar' \(got 'baar'\); .* 'bar'",
+    ),
+    "a law of wear for a name that there is not": (
+        {"wear": {"type": "by-material", "laws": {"coatng": ARCHARD["bar"]}}, "body1": COATED, "steps": SLIDES},
+        r"wear \(by-material\) must name .*'coating', 'layer 2' \(got 'coatng'\); did you mean 'coating'",
+    ),
+    "two laws for one material": (
+        {"friction": COULOMB | {"laws": {"bar": {"type": "coulomb", "coefficient": 1}}}, "inclusions": BAR},
+        "must have one law for 'bar'",
+    ),
+    "no law": ({"friction": {"type": "by-material"}}, "must have coefficients, laws or both"),
+    "a coefficient below zero": (
+        {"friction": {"type": "by-material", "coefficients": {"substrate": -1}}},
+        r"by-material.coefficients.substrate must be zero or positive",
+    ),
+    "a law that is not installed": (
+        {"friction": {"type": "by-material", "laws": {"substrate": {"type": "coulom"}}}},
+        "friction.laws.substrate.*coulomb",
+    ),
+    "materials in both bodies": (
+        {"friction": COULOMB, "inclusions": [BAR, BAR | {"body": 2}], "body2": STEEL},
+        "friction.type must be a law that does not tell materials apart where both bodies have several",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "words"), REFUSED.values(), ids=REFUSED)
+def test_refusals(changes, words):
+    with pytest.raises(ec.EigencontactError, match=words):
+        ec.plan(scene(**changes))
+
+
+def test_a_material_without_numbers_is_refused_where_it_is_touched():
+    with pytest.raises(SceneError, match=r"must know every material in contact \(got 'bar', and 'substrate' at x = "):
+        last(scene(friction={"type": "by-material", "coefficients": {"bar": 0.1}}, inclusions=BAR))
