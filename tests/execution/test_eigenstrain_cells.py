@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from eigencontact.execution.routes import cells as cells_route
 
 E, NU = 210e9, 0.3
 STEEL = {"young-modulus": E, "poisson-ratio": NU}
@@ -63,6 +64,33 @@ def test_a_cuboid_of_whole_cells_has_the_field_of_its_closed_form(stored, space)
     for name in names:
         largest = float(np.abs(closed[name]).max())
         np.testing.assert_allclose(cells[name], closed[name], rtol=0, atol=1e-13 * largest, err_msg=name)
+
+
+def scattered(stored, cells, points):
+    """Stress of the cuboid at points, with so many cells to the window."""
+    scene = {
+        "body1": STEEL,
+        "grid": {"cells": cells, "size": [9e-6, 9e-6]},
+        "numerics": {"inclusion-cells": 4 * cells // 9},
+    }
+    scene["inclusions"] = {**CUBOID, "eigenstrain": stored}
+    scene["stress"] = {"name": "many", "shape": "points", "points": np.asarray(points).tolist()}
+    data = ec.run(scene).dataset
+    return data["many_stress"].values
+
+
+def test_many_points_are_interpolated_between_the_middles_of_cells(stored, monkeypatch):
+    """In the middles and on the surface above them to round-off; where the field is smooth, with second order."""
+    axis = np.array([-3e-6, 2e-6])
+    middles = np.stack([v.ravel() for v in np.meshgrid(axis, axis, [0.0, 0.25e-6, 0.75e-6, 2.25e-6])], axis=-1)
+    beside = np.random.default_rng(5).uniform((-4e-6, -4e-6, 6e-6), (4e-6, 4e-6, 7e-6), (10, 3))
+    exact = [scattered(stored, 9, points) for points in (middles, beside)]
+    monkeypatch.setattr(cells_route, "_PLACES", 3)
+    found = scattered(stored, 9, middles)
+    np.testing.assert_allclose(found, exact[0], rtol=0.0, atol=1e-12 * np.abs(exact[0]).max())
+    errors = [np.linalg.norm(scattered(stored, cells, beside) - exact[1]) for cells in (9, 18)]
+    assert 2.5 < errors[0] / errors[1] < 5.5
+    assert errors[0] < 0.1 * np.linalg.norm(exact[1])
 
 
 def test_precision_and_time_reach_the_cells(stored):

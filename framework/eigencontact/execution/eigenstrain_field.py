@@ -31,8 +31,6 @@ _WORDS = {"displacement": "displacement x, y, z", "strain": "strain (6 component
 class EigenstrainField:
     """Fields of one body; the eigenstrain of inhomogeneities is what the step remembers."""
 
-    note = ""
-
     def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
         body, where = request.body, lattice.words
         self._model, self._body, self._lattice = model, body, lattice
@@ -45,12 +43,14 @@ class EigenstrainField:
         self._cells = places_solved(model, body) if solved else {}
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
+        self.note = ""
         for quantity in request.fields:
             if prescribed:
                 field = PrescribedField(HalfSpace.of(model, body), prescribed, quantity, lattice)
                 self.kernels += field.uses(_WORDS[quantity], where)
                 self._prescribed[quantity] = field
                 self.cost += field.cost
+                self.note = self.note or field.note
             if solved:
                 route = solved_route(model, body, quantity, lattice)
                 who = repr(solved[0].name) if len(solved) == 1 else f"{len(solved)} inhomogeneities"
@@ -58,6 +58,7 @@ class EigenstrainField:
                 self.kernels.append(uses)
                 self._solved[quantity] = route
                 self.cost += route.cost
+                self.note = self.note or route.note
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""

@@ -84,6 +84,7 @@ def measure(code: Code, task: Task) -> Sample:
             "against": step / alone["bare_s"],
             "depth": float(data["approach"].max()),
             "print": float(data["print_depth"][-1]),
+            "largest": float(data["max_pressure"].max()),
             "certificate": float(data["law_residual"].max()),
             **alone,
         }
@@ -154,6 +155,7 @@ BENCHMARK = Benchmark(
         Column("step / bare application", "against", ".1f"),
         Column("depth [nm]", "depth", ".2f", scale=1e9),
         Column("print [nm]", "print", ".2f", scale=1e9),
+        Column("peak pressure [MPa]", "largest", ".0f", scale=1e-6),
         Column("certificate", "certificate", ".0e"),
         Column("peak [MB]", "peak_bytes", ".0f", scale=1e-6),
         Column("by the operator's alone", "by_built", ".2f"),

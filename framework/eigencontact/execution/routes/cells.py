@@ -9,14 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.grid import Grid
 from eigencontact.execution.block import Cost
 from eigencontact.execution.routes.route import CellRoute
+from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice
 from eigencontact.solvers.cells import Cells
 
-__all__ = ["CloseUp", "Columns", "Planes", "Volume", "cheapest"]
+__all__ = ["Between", "CloseUp", "Columns", "Planes", "Volume", "cheapest"]
 
 FloatArray = NDArray[np.float64]
+
+#: Places of the surface up to which points have sums of their own: each takes some 0.3 s and 20 MB over 35 000 cells.
+_PLACES = 256
+#: Middles of cells that may be computed for those between them, in cells of the box.
+_ROOM = 64
 
 
 class Planes(CellRoute):
@@ -167,6 +174,71 @@ class Columns(Planes):
         for where, operator in zip(self._columns, self._operators, strict=True):
             out[:, where] = operator.apply(eigenstrain)[:, :, 0, 0]
         return out
+
+
+class Between(Planes):
+    """Many scattered points: the field in the middles of cells about them, and on the surface, interpolated."""
+
+    note = "what eigenstrain causes is linear between the middles of its cells"
+
+    @property
+    def words(self) -> str:
+        """See `Route.words`."""
+        return f"{self._middles.words}, then linear between the middles"
+
+    @property
+    def cost(self) -> Cost:
+        """See `Route.cost`."""
+        return self._middles.cost
+
+    @staticmethod
+    def fits(lattice: RegionLattice, box: CellBox, grid: Grid) -> bool:
+        """Whether points are at so many places, and so close to each other, that the middles of cells are fewer."""
+        if lattice.points is None or len(np.unique(lattice.points[:, :2], axis=0)) <= _PLACES:
+            return False
+        return int(np.prod(_about(lattice.points, box, grid).shape)) <= _ROOM * box.lattice.cells
+
+    @cached_property
+    def _middles(self) -> Planes:
+        assert self.lattice.points is not None
+        lattice = _about(self.lattice.points, self.box, self.half_space.grid)
+
+        def make(kind: type[Planes]) -> Planes:
+            return kind(self.half_space, self.box, self.quantity, lattice, self.rows)
+
+        return cheapest(make, lattice, self.box.lattice.edges[0])
+
+    def field(self, eigenstrain: FloatArray) -> FloatArray:
+        """See `Route.field`."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        axes = (self._middles.lattice.depths, self._middles.lattice.y, self._middles.lattice.x)
+        values = np.moveaxis(self._middles.field(eigenstrain), 0, -1)
+        assert self.lattice.points is not None
+        places = [
+            np.clip(place, axis[0], axis[-1]) for place, axis in zip(self.lattice.points.T[::-1], axes, strict=True)
+        ]
+        return np.asarray(RegularGridInterpolator(axes, values)(np.stack(places, axis=-1)).T)
+
+
+def _about(points: FloatArray, box: CellBox, grid: Grid) -> RegionLattice:
+    """Middles of cells around points, two or more along each axis, and the surface where it is nearer than a middle."""
+    cells = box.cells(grid)
+    low, high = (
+        round_off((end - cells.first) / np.array(cells.pitch)).astype(int)
+        for end, round_off in ((points.min(axis=0), np.floor), (points.max(axis=0), np.ceil))
+    )
+    high = np.maximum(high, low + 1)
+    x, y, z = (
+        first + pitch * np.arange(start, stop + 1)
+        for first, pitch, start, stop in zip(cells.first, cells.pitch, low, high, strict=True)
+    )
+    if z[0] <= 0.0:
+        z = np.append(0.0, z[z > 0.0])
+    _, row, column = box.lattice.first
+    return RegionLattice(
+        target=(y.size, x.size), origin=(float(row + low[1]), float(column + low[0])), x=x, y=y, depths=z
+    )  # fmt: skip
 
 
 class CloseUp(Planes):

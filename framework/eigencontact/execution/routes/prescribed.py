@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.execution.block import Cost
 from eigencontact.execution.cell_strain import CellStrain
-from eigencontact.execution.routes.cells import Planes, cheapest
+from eigencontact.execution.routes.cells import Between, Planes, cheapest
 from eigencontact.execution.routes.closed_form import ClosedForms
 from eigencontact.execution.routes.route import CellRoute, HalfSpace
 from eigencontact.model.boxes import CellBox, boxes_of
@@ -43,6 +43,8 @@ class PrescribedField:
         #: Price of all steps.
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
         self._told = [told for term in (*self._still, *self._moving) for told in term.told()]
+        #: What must be known of its values, in words, or nothing.
+        self.note = next((term.note for term in (*self._still, *self._moving) if term.note), "")
         self._once: FloatArray | None = None
 
     def uses(self, what: str, where: str) -> list[KernelUse]:
@@ -80,6 +82,7 @@ class _Term(ABC):
     """Field of some regions, and what `explain` says of it."""
 
     cost: Cost
+    note = ""
 
     @abstractmethod
     def told(self) -> list[tuple[Source, str, str]]:
@@ -116,6 +119,8 @@ def cell_route(
     def make(kind: type[Planes]) -> Planes:
         return kind(half_space, box, quantity, lattice, rows)
 
+    if Between.fits(lattice, box, half_space.grid):
+        return make(Between)
     return cheapest(make, lattice, box.lattice.edges[0])
 
 
@@ -124,7 +129,7 @@ class _InCells(_Term):
 
     def __init__(self, route: CellRoute) -> None:
         self._route, self._strain = route, CellStrain(route.box, route.half_space.grid)
-        self.cost = route.cost
+        self.cost, self.note = route.cost, route.note
 
     def told(self) -> list[tuple[Source, str, str]]:
         return [(self._route.sources[0], self._route.box.names, self._route.words)]

@@ -104,7 +104,11 @@ class Route(ABC):
         The regions, all in one body.
     rows : tuple of int
         Components that are wanted; all by default.
+    note : str
+        What must be known of the values, in words, or nothing.
     """
+
+    note: str = ""
 
     def __init__(
         self,
