@@ -64,6 +64,28 @@ def test_a_run_with_stress_loads_it():
     assert "eigencontact.solvers.subsurface" in loaded(QUICK.format(stress=request))
 
 
+SLIDING = """
+import eigencontact as ec
+changes = ["stress=[]", "grid.cells-per-contact-radius=8", "output.vtk=false", "steps.sliding-distance='1 mm'",
+           "friction={{type='coulomb', coefficient=0.3}}"]
+ec.run(ec.load_scene("hertz", [*changes, {wear}]))
+"""
+OF_WEAR = {"eigencontact.execution.wear.blocks", "eigencontact.solvers.moving_surface"}
+
+
+def test_a_run_without_wear_loads_nothing_of_wear():
+    modules = loaded(SLIDING.format(wear=""))
+    assert "eigencontact.solvers.tangential.solver" in modules
+    assert not [name for name in modules if name.startswith("eigencontact.execution.wear")]
+    assert not modules & (OF_WEAR | {"scipy.ndimage"})
+
+
+def test_a_run_with_wear_loads_it():
+    """The test above can fail: the modules have these names, and are loaded where they are needed."""
+    modules = loaded(SLIDING.format(wear="\"wear={type='archard', coefficient=1e-18}\""))
+    assert modules >= OF_WEAR
+
+
 def test_plugins_are_listed_without_scipy():
     modules = loaded("from eigencontact.app import installed_plugins; installed_plugins()")
     assert not modules & {"scipy", "matplotlib", "vtk", "pyvista", "skfem", "xarray"}
