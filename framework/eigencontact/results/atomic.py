@@ -93,7 +93,7 @@ def reason(error: BaseException) -> str:
 
 
 @contextmanager
-def replacing(path: Path, what: str) -> Iterator[Sink]:
+def replacing(path: Path, what: str, *, lasting: bool = True) -> Iterator[Sink]:
     """Open a temporary file that becomes `path` when the block ends well, and vanishes when it does not.
 
     Parameters
@@ -102,6 +102,9 @@ def replacing(path: Path, what: str) -> Iterator[Sink]:
         Final name; an older file of that name stays untouched until the new one is complete and on the disk.
     what : str
         Name of the content for the message: ``"step 3"``.
+    lasting : bool
+        Whether it has to be on the disk when the block ends, so that it outlives a loss of power; a process that is
+        killed loses nothing in either case.
 
     Raises
     ------
@@ -118,9 +121,11 @@ def replacing(path: Path, what: str) -> Iterator[Sink]:
                 sink.check()
                 raise _Inside from error
             sink.check()
-            os.fsync(raw.fileno())
+            if lasting:
+                os.fsync(raw.fileno())
         partial.replace(path)
-        _sync_folder(path.parent)
+        if lasting:
+            _sync_folder(path.parent)
     except OSError as error:
         _discard(partial)
         raise ResultsError(

@@ -42,8 +42,10 @@ def history_part(info: RunInfo, record: StepRecord) -> Part:
     return part_of(_marked(info), list(history_variables(record)))
 
 
-def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
+def write_step(path: Path, info: RunInfo, record: StepRecord, *, lasting: bool = True) -> None:
     """Store one step atomically, and before it, in a file beside it, what the bodies remember after it.
+
+    `lasting` is that of `eigencontact.results.atomic.replacing`.
 
     Raises
     ------
@@ -52,9 +54,9 @@ def write_step(path: Path, info: RunInfo, record: StepRecord) -> None:
     """
     listed = variables(info, record)
     if record.history:
-        with replacing(history_name(path), f"the history of step {record.index}") as sink:
+        with replacing(history_name(path), f"the history of step {record.index}", lasting=lasting) as sink:
             write_part(sink, _marked(info), list(history_variables(record)))
-    with replacing(path, f"step {record.index}") as sink:
+    with replacing(path, f"step {record.index}", lasting=lasting) as sink:
         write_part(sink, attributes(info, record), listed)
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, field, replace
+from math import inf
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
+from eigencontact.results.history import history_name
 from eigencontact.results.join import join_steps
 from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, listed_files
 from eigencontact.results.reader import open_results
@@ -39,6 +42,9 @@ _OWN = r"(\d{4,}(\.history)?\.(step|h5)|run\.json)"
 _OWN_IN_STEPS = re.compile(rf"{_OWN}|\.{_OWN}\.partial")
 #: Histories that an unfinished run keeps: should the last step be damaged, the one before can still be continued.
 _KEPT = 2
+#: Steps are put on the disk for good at this distance [s]: each of them costs some 10 ms. What is written is safe from
+#: a killed process at once.
+_LASTING = 1.0
 
 
 @dataclass(slots=True)
@@ -66,6 +72,7 @@ class ResultStore:
     info: RunInfo
     problems: list[str] = field(default_factory=list)
     made: list[Path] = field(default_factory=list)
+    _lasting: float = -inf
 
     @classmethod
     def create(cls, folder: Path, info: RunInfo, *, resume: bool = False, overwrite: bool = False) -> ResultStore:
@@ -139,18 +146,18 @@ class ResultStore:
             path.rmdir()
 
     def write_step(self, record: StepRecord) -> None:
-        """Store one accepted step, complete and on the disk when this returns.
+        """Store one accepted step: complete when this returns, and on the disk within a second of computing.
 
         Raises
         ------
         ResultsError
             When it cannot be stored (full disk, folder gone); earlier steps stay, nothing torn is left behind.
         """
-        write_step(self.folder / STEPS / f"{record.index:04d}.step", self.info, record)
+        lasting = monotonic() - self._lasting > _LASTING
+        write_step(self.folder / STEPS / f"{record.index:04d}.step", self.info, record, lasting=lasting)
+        self._lasting = monotonic() if lasting else self._lasting
         if record.history and not self.info.every_history:
-            for index, path in _files(self.folder / STEPS, _HISTORY_FILE).items():
-                if index <= record.index - _KEPT:
-                    path.unlink()
+            history_name(self.folder / STEPS / f"{record.index - _KEPT:04d}.step").unlink(missing_ok=True)
 
     def accepted(self) -> list[int]:
         """Indices 1, 2, ... n of the stored steps from which the run can continue.

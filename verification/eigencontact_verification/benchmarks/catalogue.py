@@ -13,10 +13,11 @@ from eigencontact_verification.benchmarks import (
     stress,
     tangential,
     trade,
+    wear,
 )
 from eigencontact_verification.benchmarks.benchmark import Benchmark
 
 __all__ = ["BENCHMARKS"]
 
-_MODULES = (hertz, stress, fidelity, eigenstrain, cloud, trade, tangential, inhomogeneity, layers, plasticity)
+_MODULES = (hertz, stress, fidelity, eigenstrain, cloud, trade, tangential, inhomogeneity, layers, plasticity, wear)
 BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}

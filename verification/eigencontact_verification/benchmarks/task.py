@@ -20,7 +20,8 @@ class Task:
     ----------
     benchmark : str
         ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"``,
-        ``"tangential"``, ``"inhomogeneity"``, ``"layers"`` or ``"plasticity"``.
+        ``"tangential"``, ``"inhomogeneity"``, ``"layers"``, ``"plasticity"`` or
+        ``"wear"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int
