@@ -40,6 +40,11 @@ PICTURES = (
     "plastic-history",
     "load-depth",
     "coverage",
+    "worn-depth",
+    "worn-profiles",
+    "worn-coating",
+    "wear-history",
+    "wear-loops",
 )
 #: Animation of a run, without its ending.
 ANIMATION = "animation"

@@ -23,6 +23,8 @@ from eigencontact.viz.rolling import rolls
 from eigencontact.viz.section import drawable, stress_section
 from eigencontact.viz.style import new_figure, paper_style
 from eigencontact.viz.surface import pressure_map
+from eigencontact.viz.wear import worn_profiles
+from eigencontact.viz.worn import ends_of_cycles, wears
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -77,6 +79,9 @@ def subject_of(dataset: xr.Dataset) -> Subject | None:
         return None
     regions = json.loads(dataset.attrs["regions"])
     planes = [name for name, how in drawable(dataset).items() if how == "section" and regions[name]["shape"] == "plane"]
+    if wears(dataset) and "pressure" in dataset:
+        pictures = (partial(worn_profiles, dataset), partial(pressure_map, dataset))
+        return Subject(pictures, "Worn surfaces over the initial ones, beside the contact pressure.")
     section: list[Draw] = [partial(stress_section, dataset, name) for name in planes[:1]]
     below = f", over the stress on {planes[0]!r}" if planes else ""
     if "pressure" not in dataset:
@@ -104,9 +109,13 @@ def subject_of(dataset: xr.Dataset) -> Subject | None:
 
 
 def thinned(dataset: xr.Dataset, most: int = FRAMES) -> tuple[int, ...]:
-    """Positions along ``step``, evenly spaced, the first and the last among them, at most so many."""
-    count = dataset.sizes["step"]
-    return tuple(np.unique(np.rint(np.linspace(0, count - 1, min(most, count))).astype(int)).tolist())
+    """Positions along ``step``, evenly spaced, the first and the last among them, at most so many.
+
+    Of cycles that wear they are the ends of those that were solved.
+    """
+    steps = ends_of_cycles(dataset) if wears(dataset) else np.arange(dataset.sizes["step"])
+    chosen = np.rint(np.linspace(0, steps.size - 1, min(most, steps.size))).astype(int)
+    return tuple(steps[np.unique(chosen)].tolist())
 
 
 def frames(dataset: xr.Dataset, subject: Subject) -> Iterator[Figure]:

@@ -18,6 +18,8 @@ from eigencontact.viz.rolling import passing_history, rolls
 from eigencontact.viz.section import drawable, mean_profile, stress_profile, stress_section
 from eigencontact.viz.style import save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
+from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
+from eigencontact.viz.worn import interfaces, wears
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -111,6 +113,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
             wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
     wanted += _plastic(dataset, step, solid=solid)
     wanted += _friction(dataset, loaded)
+    wanted += _wear(dataset, step)
     if struck(dataset):
         sentence = "Impacts that each place has felt; crosses are their middles."
         wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
@@ -183,6 +186,30 @@ def _friction(dataset: xr.Dataset, step: int) -> list[Picture]:
         wanted.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
     sentence = "Stick and slip on a line through the contact, step by step."
     wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
+    return wanted
+
+
+def _wear(dataset: xr.Dataset, step: int) -> list[Picture]:
+    """Pictures of surfaces that wear: of one step, and of the history."""
+    if not wears(dataset):
+        return []
+    wanted: list[Picture] = [
+        ("worn-depth.png", "Depth that both bodies together have lost.", lambda: worn_map(dataset, step)),
+        (
+            "worn-profiles.png",
+            "Surfaces of both bodies before and after they wore, and the worn depth, along x and y.",
+            lambda: worn_profiles(dataset, step),
+        ),
+    ]
+    if any(interfaces(dataset, body) for body in (1, 2)):
+        sentence = "Worn surfaces over the interfaces of the layers, along x and y."
+        wanted.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
+    if dataset.sizes["step"] >= LOOP_STEPS:
+        sentence = "Worn volume and depth, largest pressure and contact area through the wear."
+        wanted.append(("wear-history.png", sentence, lambda: wear_history(dataset)))
+    if loop_cycles(dataset):
+        sentence = "Loops of chosen cycles over each other."
+        wanted.append(("wear-loops.png", sentence, lambda: worn_loops(dataset)))
     return wanted
 
 

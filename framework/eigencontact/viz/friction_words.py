@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.style import scale_for
+from eigencontact.viz.style import moment, scale_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +60,4 @@ def friction_heading(dataset: xr.Dataset, step: int, what: str) -> str:
         values = np.asarray(dataset[name].values, dtype=float)
         value = float(values[step]) if abs(values[step]) > 1e-9 * np.abs(values).max() else 0.0
         said.append(f"{symbol} = {scale_for([value], unit).text(value)}")
-    words = f"{what} at {', '.join(said)}"
-    if dataset.sizes["step"] > 1:
-        words += f" (step {int(dataset['step'][step])} of {int(dataset['step'][-1])})"
-    return words
+    return f"{what} at {', '.join(said)}{moment(dataset, step)}"

@@ -30,8 +30,8 @@ LENGTH, SHORTEST, LONGEST = 9.0, 80, 500
 LAST = 1500
 #: Frames whose colours make the palette, which all frames of a GIF share so that colours do not flicker.
 SAMPLES = 6
-#: So many colours of the palette are kept as they are.
-EXACT = 176
+#: Colours closer than this (of 255) share an entry of the palette: a map and the edges of letters then fit into 256.
+ALIKE = 5
 
 
 def refuse_animation(wanted: Literal[True, "gif", "mp4"], steps: int, *, shows: bool) -> None:
@@ -134,18 +134,16 @@ def _colours(image: Image) -> tuple[NDArray[np.uint8], NDArray[np.intp]]:
 
 
 def _palette(images: list[Image]) -> NDArray[np.uint8]:
-    """At most 256 colours (n, 3): the most frequent ones as they are, the ground among them; means of the others."""
+    """At most 256 colours (n, 3): the most frequent ones, of those that are alike one."""
     from PIL import Image
 
-    sheet = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
-    colours, place = _colours(sheet)
-    colours = colours[np.argsort(-np.bincount(place), kind="stable")]
-    exact, others = colours[:EXACT], colours[EXACT:]
-    if not len(others):
-        return exact
-    strip = Image.fromarray(np.ascontiguousarray(others[None]))
-    means = strip.quantize(256 - EXACT, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).getpalette()
-    return np.concatenate([exact, np.reshape(means or [], (-1, 3))[: 256 - EXACT].astype(np.uint8)])
+    colours, place = _colours(Image.fromarray(np.concatenate([np.asarray(image) for image in images])))
+    left = colours[np.argsort(-np.bincount(place), kind="stable")].astype(int)
+    chosen: list[NDArray[np.int_]] = []
+    while len(left) and len(chosen) < 256:
+        chosen.append(left[0])
+        left = left[np.square(left - left[0]).sum(axis=1) > ALIKE**2]
+    return np.array(chosen, dtype=np.uint8)
 
 
 def _mp4(images: list[Image], pause: int) -> bytes:

@@ -30,6 +30,7 @@ __all__ = [
     "colour_range",
     "heading",
     "label_plane",
+    "moment",
     "new_figure",
     "paper_style",
     "place",
@@ -116,14 +117,14 @@ def scale_for(values: ArrayLike, unit: str) -> Scale:
     if unit in ("1", "", "unknown"):
         return Scale(1.0, "")
     if largest == 0.0:
-        return Scale(1.0, unit.replace("m2", "m²"))
-    power = 2 if unit == "m2" else 1
+        return Scale(1.0, unit.replace("m2", "m²").replace("m3", "m³"))
+    power = {"m2": 2, "m3": 3}.get(unit, 1)
     # A value a hair below a power of ten, 999.9996, is a round number that lost a digit.
     exponent = 3 * power * math.floor(math.log10(largest * (1 + 1e-9)) / (3 * power))
     exponent = max(min(exponent, 12 if power == 1 else 0), -12 * power)
     if unit in ("m", "m2"):  # no kilometres of contact
         exponent = min(exponent, 0)
-    return Scale(10.0**-exponent, _PREFIXES[exponent // power] + unit.replace("m2", "m²"))
+    return Scale(10.0**-exponent, _PREFIXES[exponent // power] + unit.replace("m2", "m²").replace("m3", "m³"))
 
 
 def colour_range(values: ArrayLike) -> tuple[str, float, float]:
@@ -180,9 +181,18 @@ def heading(dataset: xr.Dataset, step: int, what: str) -> str:
     if "normal_load" in dataset:
         load = float(dataset["normal_load"][step])
         words += f" at {scale_for([load], 'N').text(load)}"
-    if dataset.sizes["step"] > 1:
-        words += f" (step {int(dataset['step'][step])} of {int(dataset['step'][-1])})"
-    return words
+    return words + moment(dataset, step)
+
+
+def moment(dataset: xr.Dataset, step: int) -> str:
+    """Step of several that a picture shows, for the end of its title; of surfaces that wear after how many cycles."""
+    if dataset.sizes["step"] == 1:
+        return ""
+    number = int(dataset["step"][step])
+    if "cycles" in dataset and float(dataset["cycles"].max()) > 0:
+        done = float(dataset["cycles"][step])
+        return f" (step {number}, {done:.7g} {'cycle' if done == 1 else 'cycles'} done)"
+    return f" (step {number} of {int(dataset['step'][-1])})"
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -1,0 +1,309 @@
+"""Pictures of surfaces that wear: map and profiles of the worn depth, worn coatings, history, loops of cycles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.friction_words import MODES, driven
+from eigencontact.viz.style import COLOURS, moment, new_figure, paper_style, place, scale_for
+from eigencontact.viz.window import contact_window, masked_map, middle
+from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces, solved_cycles
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from eigencontact.viz.frame import Frame
+    from eigencontact.viz.worn import SolvedCycle
+
+__all__ = ["loop_cycles", "wear_history", "worn_coating", "worn_loops", "worn_map", "worn_profiles"]
+
+#: Depths below this part of the largest are no wear.
+SHARE = 1e-3
+#: Loops that are drawn.
+LOOPS = 8
+#: Fewer increments than this are no loop.
+LOOP_STEPS = 3
+#: Tints of the two bodies, and of what they have lost.
+TINTS, LOST = {1: "#CFE1EC", 2: "#E4E4E4"}, "#F3B7A0"
+BODY_STYLES = {1: "-", 2: "--"}
+#: Worn depths that differ from their mirror image by no more than this part of the largest have profiles in the middle.
+SYMMETRIC = 0.05
+#: With more points than this, only some carry a marker.
+MARKERS = 40
+#: Room above and below the surfaces, as a part of what is shown.
+ROOM = 0.12
+
+
+def worn_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Depth that both bodies together have lost, with the outline of the contact of that step.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run that wears.
+    step : int
+        Position along ``step``.
+    """
+    depth = np.asarray(dataset["worn_depth"][step].values, dtype=float)
+    shown = np.where(depth > SHARE * depth.max(initial=0.0), depth, 0.0)
+    contact = np.asarray(dataset["pressure"][step].values) != 0
+    return masked_map(
+        contact_window(dataset, contact | (shown > 0)),
+        shown,
+        unit="m",
+        label="Worn depth",
+        title=_heading(dataset, step),
+        outline=contact,
+        empty="no wear",
+    )
+
+
+def _heading(dataset: xr.Dataset, step: int) -> str:
+    volume, deepest = (float(dataset[name][step]) for name in ("worn_volume", "max_worn_depth"))
+    numbers = f"{scale_for([volume], 'm3').text(volume)} lost, at most {scale_for([deepest], 'm').text(deepest)} deep"
+    return f"Wear{moment(dataset, step)}\n{numbers}"
+
+
+def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+    """Surfaces of both bodies before and after they wore, not pressed on each other; below them the worn depth.
+
+    The lines pass through the middle where the worn depth is symmetric about it, else through its largest value. Body 1
+    is drawn flat: body 2 has all of the separation that they had at first.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run that wears.
+    step : int
+        Position along ``step``.
+    on : Frame, optional
+        Frame of an animation to draw in: one line alone.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        z points into body 1, downwards, and has a scale of its own.
+    """
+    section = _Section(dataset, step, on)
+    lines = section.lines if on is None else section.lines[:1]
+    most = max(section.most.values()) or np.finfo(float).tiny
+    depth = scale_for(most, "m")
+    with paper_style():
+        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 4.4, on)
+        panels = figure.subplots(2, len(lines), sharex="col", sharey="row", squeeze=False, height_ratios=(1.5, 1))
+        ends = section.ends(lines)
+        for line, (above, below) in zip(lines, panels.T, strict=True):
+            section.draw(above, line, ends)
+            at = section.length(line.at)
+            for body, values in section.worn(line).items():
+                below.plot(at, depth(values), BODY_STYLES[body], color=COLOURS[body - 1], label=f"lost by body {body}")
+            below.set_ylim(float(depth(most)) * (1 + ROOM), -ROOM * float(depth(most)))
+            below.set_xlabel(f"{line.along} [{section.length.unit}]")
+        panels[1, 0].set_ylabel(f"Worn depth [{depth.unit}]")
+        _legend(figure, panels[:, 0], 4 if on is None else 3)
+        figure.suptitle(_heading(dataset, step), fontsize=9.5)
+    return figure
+
+
+def worn_coating(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Worn surfaces over the interfaces of layers, which stay where they were, along x and along y.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run that wears, one body of which has layers.
+    step : int
+        Position along ``step``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        z points into body 1, downwards, and has a scale of its own.
+    """
+    section = _Section(dataset, step, None)
+    with paper_style():
+        lines = section.lines
+        figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.4)
+        panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)
+        ends = section.ends(lines, layers=True)
+        for line, axes in zip(lines, panels[0], strict=True):
+            section.draw(axes, line, ends)
+            axes.set_xlabel(f"{line.along} [{section.length.unit}]")
+        _legend(figure, panels[0, :1])
+        figure.suptitle(_heading(dataset, step), fontsize=9.5)
+    return figure
+
+
+def _legend(figure: Figure, panels: Iterable[Axes], columns: int = 4) -> None:
+    """What the panels name, each once, below them."""
+    entries = {name: item for axes in panels for item, name in zip(*axes.get_legend_handles_labels(), strict=True)}
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=min(columns, len(entries)))
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A line on the surface: its direction, its place across, its cells (rows, columns) and their middles [m]."""
+
+    along: str
+    across: str
+    where: tuple[Any, Any]
+    at: NDArray[np.float64]
+
+
+class _Section:
+    """Both surfaces of one step, on lines along x and y through the wear."""
+
+    def __init__(self, dataset: xr.Dataset, step: int, on: Frame | None) -> None:
+        last = np.asarray(dataset["worn_depth"][-1].values, dtype=float)
+        touched = dataset["pressure"][-1].values != 0 if on is None else on.film.touched("pressure")
+        window = contact_window(dataset, touched | (last > SHARE * last.max(initial=0.0)))
+        view, (row, column) = window.view, middle(last, SYMMETRIC)
+        rows, columns = slice(view.y0, view.y1), slice(view.x0, view.x1)
+        x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
+        self.length = window.length
+        self.lines = [
+            _Line("x", place("y", float(y[row])), (row, columns), x[columns]),
+            _Line("y", place("x", float(x[column])), (rows, column), y[rows]),
+        ]
+        self.lines = [line for line in self.lines if line.at.size > 1] or self.lines[:1]
+        self._first = initial_separation(dataset, step)
+        names = {body: f"worn_depth_{body}" for body in (1, 2) if f"worn_depth_{body}" in dataset}
+        self._worn = {body: np.asarray(dataset[name][step].values, dtype=float) for body, name in names.items()}
+        #: Largest depth that each body loses, in the step or in all frames [m].
+        self.most = {
+            body: float(self._worn[body].max() if on is None else on.film.limits(name)[1])
+            for body, name in names.items()
+        }
+        self._interfaces = {body: interfaces(dataset, body) for body in (1, 2)}
+
+    def worn(self, line: _Line) -> dict[int, NDArray[np.float64]]:
+        """Depth that each body that wears has lost on a line [m]."""
+        return {body: values[line.where] for body, values in self._worn.items()}
+
+    def ends(self, lines: Sequence[_Line], *, layers: bool = False) -> tuple[float, float]:
+        """Smallest and largest z [m] to show."""
+        high = max(float(self._first[line.where].max()) for line in lines) + self.most.get(2, 0.0)
+        deep = self.most.get(1, 0.0)
+        if layers:
+            high = max(high, *(float(self._first.min()) + one for one in self._interfaces[2]), 0.0)
+            deep = max(deep, *self._interfaces[1], 0.0)
+        room = ROOM * (high + deep)
+        return -high, max(deep + room, 2 * room)
+
+    def draw(self, axes: Axes, line: _Line, ends: tuple[float, float]) -> None:
+        """Both bodies, what they have lost, and the interfaces of their layers."""
+        z, at = scale_for(ends, "m"), self.length(line.at)
+        lost = self.worn(line)
+        none = np.zeros(line.at.size)
+        before = {1: none, 2: -self._first[line.where]}
+        now = {1: none + lost.get(1, 0.0), 2: before[2] - lost.get(2, 0.0)}
+        for body, end in ((1, ends[1]), (2, ends[0])):
+            axes.fill_between(at, z(now[body]), z(end), color=TINTS[body], linewidth=0, label=f"body {body}")
+        for body in lost:
+            axes.fill_between(at, z(before[body]), z(now[body]), color=LOST, linewidth=0, zorder=2, label="worn off")
+        for body in (1, 2):
+            axes.plot(at, z(before[body]), "--", color="0.35", linewidth=0.9, zorder=3, label="initial surface")
+            axes.plot(at, z(now[body]), "-", color=COLOURS[body - 1], zorder=4, label=f"surface of body {body}")
+            for depth in self._interfaces[body]:
+                level = before[body] + (depth if body == 1 else -depth)
+                if ends[0] < level.max() and level.min() < ends[1]:
+                    axes.plot(at, z(level), "-.", color="black", linewidth=0.9, zorder=3, label="interface of layers")
+        axes.set_xlim(float(at[0]), float(at[-1]))
+        axes.set_ylim(float(z(ends[1])), float(z(ends[0])))
+        axes.set_title(f"along {line.along} at {line.across}")
+        if line is self.lines[0]:
+            axes.set_ylabel(f"z [{z.unit}]")
+
+
+def wear_history(dataset: xr.Dataset) -> Figure:
+    """Worn volume, largest depth, largest pressure and contact area over the cycles, or the path of sliding.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run that wears. Of solved cycles their ends are drawn.
+    """
+    steps = ends_of_cycles(dataset)
+    values, words, unit = course(dataset)
+    along = scale_for(values, unit)
+    at = along(values[steps])
+    shown = (
+        ("worn_volume", "Worn volume", "m3"),
+        ("max_worn_depth", "Largest worn depth", "m"),
+        ("max_pressure", "Largest pressure", "Pa"),
+        ("contact_area", "Contact area", "m2"),
+    )
+    with paper_style():
+        figure = new_figure(6.6, 4.6)
+        panels = figure.subplots(2, 2, sharex=True)
+        for n, (axes, (name, what, si)) in enumerate(zip(panels.ravel(), shown, strict=True)):
+            numbers = np.asarray(dataset[name].values, dtype=float)[steps]
+            scale = scale_for(numbers, si)
+            every = max(1, -(-steps.size // MARKERS))
+            axes.plot(at, scale(numbers), "o-", color=COLOURS[n], markevery=every)
+            axes.set_ylabel(f"{what} [{scale.unit}]")
+            axes.set_ylim(bottom=0.0)
+            axes.margins(x=0.02)
+        for axes in panels[1]:
+            axes.set_xlabel(f"{words} [{along.unit}]" if along.unit else words)
+        if "wear_error" in dataset and float(dataset["wear_error"][-1]) > 0:
+            error = 100 * float(dataset["wear_error"][-1])
+            figure.suptitle(f"Wear; by cycles that were skipped the volume may err by {error:.2g} %", fontsize=9.5)
+    return figure
+
+
+def loop_cycles(dataset: xr.Dataset) -> list[SolvedCycle]:
+    """Solved cycles whose loops are drawn: the first, the last, some between at even ratios of numbers."""
+    if not driven(dataset):
+        return []
+    known = [cycle for cycle in solved_cycles(dataset) if cycle.last - cycle.first + 1 >= LOOP_STEPS]
+    if len(known) < 2:
+        return []
+    numbers = np.log([cycle.done for cycle in known])
+    wanted = np.linspace(numbers[0], numbers[-1], LOOPS)
+    return [known[n] for n in np.unique(np.abs(numbers[:, None] - wanted).argmin(axis=0))]
+
+
+def worn_loops(dataset: xr.Dataset) -> Figure:
+    """Loops of chosen cycles over each other, coloured by how many cycles were done.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a run that wears and has `loop_cycles`.
+    """
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm
+
+    chosen = loop_cycles(dataset)
+    mode = driven(dataset)[0]
+    load, way, units, words = MODES[mode]
+    forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
+    force, length = scale_for(forces, units[0]), scale_for(ways, units[1])
+    norm, colours = LogNorm(chosen[0].done, chosen[-1].done), colormaps["viridis"]
+    with paper_style():
+        figure = new_figure(5.4, 3.6)
+        axes = figure.add_subplot()
+        axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
+        axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
+        for cycle in chosen:
+            part = slice(max(cycle.first - 1, 0), cycle.last + 1)  # from where the one solved before it ended
+            colour = colours(float(norm(np.array(cycle.done))))
+            axes.plot(length(ways[part]), force(forces[part]), "-", color=colour, linewidth=1.0)
+        axes.set(xlabel=f"{words[1]} [{length.unit}]", ylabel=f"{words[0]} [{force.unit}]")
+        numbers = [cycle.done for cycle in chosen]
+        bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, ticks=numbers, pad=0.03, aspect=22)
+        bar.ax.set_yticks(numbers, [f"{number:.7g}" for number in numbers])
+        bar.ax.set_yticks([], minor=True)
+        bar.set_label("Cycle")
+        axes.set_title("Loops of solved cycles")
+    return figure

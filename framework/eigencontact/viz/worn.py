@@ -1,0 +1,126 @@
+"""What stored results say of surfaces that wear: their shapes, the cycles that were solved, the course of the wear."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.errors import EigencontactError
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["SolvedCycle", "course", "ends_of_cycles", "initial_separation", "interfaces", "solved_cycles", "wears"]
+
+#: Places in the load history closer than this are one.
+SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class SolvedCycle:
+    """A cycle of the load history whose increments were solved.
+
+    Attributes
+    ----------
+    first, last : int
+        Positions along ``step`` of its first and last increment.
+    done : float
+        Cycles done in all when it ended.
+    """
+
+    first: int
+    last: int
+    done: float
+
+
+def wears(dataset: xr.Dataset) -> bool:
+    """Whether a surface has lost depth."""
+    return "max_worn_depth" in dataset and float(dataset["max_worn_depth"].max()) > 0.0
+
+
+def solved_cycles(dataset: xr.Dataset) -> list[SolvedCycle]:
+    """Cycles of a history that wears, in order; those that were skipped are not among them."""
+    time, done = (np.asarray(dataset[name].values, dtype=float) for name in ("time", "cycles"))
+    found: list[SolvedCycle] = []
+    begin = 0.0
+    for step in _steps(dataset):
+        ramps, repeat = len(step.get("cycle", [step])), int(step.get("repeat", 1))
+        inside = np.flatnonzero((time > begin + SAME) & (time < begin + ramps * repeat + SAME))
+        if "cycle" in step:
+            number = np.ceil((time[inside] - begin) / ramps - SAME)
+            for one in np.unique(number):
+                own = inside[number == one]
+                found.append(SolvedCycle(int(own[0]), int(own[-1]), float(done[own[-1]])))
+        begin += ramps * repeat
+    return found
+
+
+def ends_of_cycles(dataset: xr.Dataset) -> NDArray[np.intp]:
+    """Positions along ``step`` of ends of solved cycles, and of all steps outside of cycles."""
+    inside = {n for cycle in solved_cycles(dataset) for n in range(cycle.first, cycle.last)}
+    return np.array([n for n in range(dataset.sizes["step"]) if n not in inside], dtype=np.intp)
+
+
+def course(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str, str]:
+    """What a wear history goes by, in each step: its values, what it is, and its unit.
+
+    Cycles where there are some; else the path of sliding all over the contact; else the number of the step.
+    """
+    cycles = np.asarray(dataset["cycles"].values, dtype=float)
+    if cycles.max(initial=0.0) > 0:
+        return cycles, "Cycles", "1"
+    paths = [float(ramp.get("sliding-distance", 0.0)) for step in _steps(dataset) for ramp in step.get("cycle", [step])]
+    if sum(paths) > 0:
+        slid = np.concatenate([[0.0], np.cumsum(paths)])
+        return np.interp(dataset["time"].values, np.arange(slid.size), slid), "Sliding distance", "m"
+    return np.asarray(dataset["step"].values, dtype=float), "Step", "1"
+
+
+def initial_separation(dataset: xr.Dataset, step: int = -1) -> NDArray[np.float64]:
+    """Separation (ny, nx) [m] that the surfaces had before they wore, where the geometry is at a step.
+
+    It follows from the gap ``g = h + w + u - approach - tilt_x y + tilt_y x`` of a step that is known to have met the
+    worn depth w: one that wore no more than the step before it, else the first.
+    """
+    worn = dataset["worn_depth"]
+    position = step % dataset.sizes["step"]
+    moves = any(float(np.ptp(dataset[axis].values)) > 0 for axis in ("travel_x", "travel_y") if axis in dataset)
+    met = worn[position].values
+    if not moves:
+        position = 0
+        first = _steps(dataset)[0]
+        slides = "sliding-distance" in first.get("cycle", [first])[0]  # what slips wears after it is solved
+        met = worn[0].values * slides
+    one = dataset.isel(step=position)
+    tilt: Any = 0.0
+    if "tilt_x" in dataset and "tilt_y" in dataset:
+        tilt = float(one["tilt_x"]) * dataset["y"].values[:, None] - float(one["tilt_y"]) * dataset["x"].values
+    found = one["gap"].values - met - one["displacement_z"].values + float(one["approach"]) + tilt
+    return np.asarray(found, dtype=float)
+
+
+def interfaces(dataset: xr.Dataset, body: int) -> tuple[float, ...]:
+    """Depths [m] below the first surface at which the layers of a body end; none where its medium is not installed."""
+    from eigencontact.scene.components import build_component
+    from eigencontact.scene.installed import installed_plugins
+
+    table: dict[str, Any] | None = _scene(dataset).get(f"body{body}", {}).get("medium")
+    if table is None:
+        return ()
+    try:
+        medium = build_component(installed_plugins(), "layered-medium", table, f"body{body}.medium")
+    except EigencontactError:
+        return ()
+    return tuple(medium.interfaces)
+
+
+def _scene(dataset: xr.Dataset) -> dict[str, Any]:
+    return tomllib.loads(dataset.attrs["scene"])
+
+
+def _steps(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    return list(_scene(dataset).get("steps", [{}]))

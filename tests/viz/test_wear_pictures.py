@@ -1,0 +1,195 @@
+"""Pictures of wear, from real runs on few cells: what is drawn when, and that it is what was stored."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.viz.animation import frames, subject_of, thinned
+from eigencontact.viz.figures import draw_all
+from eigencontact.viz.frame import Film, Frame
+from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
+from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces, solved_cycles, wears
+from viz.test_figures import overlaps
+
+RADIUS = 200e-6
+STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
+#: Increments of a cycle.
+CYCLE = [{"shift_x": 0.5e-6, "increments": 2}, {"shift_x": -0.5e-6, "increments": 3}, {"shift_x": 0.0, "increments": 1}]
+SHARES = {"body1": 0.7, "body2": 0.3}
+
+
+@pytest.fixture(scope="module")
+def worn():
+    """Runs in which both bodies wear: fretting of which some cycles are solved; a coated body slid upon."""
+    known = {}
+    layer = {"type": "bonded-layers", "layers": [{"thickness": 4e-6, **{k: 2 * v for k, v in STEEL.items() if v > 1},
+                                                  "poisson_ratio": 0.3}], "substrate": STEEL}  # fmt: skip
+
+    def run(kind):
+        if kind not in known:
+            scene = {
+                "body1": STEEL, "body2": {"rigid": True}, "geometry": {"type": "sphere", "radius": RADIUS},
+                "friction": {"type": "coulomb", "coefficient": 0.5},
+                "grid": {"cells_per_contact_radius": 6, "margin": 1.7}, "numerics": {"coupling": "partial"},
+            }  # fmt: skip
+            if kind == "frets":
+                scene["wear"] = {
+                    "type": "dissipated-energy",
+                    "coefficient": 2e-11,
+                    "shares": SHARES,
+                    "cycles_per_update": 4,
+                }
+                scene["steps"] = [{"normal_load": 12.307}, {"cycle": CYCLE, "repeat": 12}]
+            else:
+                del scene["friction"]
+                scene["body1"] = {"medium": layer}
+                scene["wear"] = {"type": "archard", "coefficient": 2.5e-16, "shares": SHARES}
+                scene["steps"] = [{"normal_load": 12.307, "sliding_distance": 0.4, "increments": 3}]
+            known[kind] = ec.run(scene).dataset
+        return known[kind]
+
+    return run
+
+
+@pytest.mark.parametrize("kind", ["frets", "slides"])
+@pytest.mark.parametrize("step", [0, -1])
+def test_the_initial_separation_is_that_of_the_sphere(worn, kind, step):
+    dataset = worn(kind)
+    y, x = np.meshgrid(dataset["y"], dataset["x"], indexing="ij")
+    np.testing.assert_allclose(initial_separation(dataset, step), (x**2 + y**2) / (2 * RADIUS), atol=1e-15)
+    assert wears(dataset)
+
+
+def test_solved_cycles_are_found_with_the_number_of_cycles_done(worn):
+    """Of 12 cycles the first two and the last are solved, and others one in four."""
+    dataset, cycles = worn("frets"), solved_cycles(worn("frets"))
+    assert [cycle.last - cycle.first + 1 for cycle in cycles] == [6] * len(cycles)
+    assert [cycle.first for cycle in cycles] == list(range(1, dataset.sizes["step"], 6))
+    done = [cycle.done for cycle in cycles]
+    assert done[:2] == [1, 2]
+    assert done[-1] == 12
+    assert done == sorted(set(done))
+    assert len(done) < 12
+    assert ends_of_cycles(dataset).tolist() == [0, *(cycle.last for cycle in cycles)]
+    # Every cycle ends where it is shifted back.
+    np.testing.assert_allclose(dataset["shift_x"].values[[cycle.last for cycle in cycles]], 0.0, atol=1e-15)
+    assert loop_cycles(dataset) == cycles
+
+
+def test_what_the_history_goes_by(worn):
+    values, words, unit = course(worn("frets"))
+    assert (values[-1], words, unit) == (12, "Cycles", "1")
+    values, words, unit = course(worn("slides"))
+    assert (words, unit) == ("Sliding distance", "m")
+    np.testing.assert_allclose(values, np.array([1, 2, 3]) * 0.4 / 3, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        ("frets", ["worn-depth.png", "worn-profiles.png", "wear-history.png", "wear-loops.png"]),
+        ("slides", ["worn-depth.png", "worn-profiles.png", "worn-coating.png", "wear-history.png"]),
+    ],
+)
+def test_which_pictures_wear_gets(worn, monkeypatch, kind, names):
+    seen = []
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path: seen.append((path.name, figure)))
+    assert [name for name in draw_all(worn(kind), Path()) if name.startswith("w")] == names
+    for name, figure in seen:
+        if name in names:
+            assert overlaps(figure) == [], name
+
+
+def line(axes, label):
+    (found,) = [item for item in axes.get_lines() if item.get_label() == label]
+    return 1e-6 * found.get_xdata(), found.get_ydata()
+
+
+@pytest.mark.parametrize("along", ["x", "y"])
+def test_profiles_are_the_surfaces_of_both_bodies(worn, along):
+    dataset = worn("slides")
+    above, below = np.reshape(worn_profiles(dataset).axes, (2, 2))[:, "xy".index(along)]
+    across = {"x": "y", "y": "x"}[along]
+    last = dataset.isel({"step": -1, across: dataset.sizes[across] // 2})
+    at, first = line(above, "surface of body 1")
+    depth = {body: last[f"worn_depth_{body}"].sel({along: at}, method="nearest").values for body in (1, 2)}
+    np.testing.assert_allclose(1e-6 * first, depth[1], rtol=1e-12, atol=1e-18)
+    height = (at**2 + float(last[across]) ** 2) / (2 * RADIUS) + depth[2]
+    np.testing.assert_allclose(1e-6 * line(above, "surface of body 2")[1], -height, atol=1e-14)
+    assert above.get_ylim()[0] > above.get_ylim()[1]
+    assert (above.get_ylabel(), below.get_ylabel()) == (("z [µm]", "Worn depth [nm]") if along == "x" else ("", ""))
+    for body in (1, 2):
+        np.testing.assert_allclose(1e-9 * line(below, f"lost by body {body}")[1], depth[body], rtol=1e-12, atol=1e-18)
+
+
+def test_the_interface_of_a_coating_stays_where_it_was(worn):
+    dataset = worn("slides")
+    assert interfaces(dataset, 1) == (close(4e-6, rel=1e-12),)
+    assert interfaces(dataset, 2) == ()
+    axes = worn_coating(dataset).axes[0]
+    np.testing.assert_allclose(line(axes, "interface of layers")[1], 4.0, rtol=1e-12)
+    assert axes.get_ylim()[0] > 4.0
+
+
+def test_the_history_shows_the_ends_of_cycles(worn):
+    dataset, figure = worn("frets"), wear_history(worn("frets"))
+    ends = ends_of_cycles(dataset)
+    units = {"worn_volume": 1e-18, "max_worn_depth": 1e-9, "max_pressure": 1e9, "contact_area": 1e-12}
+    for axes, (name, unit) in zip(figure.axes, units.items(), strict=True):
+        (curve,) = axes.get_lines()
+        np.testing.assert_array_equal(curve.get_xdata(), dataset["cycles"].values[ends])
+        np.testing.assert_allclose(unit * curve.get_ydata(), dataset[name].values[ends], rtol=1e-12)
+    assert figure.axes[0].get_ylabel() == "Worn volume [µm³]"
+    assert figure.axes[2].get_xlabel() == "Cycles"
+
+
+def test_loops_of_cycles_begin_where_the_last_one_ended_and_are_coloured_by_number(worn):
+    dataset, chosen = worn("frets"), loop_cycles(worn("frets"))
+    main, bar = worn_loops(dataset).axes
+    loops = [item for item in main.get_lines() if len(item.get_xdata()) > 2]
+    assert len(loops) == len(chosen)
+    for loop, cycle in zip(loops, chosen, strict=True):
+        part = slice(cycle.first - 1, cycle.last + 1)
+        np.testing.assert_allclose(1e-9 * loop.get_xdata(), dataset["shift_x"].values[part], atol=1e-18)
+        np.testing.assert_allclose(loop.get_ydata(), dataset["tangential_load_x"].values[part], rtol=1e-12, atol=1e-12)
+    ends = [mpl.colors.to_hex(mpl.colormaps["viridis"](value)) for value in (0.0, 1.0)]
+    assert [mpl.colors.to_hex(loops[n].get_color()) for n in (0, -1)] == ends
+    assert [text.get_text() for text in bar.get_yticklabels()] == [f"{cycle.done:g}" for cycle in chosen]
+
+
+def test_the_map_says_volume_and_depth(worn):
+    dataset = worn("frets")
+    figure = worn_map(dataset)
+    image = figure.axes[0].images[0].get_array()
+    depth = dataset["worn_depth"][-1].values
+    assert float(image.max()) * 1e-9 == close(depth.max(), rel=1e-12)
+    assert image.count() == np.count_nonzero(depth > 1e-3 * depth.max())
+    volume = 1e18 * depth.sum() * float(np.prod(dataset.attrs["cell_size"]))
+    step = dataset.sizes["step"]
+    title = f"Wear (step {step}, 12 cycles done)\n{volume:.3g} µm³ lost, at most {1e9 * depth.max():.3g} nm deep"
+    assert figure.axes[0].get_title() == title
+
+
+def test_an_animation_has_the_ends_of_cycles_and_scales_that_stay(worn):
+    dataset = worn("frets")
+    subject, film = subject_of(dataset), Film(dataset, thinned(dataset))
+    assert subject.sentence == "Worn surfaces over the initial ones, beside the contact pressure."
+    assert film.steps == tuple(ends_of_cycles(dataset).tolist())
+    limits = set()
+    for step in (film.steps[0], film.steps[-1]):
+        above, below = worn_profiles(dataset, step, Frame(film)).axes
+        limits.add((above.get_xlim(), above.get_ylim(), below.get_ylim()))
+    assert len(limits) == 1
+    most = 1e9 * float(dataset["worn_depth_1"].max())
+    assert most < below.get_ylim()[0] < 1.3 * most
+    assert len(list(frames(dataset.isel(step=[0, 6]), subject_of(dataset.isel(step=[0, 6]))))) == 2
+
+
+def test_a_run_without_wear_has_no_such_pictures(worn):
+    dataset = worn("slides")
+    assert not wears(dataset.assign(max_worn_depth=0.0 * dataset["max_worn_depth"]))
+    assert not wears(dataset.drop_vars("max_worn_depth"))
