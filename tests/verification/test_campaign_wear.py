@@ -25,7 +25,9 @@ def verdicts(name):
     return {row.profile: row.word for row in judge(Solved(case=case, outcomes=outcomes)).rows}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [name if CASES[name].quick else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+)
 def test_rings_know_their_value_to_two_per_cent(name):
     case = CASES[name]
     levels = [case.reference(level, "fixed") for level in (0, 1, 2)]
@@ -52,7 +54,8 @@ def test_a_law_that_wears_too_much_disagrees(monkeypatch, name, law):
     assert verdicts(name)["depth"] == "disagrees"
 
 
-@pytest.mark.parametrize("name", ["sliding", pytest.param("fretting", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["sliding", "fretting"])
 def test_worn_surfaces_that_touch_as_new_disagree(monkeypatch, name):
     """The depth is kept, and the gap forgets it."""
     begin = WornSurface.begin
