@@ -23,7 +23,7 @@ from eigencontact.model.model import Model
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.control import Control
 
-__all__ = ["Mechanics", "mechanics_of"]
+__all__ = ["Mechanics", "contact_of", "mechanics_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -140,6 +140,13 @@ class Mechanics(Block):
         moved = separation if sunk is None else separation + sunk
         return self._contact.pressed(control, moved, fields, springs, start)
 
+    def take(self, contact: Contact) -> None:
+        """Go on with another contact: that of bodies whose layers have worn."""
+        contact.start()
+        self._contact = contact
+        shape = self._grid.shape
+        self._coupled = Coupled(contact, self._interiors, self._numerics, self._directions, shape)
+
     @property
     def softness(self) -> float:
         """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
@@ -226,17 +233,22 @@ def _memory(found: Sequence[Solved]) -> Any:
     return None if last is None else last.memory
 
 
-def mechanics_of(model: Model) -> Mechanics | None:
-    """The mechanics of a scene; None where it has neither contact nor eigenstrain."""
-    contact: Contact | None = None
+def contact_of(model: Model) -> Contact | None:
+    """The contact of a scene; None where it has none."""
     if model.friction is not None:
         from eigencontact.execution.friction_contact import ContactWithFriction
 
-        contact = ContactWithFriction(model)
-    elif model.geometries:
+        return ContactWithFriction(model)
+    if model.geometries:
         from eigencontact.execution.normal_contact import NormalContact
 
-        contact = NormalContact(model)
+        return NormalContact(model)
+    return None
+
+
+def mechanics_of(model: Model) -> Mechanics | None:
+    """The mechanics of a scene; None where it has neither contact nor eigenstrain."""
+    contact = contact_of(model)
     dragged = model.coupling is not None and bool(model.coupling.components)
     everything = contact is None or model.scene.output.tangential_displacement or dragged
     directions = "xyz" if everything else "z"

@@ -59,7 +59,7 @@ from eigencontact.plugin.friction import FrictionLaw, FrictionState
 from eigencontact.plugin.geometry import Geometry, HasNativeGrid, HasReferencePressure
 from eigencontact.plugin.hardening import HardeningLaw, IsotropicHardening, KinematicHardening
 from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
-from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium
+from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium, Thinning
 from eigencontact.plugin.materials import NamesMaterials, by_material
 from eigencontact.plugin.observer import Observer, RegionView, RememberedView, StepView
 from eigencontact.plugin.revolution import Revolution
@@ -134,6 +134,7 @@ __all__ = [
     "Stress",
     "SurfaceInfluence",
     "Surroundings",
+    "Thinning",
     "TimedField",
     "Unit",
     "Variable",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.halfspace.media import HasResponseAtDepths
 from eigencontact.plugin.component import Component
 
-__all__ = ["HasResponseAtDepths", "LayeredMedium"]
+__all__ = ["HasResponseAtDepths", "LayeredMedium", "Thinning"]
 
 FloatArray = NDArray[np.float64]
 
@@ -85,3 +85,12 @@ class LayeredMedium(Component, ABC):
         At kx = ky = 0 the displacement is 0 and the stress is that of a uniform traction: the component that balances
         it, and 0 in the others (see `HasWavenumberResponse`).
         """
+
+
+@runtime_checkable
+class Thinning(Protocol):
+    """Optional ability of a layered medium: it can wear."""
+
+    def thinned(self, depth: float) -> LayeredMedium | Material:
+        """Medium whose surface has lost a depth [m]: z counts from the new one. Below all layers, its substrate."""
+        ...

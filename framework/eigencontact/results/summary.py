@@ -58,6 +58,7 @@ _WORN = (
     "wear_energy",
     "wear_error",
     "energy_volume_residual",
+    "layer_error",
 )
 #: Scalars that are summed over all steps.
 _SUMMED = (

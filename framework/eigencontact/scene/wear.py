@@ -48,6 +48,9 @@ class Wear(ComponentTable):
         Error of the worn volume by cycles that are not solved, relative to it; 0.01 by default.
     cycles_per_update : int, optional
         Cycles that each solved one stands for, instead.
+    layer_error : float
+        Where layers wear (`bonded-layers`): how far, relative to it, the answer of the layers taken as uniform may be
+        from that of the most and of the least worn column.
     update : {"cycle", "increment"}
         When the surface moves within a cycle.
     """
@@ -58,6 +61,7 @@ class Wear(ComponentTable):
     shares: Shares | None = None
     jump_error: Annotated[float, AfterValidator(in_range(1e-6, 1.0, "[-]"))] | None = None
     cycles_per_update: Annotated[int, AfterValidator(at_least(1))] | None = None
+    layer_error: Annotated[float, AfterValidator(in_range(1e-6, 1.0, "[-]"))] = 0.05
     update: Literal["cycle", "increment"] = "cycle"
 
     @model_validator(mode="after")

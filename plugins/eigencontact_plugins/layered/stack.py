@@ -6,7 +6,7 @@ and across the wavevector to x and y.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Literal
 
@@ -159,6 +159,16 @@ class BondedLayers(LayeredMedium):
     def layer_names(self) -> tuple[str, ...]:
         """Names of the layers, those that the scene gives or their numbers."""
         return tuple(layer.name or name for layer, name in zip(self.layers, super().layer_names, strict=True))
+
+    def thinned(self, depth: float) -> BondedLayers | Material:
+        """See `Thinning.thinned`."""
+        rest = self._undersides - depth
+        left = tuple(
+            replace(layer, thickness=float(min(under, layer.thickness)))
+            for layer, under in zip(self.layers, rest, strict=True)
+            if under >= THINNEST
+        )
+        return replace(self, layers=left) if left else self.deep_material
 
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
         """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""

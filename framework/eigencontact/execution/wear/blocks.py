@@ -9,6 +9,7 @@ from eigencontact.execution.block import Block
 from eigencontact.execution.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics import Mechanics
 from eigencontact.execution.step import Step
+from eigencontact.execution.wear.layers import layers_that_wear
 from eigencontact.execution.wear.surface import WornSurface
 from eigencontact.model.model import Model
 
@@ -42,6 +43,9 @@ class Wear(Block):
         bodies = model.scene.wear.parts
         which = " and ".join(f"body {body}" for body in bodies)
         self.why = f"{which} wear{'s' if len(bodies) == 1 else ''} by {model.wear.key!r}"
+        for body in layers_that_wear(model):
+            most = model.scene.wear.layer_error
+            self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"
         slips = {"slip_distance", "dissipated_energy_density"} if model.friction is not None else set()
         self.requires = frozenset({"pressure", *slips})
         self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in bodies)), "[wear]")

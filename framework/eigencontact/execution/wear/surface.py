@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.step import CyclePlace, Step
 from eigencontact.execution.wear.jumps import Jumps, ahead
+from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
 from eigencontact.execution.wear.state import recalled, store
 from eigencontact.model.model import Model
@@ -53,6 +54,7 @@ class WornSurface:
         assert model.wear is not None
         assert model.scene.wear is not None
         self._model = model
+        self._layers = WornLayers(model, mechanics) if layers_that_wear(model) else None
         self._law, self._friction, self._grid = model.wear, model.friction, model.grid
         self._mechanics, self._parts = mechanics, model.scene.wear.parts
         self._at_once = model.scene.wear.update == "increment"
@@ -60,8 +62,8 @@ class WornSurface:
         self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
 
     def lost(self, body: int) -> FloatArray | None:
-        """Depth ``(ny, nx)`` [m] that a body has lost; None for none."""
-        return self._state.depth.get(body)
+        """Depth ``(ny, nx)`` [m] that a body has lost, in coordinates of the window; None for none."""
+        return self._state.seen(body) if body in self._state.depth else None
 
     @property
     def _exposed_facts(self) -> dict[str, Any]:
@@ -81,6 +83,8 @@ class WornSurface:
         travel = step.travel if self._travels else None
         self._separation, self._state = separation, recalled(step.previous, self._parts, self._grid, travel)
         cycle = step.cycle
+        if self._layers is not None:
+            self._layers.begin(step, self._state)
         if cycle is not None and cycle.begins:
             if cycle.skipped:
                 self._skip(step, cycle.skipped)
@@ -94,6 +98,8 @@ class WornSurface:
         cycle, memory = step.cycle, self._state.memory
         if cycle is not None and cycle.settling:
             store(self._state, step, self._grid, travels=self._travels)
+            if self._layers is not None:
+                self._layers.end(step, self._state)
             return
         at_once = cycle is None or self._at_once
         slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
@@ -106,6 +112,8 @@ class WornSurface:
         if cycle is not None and cycle.ends:
             self._end_cycle(step, cycle)
         store(self._state, step, self._grid, travels=self._travels)
+        if self._layers is not None:
+            self._layers.end(step, self._state)
         alpha, volume = self._law.volume_per_energy, step.scalars["worn_volume"]
         if alpha is not None:
             missing = abs(volume - alpha * step.scalars["wear_energy"])
@@ -134,7 +142,9 @@ class WornSurface:
         pressure, memory = last.fields["pressure"], self._state.memory
         depth = Rate(pressed=memory["rate"], steady=memory["steady"]).depth(pressure)
         rate = ahead(memory, 0.5 * (cycles + 1))
-        self._move(Control(**modes), last.fields, rate, cycles, depth, memory["cycle_energy"], pressure)
+        after = self._move(Control(**modes), last.fields, rate, cycles, depth, memory["cycle_energy"], pressure)
+        if self._layers is not None:
+            self._layers.follow(self._state, after)
         self._state.cycles += cycles
 
     def _repeat(self, cycles: int) -> None:
@@ -162,7 +172,9 @@ class WornSurface:
             shear = checked_shear_bound(self._friction, state)
         slip, still = np.where(pressure > 0, step.slide.distance, 0.0), np.zeros_like(pressure)
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
-        self._move(step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure)
+        after = self._move(step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure)
+        if self._layers is not None:
+            self._layers.follow(self._state, after)
 
     def _wear(self, step: Step, slip: FloatArray, energy: FloatArray, *, amplitude: float) -> Rate:
         """Wear by a solved increment or cycle; `amplitude` is that of the slip by its path."""
@@ -211,8 +223,11 @@ class WornSurface:
     def _move(
         self, control: Control, fields: Mapping[str, FloatArray], rate: Rate, cycles: int, depth: FloatArray,
         energy: FloatArray, pressure: FloatArray,
-    ) -> None:  # fmt: skip
-        """Move the surfaces by so many cycles of a rate, of which a solved one wore a depth and spent an energy."""
+    ) -> FloatArray:  # fmt: skip
+        """Move the surfaces by so many cycles of a rate, of which a solved one wore a depth and spent an energy.
+
+        Returns the pressure under them.
+        """
         state, added = self._state, np.zeros_like(pressure)
         least = _LEAST * float(state.total.sum())
         if rate.any:
@@ -223,10 +238,11 @@ class WornSurface:
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
                 least=least,
             )  # fmt: skip
-            added = found.depth
+            added, pressure = found.depth, found.pressure
             state.wear(added, self._parts)
             state.error += found.error * max(float(added.sum()), least) * self._grid.cell_area
         state.energy = state.energy + energy_of(added, depth, energy, cycles)
+        return pressure
 
 
 def _grown(step: Step, name: str) -> FloatArray:

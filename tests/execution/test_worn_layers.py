@@ -1,0 +1,132 @@
+"""Layers that wear: as thick in the kernels as their mean in contact; the error of that, and what is refused."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.errors import SceneError
+from eigencontact.execution.driver import drive
+from eigencontact.plugin import LayeredMedium
+
+#: Case WR-17: E of the substrate, thickness H = contact radius on the bare substrate, ball of 10 H.
+H, E, NU = 20e-6, 210e9, 0.3
+RADIUS = 10 * H
+MODULUS = E / (1 - NU**2)
+LOAD, PEAK = 4 / 3 * MODULUS * H**3 / RADIUS, 2 * MODULUS * H / (np.pi * RADIUS)
+VOLUME = np.pi * H**4 / (4 * RADIUS)
+K = 1e-15
+
+
+def coated(ratio=2.0, **layer):
+    solid = {"poisson-ratio": NU}
+    layers = [{"thickness": H, "young-modulus": ratio * E, **solid, **layer}]
+    return {"medium": {"type": "bonded-layers", "layers": layers, "substrate": {"young-modulus": E, **solid}}}
+
+
+def scene(body1, worn=(0.1, 10), increments=(2, 4), wear=None, **changes):
+    """Gross sliding without friction to some worn volumes, in parts of that of the case."""
+    paths = np.diff([0.0, *worn]) * VOLUME / (K * LOAD)
+    slides = [
+        {"normal-load": LOAD, "sliding-distance": float(path), "increments": count}
+        for path, count in zip(paths, increments, strict=True)
+    ]
+    return ec.Scene(
+        **{
+            "body1": body1, "body2": {"rigid": True}, "geometry": {"type": "sphere", "radius": RADIUS},
+            "wear": {"type": "archard", "coefficient": K, **(wear or {})}, "steps": [{"normal-load": LOAD}, *slides],
+            "grid": {"cells": 40, "size": [5 * H, 5 * H]}, "numerics": {"threads": 1}, **changes,
+        }
+    )  # fmt: skip
+
+
+def records(made):
+    return list(drive(ec.plan(made)))
+
+
+@pytest.mark.parametrize("body", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_coated_body_in_gross_sliding(body):
+    """Case WR-17, from rings on a layered half-space: whichever body wears, to 1 %, radii to a cell of a0 / 8."""
+    found = records(scene(coated(), wear={"body": body}))
+    for record, peak, depth, radius in ((found[2], 1.3663, 0.05325, 0.880), (found[-1], 0.2139, 1.51853, 1.820)):
+        scalars = record.scalars
+        assert scalars["max_pressure"] / PEAK == close(peak, rel=0.01)
+        assert scalars["max_worn_depth"] / (H**2 / RADIUS) == close(depth, rel=0.01)
+        assert abs(scalars["contact_radius"] / H - radius) < 0.125
+    assert ("layer_error" in scalars) == (body == 1)
+    if body == 1:
+        assert 0.007 < scalars["layer_error"] < 0.05
+        assert 0.0 < scalars["layer_lost_1"] < scalars["max_worn_depth"]
+
+
+def test_a_coating_of_the_substrate_is_none_worn_through_or_not():
+    """The layer is worn through here: nothing is refused, as nothing differs."""
+    bare = {"young-modulus": E, "poisson-ratio": NU}
+    one, other = (records(scene(body, (1, 10), (1, 3)))[-1] for body in (coated(1.0, thickness=0.1 * H), bare))
+    assert one.scalars["max_worn_depth"] > 0.1 * H
+    assert one.scalars["layer_error"] < 1e-12
+    for name in ("pressure", "worn_depth"):
+        largest = np.abs(other.fields[name]).max()
+        assert np.abs(one.fields[name] - other.fields[name]).max() < 1e-5 * largest
+
+
+def test_without_wear_layers_stay():
+    """A coefficient of zero leaves every bit of the contact; the kernels are never made anew."""
+    worn = records(scene(coated(), wear={"coefficient": 0.0}))
+    still = records(scene(coated(), wear={"body": 2, "coefficient": 0.0}))
+    np.testing.assert_array_equal(worn[-1].fields["pressure"], still[-1].fields["pressure"])
+    assert worn[-1].scalars["layer_lost_1"] == worn[-1].scalars["layer_error"] == 0.0
+
+
+def test_a_run_goes_on_from_its_records_to_the_bit():
+    made = scene(coated(), (3,), (5,), grid={"cells": 20, "size": [5 * H, 5 * H]})
+    whole = records(made)
+    again = list(drive(ec.plan(made), done={one.index: lambda one=one: one for one in whole[:4]}))
+    assert whole[3].scalars["layer_lost_1"] > 0
+    for record, known in zip(again, whole[4:], strict=True):
+        assert record.scalars["layer_lost_1"] == known.scalars["layer_lost_1"]
+        for name in ("pressure", "worn_depth"):
+            np.testing.assert_array_equal(record.fields[name], known.fields[name])
+
+
+def test_plans_say_how_layers_wear():
+    assert "the layers of body 1 are as thick as their mean in contact, up to an error of 0.05" in ec.explain(
+        scene(coated())
+    )
+
+
+SECTION = {"name": "section", "shape": "plane", "normal": "y", "depth-max": 2 * H}
+
+
+def test_worn_through_is_refused_while_the_steps_before_are_kept():
+    course, found = (
+        drive(ec.plan(scene(coated(thickness=0.1 * H), (3,), (15,), grid={"cells": 20, "size": [5 * H, 5 * H]}))),
+        [],
+    )
+    with pytest.raises(SceneError, match=r"wear.layer-error must hold .*got an error of .*by cells.*smaller incr"):
+        found.extend(iter(lambda: next(course), None))
+    assert len(found) >= 2
+
+
+def test_stress_below_worn_layers_is_refused():
+    with pytest.raises(SceneError, match=r"stress region 'section' must be left out where body 1 has layers that wear"):
+        ec.plan(scene(coated(), stress=SECTION))
+    ec.plan(scene(coated(), stress=SECTION, wear={"body": 2}))
+
+
+def test_thinned_layers_are_thinner_layers():
+    """Response of two layers that have lost a depth, against the layers that remain, given as such."""
+
+    def medium(*thickness):
+        layers = [{"thickness": h, "young-modulus": (9 - n) * E, "poisson-ratio": NU} for n, h in thickness]
+        solid = {"young-modulus": E, "poisson-ratio": NU}
+        made: LayeredMedium = ec.make("bonded-layers", kind="layered-medium", layers=layers, substrate=solid)
+        return made
+
+    worn, k = medium((0, 1e-6), (1, 3e-6)), np.geomspace(1e3, 1e8, 30)
+    for lost, left in ((0.25e-6, ((0, 0.75e-6), (1, 3e-6))), (2e-6, ((1, 2e-6),))):
+        answers = [
+            one.response("displacement", ["z"], "p", k, 0 * k, 0.0) for one in (worn.thinned(lost), medium(*left))
+        ]
+        np.testing.assert_allclose(answers[0], answers[1], rtol=1e-12)
+    assert worn.thinned(4e-6) == worn.deep_material
