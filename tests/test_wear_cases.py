@@ -345,3 +345,24 @@ def test_repeated_cycles_are_the_history_written_out():
     for name in ("worn_depth", "pressure", "shear_x"):
         wanted = np.asarray(written[name])
         np.testing.assert_allclose(np.asarray(repeated[name]), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(
+    "numerics", [{"coupling": "none"}, pytest.param({"coupling": "full", "tolerance": 1e-10}, marks=pytest.mark.slow)]
+)
+def test_turned_and_mirrored_histories_wear_alike(numerics):
+    """Along y in place of x, and begun the other way; with coupling as closely as the solver is asked for."""
+    table = fretting(2, nu=0.3, cells=6, wear={"cycles-per-update": 1}) | {"numerics": numerics}
+    first, out, cycles = table["steps"]
+
+    def moved(axis, sign):
+        """Steps along an axis."""
+        ramps = [{axis: sign * step["shift-x"], "increments": 2} for step in (out, *cycles["cycle"])]
+        return {**table, "steps": [first, ramps[0], {"cycle": ramps[1:], "repeat": 2}]}
+
+    known, turned, mirrored = (
+        np.asarray(run(moved(*how))["worn_depth"])[-1]
+        for how in (("shift-x", 1.0), ("shift-y", 1.0), ("shift-x", -1.0))
+    )
+    for found in (turned.T, mirrored[:, ::-1]):
+        assert np.abs(found - known).max() < 1e-10 * known.max()
