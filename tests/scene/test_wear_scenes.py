@@ -91,7 +91,7 @@ REFUSED = {
         {"wear": {"type": "archard", "coeficient": 1e-13}},
         "unknown key 'coeficient' in wear (archard); known: coefficient, hardness, body, shares, jump-error, ",
     ),
-    "typo beside the fields": ({"wear": ENERGY | {"jump-eror": 0.1}}, "cycles-per-update, update; did you mean 'jump-"),
+    "typo beside the fields": ({"wear": ENERGY | {"jump-eror": 0.1}}, "update; did you mean 'jump-error'?"),
     "no coefficient": ({"wear": {"type": "archard"}}, "wear.coefficient must be given (archard needs it)"),
     "negative": (
         {"wear": ENERGY | {"coefficient": -1e-3}},

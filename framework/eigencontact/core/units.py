@@ -128,14 +128,19 @@ _EXAMPLES = {"m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N
 
 
 def readable(value: float, unit: str) -> str:
-    """Return a number with an engineering prefix.
+    """Return a number with an engineering prefix of the first factor of its unit.
 
     Examples
     --------
     >>> readable(6.05e-6, "m"), readable(8.47e9, "Pa"), readable(1.15e-10, "m^2")
     ('6.05 um', '8.47 GPa', '115 um^2')
+    >>> readable(2e6, "J/m^2"), readable(5e-9, "m^3/J"), readable(1e-13, "1/Pa")
+    ('2 MJ/m^2', '5 mm^3/J', '1e-13 1/Pa')
     """
-    power = 2 if unit.endswith("^2") else 1
+    first = unit.split("/", maxsplit=1)[0]
+    if first == "1":
+        return f"{value:.4g} {unit}"
+    power = int(first[-1]) if "^" in first else 1
     for exponent, prefix in ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "u"), (-9, "n"), (-12, "p")):
         scaled = value / 10.0 ** (exponent * power)
         if abs(scaled) >= 1.0 and not (unit.startswith("m") and exponent > 3):

@@ -10,8 +10,9 @@ from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
+from eigencontact.scene.steps import solved_cycles
 from eigencontact.worth.foreseen import worst_above
-from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads
+from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads, wear_lines
 
 if TYPE_CHECKING:
     from eigencontact.execution.block import Block
@@ -36,7 +37,8 @@ def explain(plan: Plan) -> str:
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {_numerics(plan)}",
         *([] if plan.friction is None else [f"friction    {plan.friction}"]),
-        f"load        {plan.steps} step{'s' if plan.steps != 1 else ''}{largest_loads(plan.scene)}",
+        *wear_lines(plan),
+        f"load        {_steps(plan)}{largest_loads(plan.scene)}",
         *expected_lines(plan),
         "",
         *([] if not plan.cautions else ["warnings", *(f"  {item.words} ({item.code})" for item in plan.cautions), ""]),
@@ -187,6 +189,13 @@ def _inclusions(plan: Plan) -> list[str]:
     if next(overlapping(plan.sources), None) is not None:
         lines.append(f"  where they overlap: {WHAT_COUNTS}")
     return [*lines, ""]
+
+
+def _steps(plan: Plan) -> str:
+    wear = plan.scene.wear
+    repeats = [step.repeat for step in plan.scene.steps]
+    guessed = wear is not None and wear.error and any(solved_cycles(repeat, wear) < repeat for repeat in repeats)
+    return f"{'about ' if guessed else ''}{plan.steps} step{'s' if plan.steps != 1 else ''}"
 
 
 def _counted(sources: Sequence[Source]) -> str:

@@ -9,6 +9,8 @@ from eigencontact.model.coupling import Coupling
 from eigencontact.model.model import Model
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.planning.plan import LeftOut
+from eigencontact.scene.steps import solved_cycles
+from eigencontact.scene.wear import Wear
 
 __all__ = ["left_out"]
 
@@ -34,6 +36,8 @@ def left_out(model: Model) -> list[LeftOut]:
         out.append(LeftOut("displacement along x and y", "output.tangential-displacement is false"))
     if contact and not model.periodic:
         out.append(LeftOut("periodic images", 'numerics.boundary = "non-periodic": the half-space is exact'))
+    if scene.wear is not None:
+        out += _of_the_wear(model, scene.wear)
     if model.sources:
         out += _of_the_eigenstrain(model)
     layer = _layer_that_fills(model)
@@ -63,6 +67,22 @@ def _of_the_contact(model: Model) -> list[LeftOut]:
     if None in model.bodies:
         number = model.bodies.index(None) + 1
         out.append(LeftOut(f"deflection and stress of body {number}", "it is rigid"))
+    return out
+
+
+def _of_the_wear(model: Model, table: Wear) -> list[LeftOut]:
+    out = [
+        LeftOut("debris, a third body and transfer", "the law takes a depth off, and nothing is put elsewhere"),
+        LeftOut(
+            "slopes of what has worn",
+            "half-spaces stay flat, and the gap grows by the worn depth: true of depths small beside the contact",
+        ),
+    ]
+    for step in model.scene.steps:
+        skipped = step.repeat - solved_cycles(step.repeat, table)
+        if step.cycle is not None and skipped:
+            most = f"{'' if table.error is None else 'about '}{skipped} of {step.repeat} cycles"
+            out.append(LeftOut(most, "what solved ones wear, and how that changes, stands for them"))
     return out
 
 

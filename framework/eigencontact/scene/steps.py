@@ -16,7 +16,17 @@ from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 from eigencontact.scene.wear import Wear
 
-__all__ = ["MOST_CYCLES", "Impacts", "Segment", "Step", "each_impact", "expected_points", "ramps_of", "segments_of"]
+__all__ = [
+    "MOST_CYCLES",
+    "Impacts",
+    "Segment",
+    "Step",
+    "each_impact",
+    "expected_points",
+    "ramps_of",
+    "segments_of",
+    "solved_cycles",
+]
 
 #: Repeats of one cycle.
 MOST_CYCLES = 10**9
@@ -189,15 +199,22 @@ def segments_of(steps: Sequence[Step]) -> list[Segment]:
     return found
 
 
+def solved_cycles(repeat: int, wear: Wear) -> int:
+    """Repeats of a cycle that will be solved; where their number follows from errors, a guess.
+
+    Of 100, 5000 and 10⁶ repeats of a partial slip that wears from nothing to all that can wear, 8 to 24, 15 to 45 and
+    43 to 50 were solved at an error of 0.01, and about half as many at 0.1.
+    """
+    if wear.error is None:
+        return min(repeat, 3 + repeat // (wear.cycles_per_update or 1))
+    more: float = (0.01 / wear.error) ** 0.3
+    return min(repeat, 3 + round(2 * more * repeat.bit_length()))
+
+
 def expected_points(steps: Sequence[Step], wear: Wear | None) -> int:
-    """Increments that will be solved: of cycles that wear some; where their number follows from errors, a guess."""
+    """Increments that will be solved: of cycles that wear some."""
     total = 0
     for step, segment in zip(steps, segments_of(steps), strict=True):
-        solved = segment.repeat
-        if wear is not None and segment.repeat > 2:
-            jumped = 3 + 2 * segment.repeat.bit_length()
-            if wear.cycles_per_update is not None:
-                jumped = 3 + segment.repeat // wear.cycles_per_update
-            solved = min(solved, jumped)
+        solved = segment.repeat if wear is None else solved_cycles(segment.repeat, wear)
         total += solved * sum(ramp.increments for ramp in ramps_of([step]))
     return total

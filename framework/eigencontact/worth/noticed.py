@@ -24,6 +24,10 @@ _ALL, _SOME = 0.999, 0.5
 _UNEVEN = 0.01
 #: Cells within which a place counts as on an edge.
 _NEAR = 1.5
+#: Worn depth by the radius of the contact, beyond which slopes count: strains by them are of that order.
+_DEEP = 0.1
+#: Error of the worn volume by jumps whose size was given, and cells to the window's edge by those of the contact.
+_JUMPS, _GROWN = 1e-2, 0.05
 
 Row = Mapping[str, float]
 
@@ -41,7 +45,7 @@ def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Cau
         Scalars of every step, in order.
     """
     found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
-    found += [*_taken_for_elastic(model, history), *_uneven_layers(history)]
+    found += [*_taken_for_elastic(model, history), *_wear(model, last, history), *_uneven_layers(history)]
     known = {caution.code for caution in found}
     earlier = [one for one in foreseen(model) if one.code not in known or one.code == "load-steps"]
     return (*earlier, *found)
@@ -80,6 +84,42 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
             "resolved; give finer cells"
         )
         yield Caution("slip-cells", words)
+
+
+def _wear(model: Model, last: StepRecord, history: Sequence[Row]) -> Iterator[Caution]:
+    """Surfaces that are no longer flat, jumps over cycles that were too large, and a contact that has grown."""
+    table = model.scene.wear
+    if table is None:
+        return
+    for row in history:
+        radius = float(np.sqrt(row["contact_area_counted"] / np.pi))
+        if row["max_worn_depth"] > _DEEP * radius > 0:
+            deepest = readable(max(one["max_worn_depth"] for one in history), "m")
+            words = (
+                f"the worn depth reaches {deepest}: from {readable(_DEEP * radius, 'm')} on, in load step "
+                f"{row['step']:.0f}, it is more than {percent(_DEEP)} of the contact's radius {readable(radius, 'm')}, "
+                "and slopes are not small, as half-spaces suppose"
+            )
+            yield Caution("worn-slopes", words)
+            break
+    error, allowed = last.scalars["wear_error"], table.error or _JUMPS
+    if error > allowed:
+        remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
+        words = (
+            f"cycles that were not solved make the worn volume wrong by {percent(error)}, by estimate, more than "
+            f"{percent(allowed)}; set {remedy}"
+        )
+        yield Caution("wear-jumps", words, error)
+    box = Box.around(last.fields["pressure"] > 0)
+    if box is not None and not model.periodic:
+        ny, nx = last.fields["pressure"].shape
+        near = min(box.y0, box.x0, ny - box.y1, nx - box.x1)
+        if 0 < near <= max(1.0, _GROWN * max(box.shape)):
+            words = (
+                f"the worn contact ends {near} cell{'s' if near > 1 else ''} before the window's edge, where a run "
+                "ends with an error: more wear needs a larger grid.size"
+            )
+            yield Caution("worn-window", words)
 
 
 def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution]:

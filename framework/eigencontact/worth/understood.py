@@ -10,10 +10,12 @@ from eigencontact.core.quantities import Unit
 from eigencontact.core.units import readable
 from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.model import Model
-from eigencontact.model.resolution import cells_per_radius
+from eigencontact.model.resolution import cells_per_radius, percent
 from eigencontact.scene.schema import Scene, Step
+from eigencontact.scene.steps import solved_cycles
+from eigencontact.scene.wear import Wear
 
-__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "largest_loads", "sizes"]
+__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "largest_loads", "sizes", "wear_lines"]
 
 #: Sides of a contact that differ by less are those of a circle.
 _ROUND = 0.1
@@ -43,6 +45,32 @@ def sizes(component: Any) -> str:
             text = ", ".join(readable(number, unit) for number in numbers)
             said.append(f"{item.name.replace('_', '-')} {text if len(numbers) == 1 else f'({text})'}")
     return ", ".join(said)
+
+
+def wear_lines(model: Model) -> list[str]:
+    """Which law wears which body, when the surfaces move, and how many cycles of each kind will be solved."""
+    table = model.scene.wear
+    if model.wear is None or table is None:
+        return []
+    who = " and ".join(f"body {body}" for body in table.parts)
+    if len(table.parts) > 1:
+        who = " and ".join(f"body {body} by {part:.3g} of the depth" for body, part in table.parts.items())
+    law = ", ".join(text for text in (model.wear.key, sizes(model.wear)) if text)
+    how = "implicit in the pressure" + ("" if model.wear.linear_in_pressure else ", by a small change of it")
+    cycles = any(step.cycle is not None for step in model.scene.steps)
+    when = "at the end of each cycle" if cycles and table.update == "cycle" else "by each increment"
+    lines = [f"wear        {who}: {law}", f"            the surface moves {when}, {how}"]
+    repeats = [step.repeat for step in model.scene.steps if step.repeat > 1]
+    return [*lines, *(f"            {repeat} cycles, {_solved(repeat, table)}" for repeat in repeats)]
+
+
+def _solved(repeat: int, table: Wear) -> str:
+    solved = solved_cycles(repeat, table)
+    if solved == repeat:
+        return "all of them solved"
+    if table.error is None:
+        return f"{solved} of them solved: each stands for {table.cycles_per_update}"
+    return f"about {solved} of them solved: as many as keep the error of the worn volume to {percent(table.error)}"
 
 
 def largest_loads(scene: Scene) -> str:

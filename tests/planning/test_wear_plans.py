@@ -1,0 +1,123 @@
+"""What a plan says of a scene that wears before it runs, and what a run says of its own worth afterwards."""
+
+import re
+
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.core.units import readable
+
+PRESSED = {"normal-load": "0.65 N"}
+CYCLE = [{"shift-x": "60 nm"}, {"shift-x": "-60 nm", "increments": 2}, {"shift-x": 0.0}]
+ENERGY = {"type": "dissipated-energy", "coefficient": "5 mm^3/J"}
+
+
+def scene(wear, steps, **changes):
+    tables = {
+        "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
+        "geometry": {"type": "sphere", "radius": "105 um"},
+        "friction": {"type": "coulomb", "coefficient": 0.5},
+        "wear": wear,
+        "grid": {"cells": 12, "size": ["15 um", "15 um"]},
+        "steps": steps,
+        "numerics": {"threads": 1, "coupling": "none"},
+        "output": {"pictures": False, "vtk": False},
+    } | changes
+    return ec.load_scene({name: table for name, table in tables.items() if table is not None})
+
+
+def cycles(repeat):
+    return [PRESSED, {"cycle": CYCLE, "repeat": repeat}]
+
+
+# table of wear beside its law, repeats, lines that explain them
+LINES = [
+    ({}, 5000, ["wear        body 1: dissipated-energy, coefficient 5 mm^3/J",
+                "            the surface moves at the end of each cycle, implicit in the pressure",
+                "      5000 cycles, about 29 of them solved: as many as keep the error of the worn volume to 1 %"]),
+    ({"jump-error": 0.1}, 5000, ["about 16 of them solved: as many as keep the error of the worn volume to 10 %"]),
+    ({"cycles-per-update": 100}, 5000, ["            5000 cycles, 53 of them solved: each stands for 100"]),
+    ({"shares": {"body1": 0.7, "body2": 0.3}}, 2,
+     ["wear        body 1 by 0.7 of the depth and body 2 by 0.3 of the depth: dissipated-energy, ",
+      "            2 cycles, all of them solved"]),
+    ({"body": 2, "update": "increment"}, 2, ["wear        body 2: ", "the surface moves by each increment, impli"]),
+    ({"type": "threshold-energy", "threshold": "2 kJ/m^2"}, 2,
+     ["threshold-energy, coefficient 5 mm^3/J, threshold 2 kJ/m^2", "in the pressure, by a small change of it"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("table", "repeat", "lines"), LINES)
+def test_explain_says_what_wears_and_how(table, repeat, lines):
+    text = ec.plan(scene(ENERGY | table, cycles(repeat))).explain()
+    for line in lines:
+        assert line in text
+    assert ("load        about" in text) == ("about" in "".join(lines))
+    assert "  wear: body" in text
+    assert "and what has worn" in text
+
+
+def test_explain_without_wear_says_nothing_of_it():
+    text = ec.plan(scene(None, cycles(3))).explain()
+    assert "wear" not in text
+    assert "worn" not in text
+    assert "load        13 steps" in text
+
+
+def test_what_wear_leaves_out():
+    left = {item.what: item.why for item in ec.plan(scene(ENERGY, cycles(5000))).left_out}
+    assert "debris, a third body and transfer" in left
+    assert "slopes of what has worn" in left
+    assert "about 4971 of 5000 cycles" in left
+    fewer = ec.plan(scene(ENERGY | {"cycles-per-update": 100}, cycles(5000)))
+    assert "4947 of 5000 cycles" in {item.what for item in fewer.left_out}
+    assert not [item for item in ec.plan(scene(ENERGY, cycles(2))).left_out if "cycles" in item.what]
+
+
+def test_predicted_time_follows_the_cycles_that_are_solved():
+    few, many = (ec.plan(scene(ENERGY, cycles(repeat))) for repeat in (10, 10**6))
+    assert many.steps == 1 + 4 * 43
+    assert many.seconds / few.seconds == close(many.steps / few.steps, rel=0.5)
+    assert set(few.to_dict()["scene"]["wear"]) >= {"type", "coefficient", "update"}
+
+
+def test_units_of_laws_are_readable():
+    assert readable(2e6, "J/m^2") == "2 MJ/m^2"
+    assert readable(1e-18, "m^3/J") == "1 um^3/J"
+    assert readable(1e-13, "1/Pa") == "1e-13 1/Pa"
+
+
+def warnings(wear, steps, **changes):
+    return {one["code"]: one["words"] for one in ec.run(scene(wear, steps, **changes)).summary["warnings"]}
+
+
+BLUNT = {"geometry": {"type": "sphere", "radius": "20 um"}, "friction": None}
+SLIDE = PRESSED | {"sliding-distance": "1 mm", "increments": 10}
+
+
+def test_depths_beyond_small_slopes_are_said_with_where_they_begin():
+    """A ball of 20 um wears by a tenth of the contact's radius a where a^2 / 2 R is a / 10, at 400 nm.
+
+    The contact is flattened before it wears: it is somewhat larger.
+    """
+    wide = BLUNT | {"grid": {"cells": 16, "size": ["16 um", "16 um"]}}
+    deep = warnings({"type": "archard", "coefficient": 6e-14}, [PRESSED, SLIDE], **wide)
+    (depth,) = re.findall(r"from ([\d.]+) nm on, in load step ", deep["worn-slopes"])
+    assert 400 < float(depth) < 600
+    assert "more than 10 % of the contact's radius" in deep["worn-slopes"]
+    assert "worn-slopes" not in warnings({"type": "archard", "coefficient": 6e-16}, [PRESSED, SLIDE], **wide)
+
+
+def test_a_contact_that_wears_towards_the_edge_of_the_window_is_said():
+    tight = BLUNT | {"grid": {"cells": 16, "size": ["12 um", "12 um"]}}
+    told = warnings({"type": "archard", "coefficient": 3.5e-14}, [PRESSED, SLIDE], **tight)["worn-window"]
+    assert "the worn contact ends 1 cell before the window's edge" in told
+    assert "worn-window" not in warnings({"type": "archard", "coefficient": 1e-16}, [PRESSED, SLIDE], **tight)
+
+
+def test_jumps_of_a_given_size_that_are_too_large_are_said():
+    wear = {"type": "dissipated-energy", "coefficient": "1e-2 mm^3/J"}
+    told = warnings(wear | {"cycles-per-update": 30}, cycles(100))
+    assert "cycles that were not solved make the worn volume wrong by " in told["wear-jumps"]
+    assert "; set wear.cycles-per-update smaller, or wear.jump-error" in told["wear-jumps"]
+    assert "wear-jumps" not in warnings(wear | {"jump-error": 0.1}, cycles(100))
