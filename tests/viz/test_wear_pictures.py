@@ -11,6 +11,8 @@ from close import close
 from eigencontact.viz.animation import frames, subject_of, thinned
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.frame import Film, Frame
+from eigencontact.viz.friction_history import fretting_loops
+from eigencontact.viz.style import COLOURS
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces, solved_cycles, wears
 from viz.test_figures import overlaps
@@ -46,20 +48,28 @@ def worn():
                 scene["steps"] = [{"normal_load": 12.307}, {"cycle": CYCLE, "repeat": 12}]
             else:
                 del scene["friction"]
-                scene["body1"] = {"medium": layer}
                 scene["wear"] = {"type": "archard", "coefficient": 2.5e-16, "shares": SHARES}
+            if kind == "slides":
+                scene["body1"] = {"medium": layer}
                 scene["steps"] = [{"normal_load": 12.307, "sliding_distance": 0.4, "increments": 3}]
+            if kind == "travels":
+                scene["grid"] = {"cells": [20, 14], "spacing": [4e-6, 4e-6]}
+                scene["wear"]["coefficient"] = 5e-13
+                travel = [{"normal_load": 12.307, "travel_x": x, "increments": n} for x, n in ((-8e-6, 1), (8e-6, 4))]
+                scene["numerics"]["allow_coarse"] = True
+                scene["steps"] = travel
             known[kind] = ec.run(scene).dataset
         return known[kind]
 
     return run
 
 
-@pytest.mark.parametrize("kind", ["frets", "slides"])
-@pytest.mark.parametrize("step", [0, -1])
-def test_the_initial_separation_is_that_of_the_sphere(worn, kind, step):
+@pytest.mark.parametrize("kind", ["frets", "slides", "travels"])
+@pytest.mark.parametrize("step", [0, 2, -1])
+def test_the_initial_separation_is_that_of_the_sphere_where_it_is(worn, kind, step):
     dataset = worn(kind)
     y, x = np.meshgrid(dataset["y"], dataset["x"], indexing="ij")
+    x = x - (float(dataset["travel_x"][step]) if kind == "travels" else 0.0)
     np.testing.assert_allclose(initial_separation(dataset, step), (x**2 + y**2) / (2 * RADIUS), atol=1e-15)
     assert wears(dataset)
 
@@ -177,7 +187,8 @@ def test_the_map_says_volume_and_depth(worn):
 def test_an_animation_has_the_ends_of_cycles_and_scales_that_stay(worn):
     dataset = worn("frets")
     subject, film = subject_of(dataset), Film(dataset, thinned(dataset))
-    assert subject.sentence == "Worn surfaces over the initial ones, beside the contact pressure."
+    assert not subject.stacked
+    assert subject.sentence == "Worn surfaces over the initial ones, and the contact pressure."
     assert film.steps == tuple(ends_of_cycles(dataset).tolist())
     limits = set()
     for step in (film.steps[0], film.steps[-1]):
@@ -187,6 +198,26 @@ def test_an_animation_has_the_ends_of_cycles_and_scales_that_stay(worn):
     most = 1e9 * float(dataset["worn_depth_1"].max())
     assert most < below.get_ylim()[0] < 1.3 * most
     assert len(list(frames(dataset.isel(step=[0, 6]), subject_of(dataset.isel(step=[0, 6]))))) == 2
+
+
+def test_what_travels_is_followed_step_by_step_with_scales_that_stay(worn):
+    dataset = worn("travels")
+    film = Film(dataset, thinned(dataset))
+    assert subject_of(dataset).stacked
+    assert film.steps == tuple(range(5))
+    seen = [axes.get_ylim() for step in film.steps for axes in worn_profiles(dataset, step, Frame(film)).axes]
+    assert set(seen) == set(seen[:2])
+    assert "nothing lost so far" in worn_profiles(dataset, 0).get_suptitle()
+
+
+def test_of_many_steps_the_last_cycle_alone_is_dark(worn, monkeypatch):
+    dataset = worn("frets")
+    monkeypatch.setattr("eigencontact.viz.friction_history.MANY", 20)
+    lines = fretting_loops(dataset).axes[0].get_lines()
+    dark = [item for item in lines if item.get_color() == COLOURS[0]]
+    assert max(len(item.get_xdata()) for item in dark) < dataset.sizes["step"]
+    (faint,) = [item for item in lines if len(item.get_xdata()) == dataset.sizes["step"]]
+    np.testing.assert_allclose(1e-9 * faint.get_xdata(), dataset["shift_x"].values, atol=1e-18)
 
 
 def test_a_run_without_wear_has_no_such_pictures(worn):

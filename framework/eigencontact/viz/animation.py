@@ -81,7 +81,8 @@ def subject_of(dataset: xr.Dataset) -> Subject | None:
     planes = [name for name, how in drawable(dataset).items() if how == "section" and regions[name]["shape"] == "plane"]
     if wears(dataset) and "pressure" in dataset:
         pictures = (partial(worn_profiles, dataset), partial(pressure_map, dataset))
-        return Subject(pictures, "Worn surfaces over the initial ones, beside the contact pressure.")
+        words = "Worn surfaces over the initial ones, and the contact pressure."
+        return Subject(pictures, words, stacked=rolls(dataset))
     section: list[Draw] = [partial(stress_section, dataset, name) for name in planes[:1]]
     below = f", over the stress on {planes[0]!r}" if planes else ""
     if "pressure" not in dataset:
@@ -111,9 +112,10 @@ def subject_of(dataset: xr.Dataset) -> Subject | None:
 def thinned(dataset: xr.Dataset, most: int = FRAMES) -> tuple[int, ...]:
     """Positions along ``step``, evenly spaced, the first and the last among them, at most so many.
 
-    Of cycles that wear they are the ends of those that were solved.
+    Of cycles that wear they are the ends of those that were solved, unless the geometry travels in them.
     """
-    steps = ends_of_cycles(dataset) if wears(dataset) else np.arange(dataset.sizes["step"])
+    worn = wears(dataset) and not rolls(dataset)
+    steps = ends_of_cycles(dataset) if worn else np.arange(dataset.sizes["step"])
     chosen = np.rint(np.linspace(0, steps.size - 1, min(most, steps.size))).astype(int)
     return tuple(steps[np.unique(chosen)].tolist())
 

@@ -64,7 +64,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
     ResultsError
         When a picture cannot be stored.
     """
-    loaded = step
+    loaded, asked = step, step
     if step is None:
         step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) and not yields(dataset) else -1
         loaded = loaded_step(dataset) if step == -1 else step
@@ -113,7 +113,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
             wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
     wanted += _plastic(dataset, step, solid=solid)
     wanted += _friction(dataset, loaded)
-    wanted += _wear(dataset, step)
+    wanted += _wear(dataset, -1 if asked is None else asked)
     if struck(dataset):
         sentence = "Impacts that each place has felt; crosses are their middles."
         wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))

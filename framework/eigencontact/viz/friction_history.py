@@ -26,6 +26,8 @@ __all__ = ["fretting_loops", "zone_strip"]
 
 #: With more steps than this, only some carry a marker.
 MARKERS = 60
+#: With more steps than this the last cycle alone is dark.
+MANY = 250
 
 
 def _history(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
@@ -50,7 +52,8 @@ def fretting_loops(dataset: xr.Dataset, step: int = -1, on: Frame | None = None)
     -------
     matplotlib.figure.Figure
         One panel for each loop. The last closed cycle is tinted; the title has its work from the area of the loop and,
-        as an independent number, from the local work of friction. An open circle marks the first step.
+        as an independent number, from the local work of friction. An open circle marks the first step that is dark: of
+        long histories that is the last cycle, else all.
     """
     modes = driven(dataset)
     with paper_style():
@@ -77,6 +80,9 @@ def _loop(axes: Axes, x: NDArray[Any], y: NDArray[Any], cycle: Cycle | None) -> 
     if cycle is not None:
         part = slice(cycle.first, cycle.last + 1)
         axes.fill(x[part], y[part], color=COLOURS[0], alpha=0.15, linewidth=0, zorder=1)
+    if cycle is not None and x.size > MANY:
+        axes.plot(x, y, "-", color="0.75", linewidth=0.4, zorder=0)
+        x, y, every = x[part], y[part], 1
     axes.plot(x, y, "o-", color=COLOURS[0], markevery=every, markersize=2.8, zorder=2)
     axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5, zorder=3)
 

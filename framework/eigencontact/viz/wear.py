@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.viz.friction_words import MODES, driven
+from eigencontact.viz.rolling import rolls
 from eigencontact.viz.style import COLOURS, moment, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import contact_window, masked_map, middle
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces, solved_cycles
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     import xarray as xr
     from matplotlib.axes import Axes
@@ -38,6 +39,10 @@ BODY_STYLES = {1: "-", 2: "--"}
 SYMMETRIC = 0.05
 #: With more points than this, only some carry a marker.
 MARKERS = 40
+#: Depth [m] up to which a picture of surfaces that have not worn yet looks.
+NOTHING = 1e-9
+#: Surfaces are shown up to this part of the largest approach above the first touch.
+HEIGHT = 1.2
 #: Room above and below the surfaces, as a part of what is shown.
 ROOM = 0.12
 
@@ -68,6 +73,8 @@ def worn_map(dataset: xr.Dataset, step: int = -1) -> Figure:
 
 def _heading(dataset: xr.Dataset, step: int) -> str:
     volume, deepest = (float(dataset[name][step]) for name in ("worn_volume", "max_worn_depth"))
+    if deepest == 0.0:
+        return f"Wear{moment(dataset, step)}\nnothing lost so far"
     numbers = f"{scale_for([volume], 'm3').text(volume)} lost, at most {scale_for([deepest], 'm').text(deepest)} deep"
     return f"Wear{moment(dataset, step)}\n{numbers}"
 
@@ -94,12 +101,12 @@ def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) 
     """
     section = _Section(dataset, step, on)
     lines = section.lines if on is None else section.lines[:1]
-    most = max(section.most.values()) or np.finfo(float).tiny
+    most = max(section.most.values()) or NOTHING
     depth = scale_for(most, "m")
     with paper_style():
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 4.4, on)
         panels = figure.subplots(2, len(lines), sharex="col", sharey="row", squeeze=False, height_ratios=(1.5, 1))
-        ends = section.ends(lines)
+        ends = section.ends()
         for line, (above, below) in zip(lines, panels.T, strict=True):
             section.draw(above, line, ends)
             at = section.length(line.at)
@@ -133,7 +140,7 @@ def worn_coating(dataset: xr.Dataset, step: int = -1) -> Figure:
         lines = section.lines
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.4)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)
-        ends = section.ends(lines, layers=True)
+        ends = section.ends(layers=True)
         for line, axes in zip(lines, panels[0], strict=True):
             section.draw(axes, line, ends)
             axes.set_xlabel(f"{line.along} [{section.length.unit}]")
@@ -175,6 +182,8 @@ class _Section:
         ]
         self.lines = [line for line in self.lines if line.at.size > 1] or self.lines[:1]
         self._first = initial_separation(dataset, step)
+        touch = 0.0 if rolls(dataset) else max(0.0, float(self._first.min()))
+        self._height = touch + HEIGHT * max(float(np.abs(dataset["approach"].values).max()), NOTHING)
         names = {body: f"worn_depth_{body}" for body in (1, 2) if f"worn_depth_{body}" in dataset}
         self._worn = {body: np.asarray(dataset[name][step].values, dtype=float) for body, name in names.items()}
         #: Largest depth that each body loses, in the step or in all frames [m].
@@ -188,12 +197,12 @@ class _Section:
         """Depth that each body that wears has lost on a line [m]."""
         return {body: values[line.where] for body, values in self._worn.items()}
 
-    def ends(self, lines: Sequence[_Line], *, layers: bool = False) -> tuple[float, float]:
-        """Smallest and largest z [m] to show."""
-        high = max(float(self._first[line.where].max()) for line in lines) + self.most.get(2, 0.0)
+    def ends(self, *, layers: bool = False) -> tuple[float, float]:
+        """Smallest and largest z [m] to show, the same in all frames of an animation."""
+        high = self._height + self.most.get(2, 0.0)
         deep = self.most.get(1, 0.0)
         if layers:
-            high = max(high, *(float(self._first.min()) + one for one in self._interfaces[2]), 0.0)
+            high = max(high, *self._interfaces[2], 0.0)
             deep = max(deep, *self._interfaces[1], 0.0)
         room = ROOM * (high + deep)
         return -high, max(deep + room, 2 * room)
@@ -254,9 +263,10 @@ def wear_history(dataset: xr.Dataset) -> Figure:
             axes.margins(x=0.02)
         for axes in panels[1]:
             axes.set_xlabel(f"{words} [{along.unit}]" if along.unit else words)
+            axes.xaxis.get_major_locator().set_params(integer=not along.unit)
         if "wear_error" in dataset and float(dataset["wear_error"][-1]) > 0:
             error = 100 * float(dataset["wear_error"][-1])
-            figure.suptitle(f"Wear; by cycles that were skipped the volume may err by {error:.2g} %", fontsize=9.5)
+            figure.suptitle(f"Wear (estimated error of the volume {error:.2g} %)", fontsize=9.5)
     return figure
 
 
