@@ -15,10 +15,12 @@ from eigencontact.execution.wear.rate import Rate
 from eigencontact.execution.wear.state import WornState
 from eigencontact.scene.wear import Wear
 
-__all__ = ["Jumps", "ahead"]
+__all__ = ["MOST", "Jumps", "against_deflection", "ahead"]
 
 FloatArray = NDArray[np.float64]
 
+#: Largest wear of one update, in deflections of a loaded cell: the surface has long come to rest.
+MOST = 1e7
 #: Largest growth and fall of a jump from one to the next, and what it stays below the size that the error allows.
 _GROWTH, _FALL, _SAFETY = 2.5, 0.3, 0.8
 #: Part of the wear so far that may bear the error where the last cycles wear little.
@@ -33,6 +35,12 @@ def ahead(memory: dict[str, FloatArray], cycles: float) -> Rate:
     """Rate so many cycles after the last solved one; never less than nothing, nor more than twice."""
     rate = memory["rate"]
     return Rate(pressed=np.clip(rate + cycles * memory["slope"], 0.0, 2.0 * rate), steady=memory["steady"])
+
+
+def against_deflection(rate: Rate, pressure: FloatArray, softness: float) -> float:
+    """Largest depth of a cycle by what the largest pressure deflects a cell."""
+    most = float(pressure.max()) * softness
+    return float(rate.depth(pressure).max()) / most if most > 0 else 0.0
 
 
 class Jumps:
@@ -50,8 +58,10 @@ class Jumps:
     def __init__(self, table: Wear, grid: Grid, softness: float) -> None:
         self._table, self._area, self._softness = table, grid.cell_area, softness
 
-    def decide(self, state: WornState, cycle: CyclePlace, rate: Rate, energy: FloatArray, pressure: FloatArray) -> None:
-        """Set the next jump, and what it goes by, from a solved cycle: its rate, energy, and pressure in its end."""
+    def decide(
+        self, state: WornState, cycle: CyclePlace, rate: Rate, energy: FloatArray, pressure: FloatArray, peak: float
+    ) -> None:
+        """Set the next jump, and what it goes by, from a solved cycle: its rate, energy, pressure in its end, peak."""
         memory, last = state.memory, state.jump
         known, slope, wanted = memory.get("rate"), np.zeros_like(pressure), 1.0
         if known is not None:
@@ -67,7 +77,10 @@ class Jumps:
             wanted = float(self._table.cycles_per_update)
         most = float(rate.steady.max())
         if most > 0:
-            wanted = min(wanted, max(1.0, _STABLE * self._softness * float(pressure.max()) / most))
+            wanted = min(wanted, max(1.0, _STABLE * self._softness * peak / most))
+        share = against_deflection(rate, pressure, self._softness)
+        if share > 0:
+            wanted = min(wanted, MOST / share)
         state.jump = max(1, min(int(wanted), cycle.left))
         if state.cycles < _RUN_IN + 0.5:  # the first cycle begins where nothing has slipped
             state.memory, state.jump = {}, 1

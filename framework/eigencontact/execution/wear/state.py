@@ -25,6 +25,7 @@ _REMEMBERED = {
     "start_energy": ("J/m2", "work of friction at the start of the cycle, that of skipped cycles included"),
     "start_slip": ("m", "path slipped at the start of the cycle"),
     "start_dissipated": ("J/m2", "work of friction of solved increments at the start of the cycle"),
+    "peak_pressure": ("Pa", "largest pressure in the cycle so far"),
     "rate": ("m/Pa", "depth that the last solved cycle wore, by pressure"),
     "steady": ("m", "depth that the last solved cycle wore whatever the pressure"),
     "steady_2": ("m", "depth that the last solved cycle wore off body 2, in coordinates that move with it"),

@@ -7,14 +7,16 @@ left on the way: with a rate k [m/(Pa cycle)] that stays, ``dw/dN = k p(w)`` is 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.errors import SceneError
 from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.step import CyclePlace, Step
-from eigencontact.execution.wear.jumps import Jumps, ahead
+from eigencontact.execution.wear.jumps import MOST, Jumps, against_deflection, ahead
 from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
 from eigencontact.execution.wear.state import recalled, store
@@ -102,15 +104,18 @@ class WornSurface:
                 self._layers.end(step, self._state)
             return
         at_once = cycle is None or self._at_once
+        peak = _peak(step, memory)
+        if "start_slip" in memory:
+            memory["peak_pressure"] = peak
         slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
         if step.slide is not None:
             if "start_slip" in memory:  # it has worn already
                 memory["start_slip"] = memory["start_slip"] + slip
                 memory["start_dissipated"] = memory["start_dissipated"] + energy
         elif at_once:
-            self._wear(step, slip, energy, amplitude=0.0)
+            self._wear(step, slip, energy, peak, amplitude=0.0)
         if cycle is not None and cycle.ends:
-            self._end_cycle(step, cycle)
+            self._end_cycle(step, cycle, peak)
         store(self._state, step, self._grid, travels=self._travels)
         if self._layers is not None:
             self._layers.end(step, self._state)
@@ -176,23 +181,32 @@ class WornSurface:
         if self._layers is not None:
             self._layers.follow(self._state, after)
 
-    def _wear(self, step: Step, slip: FloatArray, energy: FloatArray, *, amplitude: float) -> Rate:
-        """Wear by a solved increment or cycle; `amplitude` is that of the slip by its path."""
+    def _wear(
+        self, step: Step, slip: FloatArray, energy: FloatArray, peak: FloatArray, *, amplitude: float
+    ) -> tuple[Rate, FloatArray]:
+        """Wear by a solved increment or cycle; its rate, and the energy by it.
+
+        `amplitude` is that of the slip by its path. A cell that nothing presses in the end has lost no more than the deflection under its largest pressure `peak`:
+        then it was free.
+        """
         pressure, fields = step.fields["pressure"], step.fields
         shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, amplitude * slip, energy))
+        depth = rate.depth(pressure)
+        rate = replace(rate, steady=np.minimum(rate.steady, self._mechanics.softness * peak))
         assert step.control is not None
-        self._move(step.control, fields, rate, 1, rate.depth(pressure), energy, pressure)
-        return rate
+        self._move(step.control, fields, rate, 1, depth, energy, pressure)
+        return rate, energy_of(rate.depth(pressure), depth, energy, 1.0)
 
-    def _end_cycle(self, step: Step, cycle: CyclePlace) -> None:
+    def _end_cycle(self, step: Step, cycle: CyclePlace, peak: FloatArray) -> None:
         """Wear by a whole cycle, and decide how many more it stands for."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
         within = not np.array_equal(state.lost, memory["start_depth"])
         if "start_slip" in memory:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
-            rate = self._wear(step, step.fields["slip_distance"] - memory["start_slip"], energy, amplitude=0.25)
+            slip = step.fields["slip_distance"] - memory["start_slip"]
+            rate, energy = self._wear(step, slip, energy, peak, amplitude=0.25)
         state.cycles += 1.0
         if cycle.left == 0:
             state.memory, state.jump = {}, 1
@@ -204,7 +218,7 @@ class WornSurface:
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
             rate = filled(rate, loaded)
         start = memory.get("start_depth_2")
-        self._jumps.decide(state, cycle, rate, energy, pressure)
+        self._jumps.decide(state, cycle, rate, energy, pressure, float(peak.max()))
         if start is not None:
             state.memory["steady_2"] = state.depth[2] - start
 
@@ -230,6 +244,7 @@ class WornSurface:
         """
         state, added = self._state, np.zeros_like(pressure)
         least = _LEAST * float(state.total.sum())
+        self._refuse_too_much(rate, cycles, pressure)
         if rate.any:
             found = moved(
                 lambda worn, springs, start: self._mechanics.pressed(
@@ -244,9 +259,27 @@ class WornSurface:
         state.energy = state.energy + energy_of(added, depth, energy, cycles)
         return pressure
 
+    def _refuse_too_much(self, rate: Rate, cycles: int, pressure: FloatArray) -> None:
+        """Refuse wear that numbers cannot hold beside the deflection."""
+        share = cycles * against_deflection(rate, pressure, self._mechanics.softness)
+        if share > 10.0 * MOST:
+            raise SceneError(
+                f"wear law {self._law.key!r} must wear less than {10.0 * MOST:g} times what the surface deflects in "
+                f"one update (got {share:.2g} times, {float(rate.depth(pressure).max()):.2g} m if the pressure "
+                "stayed); lower its coefficient, or slide less in an increment"
+            )
+
 
 def _grown(step: Step, name: str) -> FloatArray:
     """By how much a field that adds up has grown in a step."""
     if name not in step.fields:
         return np.zeros_like(step.fields["pressure"])
     return step.fields[name] if step.previous is None else step.fields[name] - step.previous.fields[name]
+
+
+def _peak(step: Step, memory: Mapping[str, FloatArray]) -> FloatArray:
+    """Largest pressure of each cell in a step, or so far in its cycle [Pa]."""
+    peak = step.fields["pressure"]
+    if step.previous is not None:
+        peak = np.maximum(peak, step.previous.fields["pressure"])
+    return np.maximum(peak, memory["peak_pressure"]) if "peak_pressure" in memory else peak
