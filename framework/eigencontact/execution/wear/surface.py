@@ -186,8 +186,8 @@ class WornSurface:
     ) -> tuple[Rate, FloatArray]:
         """Wear by a solved increment or cycle; its rate, and the energy by it.
 
-        `amplitude` is that of the slip by its path. A cell that nothing presses in the end has lost no more than the deflection under its largest pressure `peak`:
-        then it was free.
+        `amplitude` is that of the slip by its path. A cell that nothing presses in the end has lost no more than the
+        deflection under its largest pressure `peak`: then it was free.
         """
         pressure, fields = step.fields["pressure"], step.fields
         shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
