@@ -250,8 +250,8 @@ def test_limit_with_the_approach_kept(cells, nu):
     Volume and depth follow steeply from the stick radius, which cells know to a part of one: it is read from the load.
     """
     approach = A**2 / RADIUS
-    wear = {"coefficient": 10.0 * ALPHA}
-    data = run(fretting(500 if nu == 0.0 else 5_000, nu=nu, cells=cells, kept={"approach": approach}, wear=wear))
+    wear = {"coefficient": (30.0 if nu == 0.0 else 10.0) * ALPHA}
+    data = run(fretting(100 if nu == 0.0 else 5_000, nu=nu, cells=cells, kept={"approach": approach}, wear=wear))
     slipping = wear_springs.slipping_approach(AMPLITUDE, FRICTION, ratio(nu))
     wanted = wear_springs.limit_of_approach(approach, RADIUS, slipping)
     if nu == 0.3:
@@ -277,18 +277,23 @@ def at_load(approach, load):
     return min(limits, key=lambda limit: abs(limit.load(1.0) - load))
 
 
-@pytest.mark.slow
-def test_limit_with_the_load_kept():
+@pytest.mark.parametrize(
+    ("cells", "cycles", "faster"), [(12, 100, 30.0), pytest.param(32, 100_000, 1.0, marks=pytest.mark.slow)]
+)
+def test_limit_with_the_load_kept(cells, cycles, faster):
     """WR-11, ν = 0.3: no limit free of history, but brackets; depth and volume follow from the stick radius."""
     slipping = wear_springs.slipping_approach(AMPLITUDE, FRICTION, ratio(0.3))
     lower, upper = wear_springs.limits_of_load(A, RADIUS, slipping)
-    data = run(fretting(100_000, nu=0.3, cells=32))
+    data = run(fretting(cycles, nu=0.3, cells=cells, wear={"coefficient": faster * ALPHA}))
     approach, volume = last(data, "approach", "worn_volume")
     assert lower.approach < approach < upper.approach
-    assert approach == close(2.120e-6, rel=3e-3)
+    assert approach == close(2.120e-6, rel=1e-2 if cells < 32 else 3e-3)
     found = at_load(approach, LOAD / modulus())
-    assert abs(found.stick_radius / A - 0.775) < 1.0 / 32
-    assert [volume, both_ways(data).max()] == close([found.volume, found.deepest[0]], rel=2e-2)
+    assert abs(found.stick_radius / A - 0.775) < 1.0 / cells
+    assert volume == close(found.volume, rel=2e-2)
+    x = np.asarray(data["x"])[len(data["x"]) // 2 :]
+    outside = x > found.stick_radius + 0.1 * A
+    assert both_ways(data)[outside] == close(found.depth(x[outside]), abs=0.03 * found.deepest[0])
 
 
 @pytest.mark.parametrize("jump", [3, pytest.param(6, marks=pytest.mark.slow), pytest.param(12, marks=pytest.mark.slow)])
