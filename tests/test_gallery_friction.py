@@ -35,12 +35,12 @@ def finished():
 
 
 def test_every_bundled_scene_with_friction_is_tested():
-    """On homogeneous elastic bodies; others are in test_gallery_layers.py and test_gallery_plastic.py."""
+    """On homogeneous elastic bodies; others are in test_gallery_layers.py, _plastic.py and _wear.py."""
     scenes = {name: ec.load_scene(name) for name in bundled_names()}
     plain = [
         name
         for name, scene in scenes.items()
-        if scene.friction is not None and scene.body1.medium is None and scene.body1.law is None
+        if scene.friction is not None and scene.body1.medium is None and scene.body1.law is None and scene.wear is None
     ]
     assert plain == sorted(COARSER)
 

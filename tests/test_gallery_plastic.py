@@ -59,7 +59,7 @@ def yields(scene):
 
 def test_every_bundled_body_that_yields_is_tested():
     scenes = {name: ec.load_scene(name) for name in bundled_names()}
-    assert sorted(COARSER) == [name for name, scene in scenes.items() if yields(scene)]
+    assert sorted(COARSER) == [name for name, scene in scenes.items() if yields(scene) and scene.wear is None]
 
 
 @pytest.fixture(scope="module")

@@ -49,8 +49,8 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
         Existing folder for the PNG files.
     step : int, optional
         Position along ``step`` of the fields to draw; by default the last, or that of the largest pressure where the
-        geometry rolls over elastic bodies (in the last it may have left what it rolled over). Where the last leaves no
-        pressure, that and the shear are those of the largest load, and sections are drawn at both.
+        geometry rolls over elastic bodies that do not wear (in the last it may have left what it rolled over). Where
+        the last leaves no pressure, that and the shear are those of the largest load, and sections are drawn at both.
     solid : bool
         Whether to draw surfaces in space, which takes VTK.
 
@@ -66,7 +66,8 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
     """
     loaded, asked = step, step
     if step is None:
-        step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) and not yields(dataset) else -1
+        stays = yields(dataset) or "worn_depth" in dataset
+        step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) and not stays else -1
         loaded = loaded_step(dataset) if step == -1 else step
     assert loaded is not None
     wanted: list[Picture] = []

@@ -68,15 +68,16 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     if model.friction is None:
         return
     for before, after in pairwise(history):
-        if before["slip_fraction"] < _SOME and after["slip_fraction"] > _ALL and before["normal_load"] > 0:
+        moved = any(before[name] != after[name] for name in ("shift", "twist"))  # by a sliding-distance they are not
+        if moved and before["slip_fraction"] < _SOME and after["slip_fraction"] > _ALL and before["normal_load"] > 0:
             words = (
                 f"in load step {after['step']:.0f} the contact goes from {percent(before['slip_fraction'])} of it "
                 "slipping to all of it at once: the work of friction on the way is not seen; give more increments"
             )
             yield Caution("load-steps", words)
             break
-    moved = [row for row in history if row["tangential_load"] > 0 or row["torsion_moment"]]
-    rings = [row["slip_fraction"] * np.sqrt(row["contact_area_counted"] / np.pi) for row in moved]
+    loaded = [row for row in history if row["tangential_load"] > 0 or row["torsion_moment"]]
+    rings = [row["slip_fraction"] * np.sqrt(row["contact_area_counted"] / np.pi) for row in loaded]
     width = max(rings, default=np.inf) / (2.0 * max(model.grid.dx, model.grid.dy))
     if width < 1.0:
         words = (

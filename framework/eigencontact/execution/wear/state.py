@@ -16,6 +16,8 @@ __all__ = ["WornState", "recalled", "store"]
 
 FloatArray = NDArray[np.float64]
 
+#: Digits after the point of a number of cells: a whole number of them smears nothing.
+_DIGITS = 9
 #: What is remembered: unit and meaning.
 _REMEMBERED = {
     "total_energy": ("J/m2", "work of friction so far, that of skipped cycles included"),
@@ -118,7 +120,7 @@ def recalled(
     """
     zero, cells = np.zeros(grid.shape), (0.0, 0.0)
     if travel is not None:
-        cells = (travel[0] / grid.dx, travel[1] / grid.dy)
+        cells = (round(travel[0] / grid.dx, _DIGITS), round(travel[1] / grid.dy, _DIGITS))
     if last is None:
         return WornState(depth=dict.fromkeys(bodies, zero), energy=zero, cells=cells)
     held = {name: last.history[f"wear_{name}"].values[0] for name in _REMEMBERED if f"wear_{name}" in last.history}
