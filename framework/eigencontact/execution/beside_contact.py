@@ -135,7 +135,7 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
         if model.exposed is not None:
             from eigencontact.execution.exposed_material import ExposedMaterial
 
-            yield ExposedMaterial(model.exposed, lambda body: None)  # noqa: ARG005
+            yield ExposedMaterial(model.exposed)
     if model.scene.output.tangential_displacement and model.friction is None:
         yield TangentialDisplacement(model)
     geometry = model.geometries[0]

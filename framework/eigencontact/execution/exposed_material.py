@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,32 +14,23 @@ from eigencontact.model.model import Model
 
 __all__ = ["ExposedMaterial", "exposed_facts"]
 
-FloatArray = NDArray[np.float64]
-
 
 class ExposedMaterial(Block):
-    """Topmost material of each column at the surface that the contact of a step meets.
-
-    Parameters
-    ----------
-    exposed : Exposed
-    worn : callable
-        Depth ``(ny, nx)`` [m] that a body (1 or 2) has lost before the step is solved; None for none.
-    """
+    """Topmost material of each column at the surface that the contact of a step meets."""
 
     name = "exposed-material"
     requires = frozenset({"separation"})
     provides = frozenset({"exposed_material"})
     wanted = dict.fromkeys(("exposed_material",), "laws by material")
 
-    def __init__(self, exposed: Exposed, worn: Callable[[int], FloatArray | None]) -> None:
-        self._exposed, self._worn = exposed, worn
+    def __init__(self, exposed: Exposed) -> None:
+        self._exposed = exposed
         names = dict.fromkeys(exposed.names)
         self.why = f"what of body {exposed.body} is at the surface: {', '.join(names)}"
 
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
-        step.fields["exposed_material"] = self._exposed.at(self._worn(self._exposed.body)).astype(float)
+        step.fields["exposed_material"] = self._exposed.at(step.worn.get(self._exposed.body)).astype(float)
 
 
 def exposed_facts(model: Model, material: NDArray[np.intp] | None) -> dict[str, Any]:

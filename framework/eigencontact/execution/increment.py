@@ -37,6 +37,8 @@ class Increment:
         Initial separation, worn depth included [m].
     material : (ny, nx) int or None
         What is exposed; None where no law asks.
+    worn : mapping of int to (ny, nx)
+        Depth that bodies have lost [m].
     slide : Slide or None
         How the surfaces slide all over the contact.
     progress : callable or None
@@ -49,6 +51,7 @@ class Increment:
     tangential: TangentialControl | None
     separation: FloatArray | None
     material: NDArray[np.intp] | None
+    worn: Mapping[int, FloatArray]
     slide: Slide | None
     progress: Progress | None
 
@@ -63,6 +66,7 @@ class Increment:
             tangential=step.tangential,
             separation=step.fields.get("separation"),
             material=step.exposed,
+            worn=step.worn,
             slide=step.slide,
             progress=step.progress,
         )

@@ -17,7 +17,7 @@ from eigencontact.model.overlaps import bounds_meet
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import ConstitutiveLaw, LinearLaw, MadeOfLaws, VariesInSpace
 
-__all__ = ["LinearContent", "MaterialCells", "is_linear"]
+__all__ = ["LinearContent", "MaterialCells", "is_linear", "risen"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
@@ -66,14 +66,57 @@ class MaterialCells:
     def __init__(self, box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid) -> None:
         self._box, self._sources, self._grid = box, sources, grid
         self.shape = box.lattice.shape
-        numbers = self._numbers()
+        self._numbers = self._numbered()
+        self._new = [self._share(member) for member in range(len(sources))]
+        self._risen: dict[int, FloatArray] = {}
+        self._mix()
+        for source, number, (place, share) in zip(sources, self._numbers, self._new, strict=True):
+            filled = (self.index[place] == number) & (self.fraction[place] >= _HALF) & (share > _LEAST)
+            if not is_linear(source.law) and share.any():
+                assert source.lattice is not None
+                rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
+                require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
+
+    def rise(self, worn: FloatArray) -> None:
+        """Put the content under a surface that has lost a depth ``(ny, nx)`` [m] of the grid since it was new.
+
+        Everything linear rises by that depth, column by column, and what rises above the surface is gone. A law that
+        remembers stays where it is.
+        """
+        self._risen = self._cells_risen(worn)
+        self._mix()
+
+    def _cells_risen(self, worn: FloatArray) -> dict[int, FloatArray]:
+        """Depth that each linear source rises by, in its columns [cells]."""
+        padded = np.zeros(self.shape[1:])
+        (_, row, column), (ny, nx) = self._box.lattice.first, worn.shape
+        rows, columns = (np.arange(n) + first for n, first in zip(padded.shape, (row, column), strict=True))
+        inside = np.ix_((rows >= 0) & (rows < ny), (columns >= 0) & (columns < nx))
+        padded[inside] = worn[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
+        padded /= self._box.lattice.edges[0]
+        return {
+            member: padded[place[1:]]
+            for member, (place, _) in enumerate(self._new)
+            if is_linear(self._sources[member].law)
+        }
+
+    def _risen_to(self, member: int, values: FloatArray) -> tuple[Place, FloatArray]:
+        """Values in the cells of a source where these have risen to, and the part of the box that they take then."""
+        place = self._new[member][0]
+        by = self._risen.get(member)
+        if by is None or not by.any():
+            return place, values
+        whole = np.zeros((*values.shape[:-3], self.shape[0], *values.shape[-2:]))
+        whole[..., place[0], :, :] = values
+        return (slice(None), *place[1:]), risen(whole, by)
+
+    def _mix(self) -> None:
+        """What fills most of each cell, what is beside it, and the boundary between them."""
         left = np.ones(self.shape)
         shares = np.zeros((2, *self.shape))
         names = np.zeros((2, *self.shape), dtype=int)
-        self._shares: list[tuple[Place, FloatArray]] = []
-        for member, number in enumerate(numbers):
-            place, share = self._share(member)
-            self._shares.append((place, share))
+        for member, number in enumerate(self._numbers):
+            place, share = self._risen_to(member, self._new[member][1])
             left[place] -= share
             _add(shares[:, *place], names[:, *place], share, number)
         own, other = shares
@@ -84,12 +127,6 @@ class MaterialCells:
         self.fraction = np.where(kept, np.minimum(own / np.where(both, own + other, 1.0), 1.0), 1.0)
         self.fraction[self.fraction > 1.0 - _LEAST] = 1.0
         self.normal = self._gradient(left)
-        for source, number, (place, share) in zip(self._sources, numbers, self._shares, strict=True):
-            filled = (self.index[place] == number) & (self.fraction[place] >= _HALF) & (share > _LEAST)
-            if not is_linear(source.law) and share.any():
-                assert source.lattice is not None
-                rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
-                require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
 
     @property
     def linear(self) -> LinearContent:
@@ -136,7 +173,7 @@ class MaterialCells:
             require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
         return place_in(self._box, source.lattice), np.minimum(fractions, 1.0)
 
-    def _numbers(self) -> list[int]:
+    def _numbered(self) -> list[int]:
         """Number of the law of each source."""
         self.laws: list[ConstitutiveLaw] = []
         for source in self._sources:
@@ -160,8 +197,10 @@ class MaterialCells:
         """Mandel prestrain ``(6, nz, ny, nx)``, the mean over each cell."""
         out = np.zeros((6, *self.shape))
         z, y, x = self._box.lattice.axes(self._grid)
-        for source, (place, share) in zip(self._sources, self._shares, strict=True):
-            out[:, *place] += share * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
+        for member, (source, (place, share)) in enumerate(zip(self._sources, self._new, strict=True)):
+            new = share * values_of(source, x[place[2]], y[place[1]], z[place[0]], time)
+            where, values = self._risen_to(member, new)
+            out[:, *where] += values
         return out
 
 
@@ -196,3 +235,25 @@ def _add(shares: FloatArray, names: IntArray, share: FloatArray, number: int) ->
     swap = shares[1] > shares[0]
     shares[:, swap] = shares[::-1, swap]
     names[:, swap] = names[::-1, swap]
+
+
+def risen(values: FloatArray, by: FloatArray) -> FloatArray:
+    """Means over the cells of columns ``(..., nz, ny, nx)`` that have risen by ``(ny, nx)`` cells.
+
+    Within a cell the value is taken as uniform; what rises above the first cell is lost, and zero follows the last.
+
+    Examples
+    --------
+    >>> risen(np.array([1.0, 1.0, 0.0]).reshape(3, 1, 1), np.array([[0.75]])).ravel()
+    array([1.  , 0.25, 0.  ])
+    """
+    nz = values.shape[-3]
+    whole = np.floor(by).astype(int)
+    part = by - whole
+    levels = np.arange(nz)[:, None, None] + whole
+    padded = np.concatenate([values, np.zeros((*values.shape[:-3], 1, *values.shape[-2:]))], axis=-3)
+    upper, lower = (
+        np.take_along_axis(padded, np.broadcast_to(np.minimum(level, nz), (*values.shape[:-3], *levels.shape)), axis=-3)
+        for level in (levels, levels + 1)
+    )
+    return np.asarray((1.0 - part) * upper + part * lower)

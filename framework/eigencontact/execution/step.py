@@ -77,6 +77,8 @@ class Step:
         Where in a cycle it lies; None outside of cycles.
     slide : Slide or None
         How the surfaces slide all over the contact; None where what slips is to be found.
+    worn : dict of int to (ny, nx)
+        Depth that each body that wears has lost where the contact of the step meets it [m].
     previous : StepRecord or None
         The last accepted step, as it is stored; None in the first.
     fields, scalars, regions, observed, history
@@ -94,6 +96,7 @@ class Step:
     travel: tuple[float, float] = (0.0, 0.0)
     cycle: CyclePlace | None = None
     slide: Slide | None = None
+    worn: dict[int, FloatArray] = field(default_factory=dict)
     previous: StepRecord | None = None
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
+from eigencontact.errors import SceneError
 from eigencontact.execution.block import Cost
 from eigencontact.execution.contact import Fields
-from eigencontact.execution.interiors.interior import loads
+from eigencontact.execution.increment import Increment
+from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.material_cells import MaterialCells
 from eigencontact.execution.routes.route import Pace
@@ -24,6 +26,8 @@ __all__ = ["Cells"]
 
 FloatArray = NDArray[np.float64]
 
+#: Part of the height of cells that a surface may wear above a box that begins below it: the box stays as it is.
+_BURIED = 0.5
 #: Krylov iterations of one solve and rounds between it and the contact, typically, for the cost.
 _ITERATIONS, _ROUNDS = 15, 8
 #: Applications of the operator that a step takes, alone and under a contact.
@@ -50,6 +54,8 @@ class Cells(Responding):
         self._kernels = [StressCoefficients(model.influences[t.name], model.half_space(body)) for t in model.tractions]
         count = len(sources)
         self.why = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
+        if model.scene.wear is not None and body in model.scene.wear.parts:
+            self.why += ", which rise as the surface wears"
         self._declare(model)
 
     @property
@@ -88,19 +94,31 @@ class Cells(Responding):
 
     def start(self) -> None:
         """See `Interior.start`."""
-        from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
         from eigencontact.solvers.mean_stress import MeanVolumeField
         from eigencontact.solvers.mean_surface import MeanStressKernel, SurfaceAndCells
 
         precision, threads = self._numerics.precision, self._numerics.threads
         cells, grid = self._box.cells(self._grid), self._grid
-        self._content = MaterialCells(self._box, self.sources, grid)
-        operator = MeanVolumeField(
+        self._operator = MeanVolumeField(
             self._half_space.cell, cells, cells, precision=precision, **self._half_space.options("stress")
         )
-        self._places, linear = self._box.centres(grid).flat_points(), self._content.linear
+        self._places = self._box.centres(grid).flat_points()
+        self._content = MaterialCells(self._box, self.sources, grid)
+        self._worn: FloatArray | None = None
+        self._fill()
+        self._joint = None
+        if self._kernels:
+            kernels = [MeanStressKernel(kernel, cells.pitch[2]) for kernel in self._kernels]
+            directions = "".join(item.direction for item in self._tractions)
+            self._joint = SurfaceAndCells(grid, kernels, directions, cells, precision=precision, threads=threads)
+
+    def _fill(self) -> None:
+        """Make the system of the content of the cells; the operators stay."""
+        from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
+
+        linear = self._content.linear
         self._system = InhomogeneousCells(
-            operator,
+            self._operator,
             self._half_space.material,
             [_of_box(law, self._places) for law in linear.laws],
             linear.index,
@@ -108,11 +126,29 @@ class Cells(Responding):
             beside=linear.beside,
             normal=linear.normal,
         )
-        self._joint = None
-        if self._kernels:
-            kernels = [MeanStressKernel(kernel, cells.pitch[2]) for kernel in self._kernels]
-            directions = "".join(item.direction for item in self._tractions)
-            self._joint = SurfaceAndCells(grid, kernels, directions, cells, precision=precision, threads=threads)
+
+    def begin(self, increment: Increment, last: Remembered) -> None:
+        """See `Interior.begin`; where the surface has worn, what lies below it has come nearer."""
+        worn = increment.worn.get(self.body)
+        known = np.zeros(self._grid.shape) if self._worn is None else self._worn
+        if worn is not None and not np.array_equal(worn, known):
+            self._refuse_buried(float(worn.max()))
+            self._worn = worn
+            if not self._box.lattice.first[0]:
+                self._content.rise(worn)
+                self._fill()
+        super().begin(increment, last)
+
+    def _refuse_buried(self, worn: float) -> None:
+        """Refuse to raise a box above its cells."""
+        layers, height = self._box.lattice.first[0], self._box.lattice.edges[0]
+        if layers and worn > _BURIED * height:
+            raise SceneError(
+                f"wear of body {self.body} must stay below {_BURIED:g} of the height of cells, {height:.3g} m, where "
+                f"inclusions lie in the depth alone (got {worn:.3g} m above {self._box.names}, whose cells begin "
+                f"{layers} layers below the surface); give larger cells by numerics.inclusion-pitch, or another "
+                "inclusion, of the body's own constants, that begins at the surface"
+            )
 
     def prestrain(self, time: float) -> FloatArray:
         """See `Responding.prestrain`."""

@@ -58,12 +58,12 @@ class SweptCells(Cells):
     def _applications(self) -> float:
         return _SWEEPS
 
-    def start(self) -> None:
-        """See `Interior.start`."""
+    def _fill(self) -> None:
+        """See `Cells`."""
         from eigencontact.solvers.cell_sweeps import CellSweeps
         from eigencontact.solvers.law_cells import LawCells
 
-        super().start()
+        super()._fill()
         self._laws = [(law, np.flatnonzero(filled)) for law, filled in self._content.others]
         self._averages = Averages(self._laws, self._content.shape, self._box.lattice.edges)
         self._rim = self._content.rim(self._averages.width).ravel()

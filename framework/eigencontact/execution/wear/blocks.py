@@ -28,6 +28,7 @@ class WornSeparation(Separation):
         """See `Block.advance`."""
         super().advance(step)
         step.fields["separation"] = self._surface.begin(step, step.fields["separation"])
+        step.worn = self._surface.lost
 
 
 class Wear(Block):
@@ -65,5 +66,5 @@ def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
     surface = WornSurface(model, mechanics)
     yield WornSeparation(model, surface)
     if model.exposed is not None:
-        yield ExposedMaterial(model.exposed, surface.lost)
+        yield ExposedMaterial(model.exposed)
     yield Wear(model, surface)

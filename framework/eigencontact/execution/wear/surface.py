@@ -63,15 +63,16 @@ class WornSurface:
         self._table, self._tolerance = model.scene.wear, _INTEGRATION * (model.scene.wear.error or 1e-2)
         self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
 
-    def lost(self, body: int) -> FloatArray | None:
-        """Depth ``(ny, nx)`` [m] that a body has lost, in coordinates of the window; None for none."""
-        return self._state.seen(body) if body in self._state.depth else None
+    @property
+    def lost(self) -> dict[int, FloatArray]:
+        """Depth ``(ny, nx)`` [m] that each body that wears has lost, in coordinates of the window."""
+        return {body: self._state.seen(body) for body in self._state.depth}
 
     @property
     def _exposed_facts(self) -> dict[str, Any]:
         """What the states of laws say of the material that is exposed now."""
         exposed = self._model.exposed
-        return {} if exposed is None else exposed_facts(self._model, exposed.at(self.lost(exposed.body)))
+        return {} if exposed is None else exposed_facts(self._model, exposed.at(self.lost.get(exposed.body)))
 
     def start(self) -> None:
         """Prepare the jumps; the mechanics is started."""

@@ -1,0 +1,140 @@
+"""A coating by cells that wears: its interface rises by the worn depth, column by column, until it is gone."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.errors import SceneError
+from eigencontact.execution.driver import drive
+from eigencontact.execution.material_cells import MaterialCells, risen
+from eigencontact.model.boxes import box_of_inhomogeneities
+
+#: Case WR-17, as in test_worn_layers.
+H, E, NU = 20e-6, 210e9, 0.3
+RADIUS = 10 * H
+MODULUS = E / (1 - NU**2)
+LOAD, PEAK = 4 / 3 * MODULUS * H**3 / RADIUS, 2 * MODULUS * H / (np.pi * RADIUS)
+VOLUME = np.pi * H**4 / (4 * RADIUS)
+K = 1e-15
+SOLID = {"young-modulus": E, "poisson-ratio": NU}
+
+
+def coating(ratio=2.0, thickness=H, top=0.0):
+    hard = {"young-modulus": ratio * E, "poisson-ratio": NU}
+    place = {"center": [0, 0, top + thickness / 2], "edges": [4 * H, 4 * H, thickness]}
+    return {"name": "coating", "type": "cuboid", "material": hard, **place}
+
+
+def scene(worn=(1,), increments=(4,), cells=16, **changes):
+    """Gross sliding without friction to some worn volumes, in parts of that of the case."""
+    paths = np.diff([0.0, *worn]) * VOLUME / (K * LOAD)
+    slides = [
+        {"normal-load": LOAD, "sliding-distance": float(path), "increments": count}
+        for path, count in zip(paths, increments, strict=True)
+    ]
+    return ec.Scene(
+        **{
+            "body1": SOLID, "body2": {"rigid": True}, "geometry": {"type": "sphere", "radius": RADIUS},
+            "inclusions": coating(), "wear": {"type": "archard", "coefficient": K},
+            "steps": [{"normal-load": LOAD}, *slides], "grid": {"cells": cells, "size": [4 * H, 4 * H]},
+            "numerics": {"threads": 1, "inclusion-pitch": H / 8}, **changes,
+        }
+    )  # fmt: skip
+
+
+def records(made):
+    return list(drive(ec.plan(made)))
+
+
+def contents(inclusion):
+    made = ec.plan(scene(inclusions=inclusion))
+    return MaterialCells(box_of_inhomogeneities(made.inhomogeneities), made.inhomogeneities, made.grid), made.grid
+
+
+@pytest.mark.parametrize("lost", [0.1, 0.25, 0.4])
+def test_a_layer_that_is_worn_evenly_is_a_thinner_layer(lost):
+    worn, grid = contents(coating())
+    worn.rise(np.full(grid.shape, lost * H))
+    thin, _ = contents(coating(thickness=(1 - lost) * H))
+    layers = thin.shape[0]
+    np.testing.assert_array_equal(worn.index[:layers], thin.index)
+    assert not worn.index[layers:].any()
+    np.testing.assert_allclose(worn.fraction[:layers], thin.fraction, rtol=1e-9)
+
+
+def test_what_rises_keeps_its_volume_but_for_what_is_gone():
+    rng = np.random.default_rng(3)
+    values, by = rng.random((2, 7, 3, 4)), rng.uniform(0.0, 9.0, (3, 4))
+    by[0] = 0.0
+    after = risen(values, by)
+    np.testing.assert_array_equal(after[:, :, 0], values[:, :, 0])
+    for j in range(3):
+        for i in range(4):
+            whole, part = int(by[j, i]), by[j, i] % 1.0
+            left = values[:, whole + 1 :, j, i].sum(axis=1) + (1 - part) * values[:, whole : whole + 1, j, i].sum(
+                axis=1
+            )
+            np.testing.assert_allclose(after[:, :, j, i].sum(axis=1), left, rtol=1e-12, atol=1e-15)
+
+
+def test_cells_and_layers_wear_alike():
+    """The same coating by cells, on a coarse grid, and by layers of their mean thickness: peak and depth to 2 %."""
+    layers = [{"thickness": H, "young-modulus": 2 * E, "poisson-ratio": NU}]
+    exact = {"medium": {"type": "bonded-layers", "layers": layers, "substrate": SOLID}}
+    one, other = (records(scene(increments=(8,), **kind))[-1] for kind in ({}, {"body1": exact, "inclusions": []}))
+    for name in ("max_pressure", "max_worn_depth"):
+        assert one.scalars[name] == close(other.scalars[name], rel=0.02)
+    assert other.scalars["layer_error"] > 0.005
+
+
+def test_a_coating_of_the_substrate_wears_as_the_bare_body():
+    """Worn through here, so that cells are cut, emptied and filled again."""
+    exact = {"threads": 1, "inclusion-pitch": H / 100, "tolerance": 1e-11}
+    kinds = ({"inclusions": coating(1.0, 0.02 * H)}, {"inclusions": []})
+    one, other = (records(scene(**kind, numerics=exact))[-1] for kind in kinds)
+    assert one.scalars["max_worn_depth"] > 0.02 * H
+    for name in ("pressure", "worn_depth"):
+        largest = np.abs(other.fields[name]).max()
+        assert np.abs(one.fields[name] - other.fields[name]).max() < 1e-9 * largest
+
+
+def test_without_wear_cells_stay():
+    none = records(scene(wear={"type": "archard", "coefficient": 0.0}, increments=(1,)))
+    bare = records(scene(wear=None, steps=[{"normal-load": LOAD}] * 2))
+    np.testing.assert_array_equal(none[-1].fields["pressure"], bare[-1].fields["pressure"])
+
+
+def test_a_run_goes_on_from_its_records_to_the_bit():
+    whole = records(scene())
+    again = list(drive(ec.plan(scene()), done={one.index: lambda one=one: one for one in whole[:3]}))
+    for record, known in zip(again, whole[3:], strict=True):
+        for name in ("pressure", "worn_depth", "residual_displacement_z"):
+            np.testing.assert_array_equal(record.fields[name], known.fields[name])
+
+
+def test_what_lies_deep_is_refused_where_its_cells_would_have_to_rise():
+    with pytest.raises(SceneError, match=r"wear of body 1 must stay below 0.5 of the height of cells"):
+        records(scene((10,), (3,), inclusions=coating(thickness=H / 4, top=H / 4), cells=24))
+
+
+@pytest.mark.slow
+def test_a_coated_body_in_gross_sliding():
+    """Case WR-17, the coated body wears: 1 % of the peaks, a cell of a0 / 8 of the radii."""
+    found = {round(one.scalars["worn_volume"] / VOLUME, 3): one.scalars for one in
+             records(scene((0.1, 1, 10), (2, 4, 32), 32))}  # fmt: skip
+    for volume, peak, depth, radius in ((0.1, 1.3663, 0.05325, 0.880), (10, 0.2139, 1.51853, 1.820)):
+        scalars = min(found.items(), key=lambda item: abs(item[0] - volume))[1]
+        assert scalars["max_pressure"] / PEAK == close(peak, rel=0.012)
+        assert scalars["max_worn_depth"] / (H**2 / RADIUS) == close(depth, rel=0.01)
+        assert abs(scalars["contact_radius"] / H - radius) < 0.125
+
+
+@pytest.mark.slow
+def test_a_coating_that_is_worn_through_leaves_the_substrate():
+    """Ten times the volume of the case, through a coating of a tenth: close to WR-9 of the bare substrate, 1 %."""
+    changes = {"inclusions": coating(2.0, 0.1 * H), "numerics": {"threads": 1, "inclusion-pitch": H / 40}}
+    last = records(scene((1, 10), (6, 20), 32, **changes))[-1]
+    assert last.scalars["max_pressure"] / PEAK == close(0.2182, rel=0.01)
+    assert last.scalars["max_worn_depth"] / (H**2 / RADIUS) == close(1.50099, rel=0.01)
+    assert set(np.unique(last.fields["exposed_material"])) == {0.0, 1.0}
