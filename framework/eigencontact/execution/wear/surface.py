@@ -209,9 +209,6 @@ class WornSurface:
             slip = step.fields["slip_distance"] - memory["start_slip"]
             rate, energy = self._wear(step, slip, energy, peak, amplitude=0.25)
         state.cycles += 1.0
-        if cycle.left == 0:
-            state.memory, state.jump = {}, 1
-            return
         if rate is None or within:
             # Something wore within the cycle: all of it together is what a cycle wears.
             depth, energy = state.lost - memory["start_depth"], state.energy - memory["start_energy"]
@@ -220,7 +217,9 @@ class WornSurface:
             rate = filled(rate, loaded)
         start = memory.get("start_depth_2")
         self._jumps.decide(state, cycle, rate, energy, pressure, float(peak.max()))
-        if start is not None:
+        if cycle.left == 0:  # the last jump has its error too, and no other follows
+            state.memory, state.jump = {}, 1
+        elif start is not None:
             state.memory["steady_2"] = state.depth[2] - start
 
     def _seen(
