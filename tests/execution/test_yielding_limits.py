@@ -49,7 +49,7 @@ def test_a_quarter_turn_changes_nothing():
         grid = {"cells": cells, "size": size}
         geometry = {"type": "ellipsoid", "radius_x": a, "radius_y": b}
         friction = {"type": "coulomb", "coefficient": 0.3}
-        numerics = {"inclusion_pitch": "3 um", "tolerance": 1e-9}
+        numerics = {"inclusion_pitch": "3 um", "tolerance": 1e-11}
         tables = {"grid": grid, "geometry": geometry, "friction": friction, "numerics": numerics, "body2": STEEL}
         cases.append(run(law(perfect("2.5 GPa")), steps, **tables))
     one, other = cases
