@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import dblquad
 
 from close import close
-from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, plasticity, trade
+from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, plasticity, trade, wear
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.campaign import run_campaign
@@ -470,6 +470,17 @@ def test_load_steps_of_a_body_that_yields_are_counted_and_timed():
     assert row["kept_bytes"] > 0
     if row["operator_bytes"]:
         assert min(row["by_kept"], row["by_built"]) > 1
+
+
+def test_a_surface_that_wears_is_timed():
+    asked = Task(benchmark="wear", code="eigencontact", n=24, case="gross sliding")
+    sample = perform(asked)
+    assert sample["status"] == "ok", sample
+    row = wear.BENCHMARK.summarise(asked, [sample])
+    assert row["volume"] == close(100 * np.pi * 20e-6**4 / (4 * 200e-6), rel=1e-9)
+    assert row["peak"] == close(0.067 * 1.5 * 12.307 / (np.pi * 20e-6**2), rel=0.05)
+    assert 0 < row["solve_s"] + row["move_s"] < row["run_s"]
+    assert 0 < row["stored"] < 1
 
 
 def test_nothing_measured_is_a_failure(fake, capsys):
