@@ -52,6 +52,11 @@ def worn():
             if kind == "slides":
                 scene["body1"] = {"medium": layer}
                 scene["steps"] = [{"normal_load": 12.307, "sliding_distance": 0.4, "increments": 3}]
+            if kind == "has a coating of cells":
+                scene["inclusions"] = [{"type": "cuboid", "center": [0, 0, 2e-6], "edges": [40e-6, 60e-6, 4e-6],
+                                        "material": {**STEEL, "young_modulus": 420e9}}]  # fmt: skip
+                scene["steps"] = [{"normal_load": 12.307}, {"normal_load": 12.307, "sliding_distance": 0.4}]
+                scene["numerics"] = {"inclusion_pitch": 4e-6}
             if kind == "travels":
                 scene["grid"] = {"cells": [20, 14], "spacing": [4e-6, 4e-6]}
                 scene["wear"]["coefficient"] = 5e-13
@@ -64,8 +69,8 @@ def worn():
     return run
 
 
-@pytest.mark.parametrize("kind", ["frets", "slides", "travels"])
-@pytest.mark.parametrize("step", [0, 2, -1])
+@pytest.mark.parametrize("kind", ["frets", "slides", "travels", "has a coating of cells"])
+@pytest.mark.parametrize("step", [0, 1, -1])
 def test_the_initial_separation_is_that_of_the_sphere_where_it_is(worn, kind, step):
     dataset = worn(kind)
     y, x = np.meshgrid(dataset["y"], dataset["x"], indexing="ij")
@@ -102,6 +107,7 @@ def test_what_the_history_goes_by(worn):
     ("kind", "names"),
     [
         ("frets", ["worn-depth.png", "worn-profiles.png", "wear-history.png", "wear-loops.png"]),
+        ("has a coating of cells", ["worn-depth.png", "worn-profiles.png", "worn-coating.png"]),
         ("slides", ["worn-depth.png", "worn-profiles.png", "worn-coating.png", "wear-history.png"]),
     ],
 )
@@ -143,6 +149,18 @@ def test_the_interface_of_a_coating_stays_where_it_was(worn):
     axes = worn_coating(dataset).axes[0]
     np.testing.assert_allclose(line(axes, "interface of layers")[1], 4.0, rtol=1e-12)
     assert axes.get_ylim()[0] > 4.0
+
+
+def test_the_interface_of_a_coating_of_cells_is_that_of_its_shape(worn):
+    """A cuboid of 40 x 60 um, 4 um deep: its bottom and sides, not its face at the surface."""
+    dataset = worn("has a coating of cells")
+    for axes, reach in zip(worn_coating(dataset).axes, (20e-6, 30e-6), strict=True):
+        at, depth = line(axes, "interface of layers")
+        assert np.nanmax(depth) == close(4.0, rel=1e-9)
+        bottom = depth > 3.999
+        assert (at[bottom].min(), at[bottom].max()) == (close(-reach, rel=1e-6), close(reach, rel=1e-6))
+        assert np.nanmin(depth) < 0.5
+        assert np.count_nonzero(np.abs(at) < 0.9 * reach) == np.count_nonzero(bottom & (np.abs(at) < 0.9 * reach))
 
 
 def test_the_history_shows_the_ends_of_cycles(worn):

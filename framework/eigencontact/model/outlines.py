@@ -9,9 +9,8 @@ from eigencontact.core.borders import border
 from eigencontact.core.grid import Grid
 from eigencontact.model.model import Model
 from eigencontact.model.sources import Patch, Source
-from eigencontact.scene.schema import StressRequest
 
-__all__ = ["outlines"]
+__all__ = ["outlines", "section_outline"]
 
 FloatArray = NDArray[np.float64]
 
@@ -33,7 +32,7 @@ def outlines(model: Model) -> dict[str, FloatArray]:
     for request in model.requests:
         if request.shape == "plane":
             inner = [source for source in sources if source.body == request.body]
-            found[request.label] = [_section(source, request, nodes) for source in inner]
+            found[request.label] = [section_outline(source, request.normal, request.at, nodes) for source in inner]
     joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in found.items()}
     return {name: segments for name, segments in joined.items() if len(segments)}
 
@@ -56,16 +55,26 @@ def _above(source: Source, nodes: int) -> FloatArray:
     return border(inside, (low[0], low[1]), (high[0], high[1]), nodes)
 
 
-def _section(source: Source, request: StressRequest, nodes: int) -> FloatArray:
-    """Outline on the plane of a region."""
-    normal = "xyz".index(request.normal)
+def section_outline(source: Source, axis: str, place: float, nodes: int = _NODES) -> FloatArray:
+    """Outline on a plane, as segments ``(n, 2, 2)`` [m] of places as those of `outlines`.
+
+    Parameters
+    ----------
+    source : Source
+        Inclusion.
+    axis, place : str, float
+        Axis normal to the plane, and where it cuts it [m].
+    nodes : int
+        Of the mesh in which the outline is found, each way.
+    """
+    normal = "xyz".index(axis)
     low, high = source.shape.bounds
-    if not low[normal] < request.at < high[normal]:
+    if not low[normal] < place < high[normal]:
         return np.empty((0, 2, 2))
-    first, second = (axis for axis in range(3) if axis != normal)
+    first, second = (other for other in range(3) if other != normal)
 
     def inside(u: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
-        at = [np.full(np.shape(u), request.at)] * 3
+        at = [np.full(np.shape(u), place)] * 3
         at[first], at[second] = u, v
         return np.asarray(source.shape.contains(*at))
 

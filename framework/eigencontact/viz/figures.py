@@ -19,7 +19,7 @@ from eigencontact.viz.section import drawable, mean_profile, stress_profile, str
 from eigencontact.viz.style import save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
-from eigencontact.viz.worn import interfaces, wears
+from eigencontact.viz.worn import coatings, interfaces, wears
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -202,8 +202,8 @@ def _wear(dataset: xr.Dataset, step: int) -> list[Picture]:
             lambda: worn_profiles(dataset, step),
         ),
     ]
-    if any(interfaces(dataset, body) for body in (1, 2)):
-        sentence = "Worn surfaces over the interfaces of the layers, along x and y."
+    if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
+        sentence = "Worn surfaces over the interfaces of layers and coatings, along x and y."
         wanted.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."

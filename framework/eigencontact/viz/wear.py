@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.model.outlines import section_outline
 from eigencontact.viz.friction_words import MODES, driven
+from eigencontact.viz.outline import paths_of
 from eigencontact.viz.rolling import rolls
 from eigencontact.viz.style import COLOURS, moment, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import contact_window, masked_map, middle
-from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces, solved_cycles
+from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_separation, interfaces, solved_cycles
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.model.sources import Source
     from eigencontact.viz.frame import Frame
     from eigencontact.viz.worn import SolvedCycle
 
@@ -43,6 +46,8 @@ MARKERS = 40
 NOTHING = 1e-9
 #: Surfaces are shown up to this part of the largest approach above the first touch.
 HEIGHT = 1.2
+#: Points between two of an outline.
+POINTS = 40
 #: Room above and below the surfaces, as a part of what is shown.
 ROOM = 0.12
 
@@ -121,12 +126,12 @@ def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) 
 
 
 def worn_coating(dataset: xr.Dataset, step: int = -1) -> Figure:
-    """Worn surfaces over the interfaces of layers, which stay where they were, along x and along y.
+    """Worn surfaces over the interfaces of layers and coatings, which stay where they were, along x and along y.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Results of a run that wears, one body of which has layers.
+        Results of a run that wears, one body of which has layers, or inclusions at the surface.
     step : int
         Position along ``step``.
 
@@ -135,7 +140,7 @@ def worn_coating(dataset: xr.Dataset, step: int = -1) -> Figure:
     matplotlib.figure.Figure
         z points into body 1, downwards, and has a scale of its own.
     """
-    section = _Section(dataset, step, None)
+    section = _Section(dataset, step, None, coatings(dataset))
     with paper_style():
         lines = section.lines
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.4)
@@ -157,18 +162,23 @@ def _legend(figure: Figure, panels: Iterable[Axes], columns: int = 4) -> None:
 
 @dataclass(frozen=True)
 class _Line:
-    """A line on the surface: its direction, its place across, its cells (rows, columns) and their middles [m]."""
+    """A line on the surface: its direction, its place across [m], its cells (rows, columns) and their middles [m]."""
 
     along: str
-    across: str
+    across: float
     where: tuple[Any, Any]
     at: NDArray[np.float64]
+
+    @property
+    def normal(self) -> str:
+        """The other direction."""
+        return "y" if self.along == "x" else "x"
 
 
 class _Section:
     """Both surfaces of one step, on lines along x and y through the wear."""
 
-    def __init__(self, dataset: xr.Dataset, step: int, on: Frame | None) -> None:
+    def __init__(self, dataset: xr.Dataset, step: int, on: Frame | None, coats: tuple[Source, ...] = ()) -> None:
         last = np.asarray(dataset["worn_depth"][-1].values, dtype=float)
         touched = dataset["pressure"][-1].values != 0 if on is None else on.film.touched("pressure")
         window = contact_window(dataset, touched | (last > SHARE * last.max(initial=0.0)))
@@ -177,8 +187,8 @@ class _Section:
         x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
         self.length = window.length
         self.lines = [
-            _Line("x", place("y", float(y[row])), (row, columns), x[columns]),
-            _Line("y", place("x", float(x[column])), (rows, column), y[rows]),
+            _Line("x", float(y[row]), (row, columns), x[columns]),
+            _Line("y", float(x[column]), (rows, column), y[rows]),
         ]
         self.lines = [line for line in self.lines if line.at.size > 1] or self.lines[:1]
         self._first = initial_separation(dataset, step)
@@ -192,6 +202,7 @@ class _Section:
             for body, name in names.items()
         }
         self._interfaces = {body: interfaces(dataset, body) for body in (1, 2)}
+        self._coats = coats
 
     def worn(self, line: _Line) -> dict[int, NDArray[np.float64]]:
         """Depth that each body that wears has lost on a line [m]."""
@@ -202,10 +213,24 @@ class _Section:
         high = self._height + self.most.get(2, 0.0)
         deep = self.most.get(1, 0.0)
         if layers:
-            high = max(high, *self._interfaces[2], 0.0)
-            deep = max(deep, *self._interfaces[1], 0.0)
+            under = {body: [*self._interfaces[body], *self._bottoms(body)] for body in (1, 2)}
+            high, deep = max(high, *under[2], 0.0), max(deep, *under[1], 0.0)
         room = ROOM * (high + deep)
         return -high, max(deep + room, 2 * room)
+
+    def _bottoms(self, body: int) -> list[float]:
+        """Largest depths of the coatings of a body [m]."""
+        return [one.shape.bounds[1][2] for one in self._coats if one.body == body]
+
+    def _under(self, body: int, line: _Line) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Places on a line and depths [m] of the interfaces in a body."""
+        found = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
+        for one in self._coats:
+            if one.body == body:
+                segments = section_outline(one, line.normal, line.across)
+                inner = segments[(segments[:, :, 1] > 0.0).any(axis=1)]  # without the face at the surface
+                found += [_between(path) for path in paths_of(inner)]
+        return found
 
     def draw(self, axes: Axes, line: _Line, ends: tuple[float, float]) -> None:
         """Both bodies, what they have lost, and the interfaces of their layers."""
@@ -221,15 +246,24 @@ class _Section:
         for body in (1, 2):
             axes.plot(at, z(before[body]), "--", color="0.35", linewidth=0.9, zorder=3, label="initial surface")
             axes.plot(at, z(now[body]), "-", color=COLOURS[body - 1], zorder=4, label=f"surface of body {body}")
-            for depth in self._interfaces[body]:
-                level = before[body] + (depth if body == 1 else -depth)
-                if ends[0] < level.max() and level.min() < ends[1]:
-                    axes.plot(at, z(level), "-.", color="black", linewidth=0.9, zorder=3, label="interface of layers")
+            sign = 1.0 if body == 1 else -1.0
+            for places, depths in self._under(body, line):
+                level = np.interp(places, line.at, before[body]) + sign * depths
+                left = sign * (level - np.interp(places, line.at, now[body])) >= 0.0  # of what is not worn off
+                if left.any() and ends[0] < level.max() and level.min() < ends[1]:
+                    shown = (self.length(places), np.where(left, z(level), np.nan))
+                    axes.plot(*shown, "-.", color="black", linewidth=0.9, zorder=3, label="interface of layers")
         axes.set_xlim(float(at[0]), float(at[-1]))
         axes.set_ylim(float(z(ends[1])), float(z(ends[0])))
-        axes.set_title(f"along {line.along} at {line.across}")
+        axes.set_title(f"along {line.along} at {place(line.normal, line.across)}")
         if line is self.lines[0]:
             axes.set_ylabel(f"z [{z.unit}]")
+
+
+def _between(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Coordinates of a path, with points between its own."""
+    share, own = np.arange(POINTS * (len(path) - 1) + 1) / POINTS, np.arange(len(path))
+    return np.interp(share, own, path[:, 0]), np.interp(share, own, path[:, 1])
 
 
 def wear_history(dataset: xr.Dataset) -> Figure:

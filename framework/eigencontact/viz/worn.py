@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,18 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["SolvedCycle", "course", "ends_of_cycles", "initial_separation", "interfaces", "solved_cycles", "wears"]
+    from eigencontact.model.sources import Source
+
+__all__ = [
+    "SolvedCycle",
+    "coatings",
+    "course",
+    "ends_of_cycles",
+    "initial_separation",
+    "interfaces",
+    "solved_cycles",
+    "wears",
+]
 
 #: Places in the load history closer than this are one.
 SAME = 1e-6
@@ -83,8 +95,9 @@ def course(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str, str]:
 def initial_separation(dataset: xr.Dataset, step: int = -1) -> NDArray[np.float64]:
     """Separation (ny, nx) [m] that the surfaces had before they wore, where the geometry is at a step.
 
-    It follows from the gap ``g = h + w + u - approach - tilt_x y + tilt_y x`` of a step that is known to have met the
-    worn depth w: one that wore no more than the step before it, else the first.
+    It follows from the gap ``g = h + w + u + r - approach - tilt_x y + tilt_y x`` of the first step, which meets a worn
+    depth w only where it slides by a distance; of a geometry that travels from that of the step, worn on its way there.
+    r is what eigenstrain displaces.
     """
     worn = dataset["worn_depth"]
     position = step % dataset.sizes["step"]
@@ -99,7 +112,9 @@ def initial_separation(dataset: xr.Dataset, step: int = -1) -> NDArray[np.float6
     tilt: Any = 0.0
     if "tilt_x" in dataset and "tilt_y" in dataset:
         tilt = float(one["tilt_x"]) * dataset["y"].values[:, None] - float(one["tilt_y"]) * dataset["x"].values
-    found = one["gap"].values - met - one["displacement_z"].values + float(one["approach"]) + tilt
+    names = [name for name in ("displacement_z", "residual_displacement_z") if name in dataset]
+    moved = sum(one[name].values for name in names)
+    found = one["gap"].values - met - moved + float(one["approach"]) + tilt
     return np.asarray(found, dtype=float)
 
 
@@ -116,6 +131,24 @@ def interfaces(dataset: xr.Dataset, body: int) -> tuple[float, ...]:
     except EigencontactError:
         return ()
     return tuple(medium.interfaces)
+
+
+def coatings(dataset: xr.Dataset) -> tuple[Source, ...]:
+    """Inclusions that reach the surface of their body; none where the scene cannot be built again."""
+    return _coatings(dataset.attrs["scene"]) if _scene(dataset).get("inclusions") else ()
+
+
+@lru_cache(maxsize=1)
+def _coatings(scene: str) -> tuple[Source, ...]:
+    from eigencontact.model.model import build_model
+    from eigencontact.scene.installed import installed_plugins
+    from eigencontact.scene.schema import Scene
+
+    try:
+        sources = build_model(Scene(**tomllib.loads(scene)), installed_plugins()).sources
+    except EigencontactError:
+        return ()
+    return tuple(one for one in sources if not one.guessed and one.shape.bounds[0][2] <= 0.0)
 
 
 def _scene(dataset: xr.Dataset) -> dict[str, Any]:
