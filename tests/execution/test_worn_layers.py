@@ -7,6 +7,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.driver import drive
+from eigencontact.execution.step import Step
 from eigencontact.plugin import LayeredMedium
 
 #: Case WR-17: E of the substrate, thickness H = contact radius on the bare substrate, ball of 10 H.
@@ -95,7 +96,7 @@ def test_plans_say_how_layers_wear():
     )
 
 
-SECTION = {"name": "section", "shape": "plane", "normal": "y", "depth-max": 2 * H}
+SECTION = {"name": "section", "shape": "plane", "normal": "y", "depths": [0.5 * H, 1.5 * H]}
 
 
 def test_worn_through_is_refused_while_the_steps_before_are_kept():
@@ -108,10 +109,23 @@ def test_worn_through_is_refused_while_the_steps_before_are_kept():
     assert len(found) >= 2
 
 
-def test_stress_below_worn_layers_is_refused():
-    with pytest.raises(SceneError, match=r"stress region 'section' must be left out where body 1 has layers that wear"):
-        ec.plan(scene(coated(), stress=SECTION))
-    ec.plan(scene(coated(), stress=SECTION, wear={"body": 2}))
+def test_stress_is_that_below_the_worn_surface_of_thinner_layers():
+    """The stress of the last step, against a fresh contact of the same pressure on layers of that thickness."""
+    small = {"cells": 16, "size": [5 * H, 5 * H]}
+    worn = records(scene(coated(), (4,), (4,), stress=SECTION, grid=small))[-1]
+    left = H - worn.scalars["layer_lost_1"]
+    fresh = ec.Scene(
+        body1=coated(thickness=left), geometry={"type": "sphere", "radius": RADIUS}, steps={"normal-load": LOAD},
+        grid=small, stress=SECTION, numerics={"threads": 1},
+    )  # fmt: skip
+    made = ec.plan(fresh)
+    region = next(block for block in made.blocks if block.name == "stress-section")
+    step = Step(index=1, time=1.0, fields={"pressure": worn.fields["pressure"]})
+    region.start()
+    region.advance(step)
+    one, other = (part.regions["section"].fields["stress"] for part in (worn, step))
+    assert left < 0.99 * H
+    assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
 
 
 def test_thinned_layers_are_thinner_layers():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Protocol
 
@@ -52,6 +53,7 @@ class Region(Block):
 
     def __init__(self, model: Model, request: StressRequest, asker: str = "") -> None:
         self._request, self._lattice, label = request, region_lattice(request, model.grid), request.label
+        self._model, self._bodies = model, model.bodies
         self.name = f"stress-{label}"
         self._stored = not asker
         self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
@@ -72,6 +74,9 @@ class Region(Block):
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
         fields: dict[str, FloatArray] = {}
+        if step.bodies is not None and step.bodies != self._bodies:
+            self._bodies = step.bodies
+            self._causes = list(_causes(replace(self._model, bodies=self._bodies), self._request, self._lattice))
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():
                 fields[quantity] = fields[quantity] + values if quantity in fields else values

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.model.kernels import Bodies
 from eigencontact.results.records import HistoryRecord, RegionRecord, StepRecord
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress
@@ -79,6 +80,8 @@ class Step:
         How the surfaces slide all over the contact; None where what slips is to be found.
     worn : dict of int to (ny, nx)
         Depth that each body that wears has lost where the contact of the step meets it [m].
+    bodies : Bodies or None
+        Bodies whose layers have worn; None where they are those of the model.
     previous : StepRecord or None
         The last accepted step, as it is stored; None in the first.
     fields, scalars, regions, observed, history
@@ -97,6 +100,7 @@ class Step:
     cycle: CyclePlace | None = None
     slide: Slide | None = None
     worn: dict[int, FloatArray] = field(default_factory=dict)
+    bodies: Bodies | None = None
     previous: StepRecord | None = None
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)

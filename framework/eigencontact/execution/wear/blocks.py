@@ -28,7 +28,7 @@ class WornSeparation(Separation):
         """See `Block.advance`."""
         super().advance(step)
         step.fields["separation"] = self._surface.begin(step, step.fields["separation"])
-        step.worn = self._surface.lost
+        step.worn, step.bodies = self._surface.lost, self._surface.bodies
 
 
 class Wear(Block):

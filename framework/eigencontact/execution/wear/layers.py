@@ -56,13 +56,10 @@ def layers_that_wear(model: Model) -> dict[int, LayeredMedium]:
                 f"wear.body must be one whose layers can lose a depth (got body {body}, of medium {medium.key!r} "
                 "without a method thinned); take 'bonded-layers', or let the other body wear"
             )
-        asked = [f"stress region {item.label!r}" for item in model.requests if item.body == body]
         if model.scene.output.tangential_displacement and model.friction is None:
-            asked.append("output.tangential-displacement")
-        if asked:
             raise SceneError(
-                f"{asked[0]} must be left out where body {body} has layers that wear (got both): its kernels are "
-                f"made once, for unworn layers; {_REMEDY}"
+                f"output.tangential-displacement must be false where body {body} has layers that wear without friction "
+                f"(got true): its kernels are made once, for unworn layers; {_REMEDY}"
             )
     return found
 
@@ -125,6 +122,11 @@ class WornLayers:
             )
         step.scalars |= {f"layer_lost_{body}": lost for body, lost in self._lost.items()}
         step.scalars["layer_error"] = error
+
+    @property
+    def bodies(self) -> Bodies:
+        """Bodies with layers of the thickness that the kernels have."""
+        return self._bodies(self._lost)
 
     def _use(self, lost: Mapping[int, float]) -> None:
         if lost == self._lost:

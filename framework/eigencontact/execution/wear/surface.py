@@ -20,6 +20,7 @@ from eigencontact.execution.wear.jumps import MOST, Jumps, against_deflection, a
 from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
 from eigencontact.execution.wear.state import recalled, store
+from eigencontact.model.kernels import Bodies
 from eigencontact.model.model import Model
 from eigencontact.plugin import FrictionState, WearState
 from eigencontact.plugin.friction import checked_shear_bound
@@ -67,6 +68,11 @@ class WornSurface:
     def lost(self) -> dict[int, FloatArray]:
         """Depth ``(ny, nx)`` [m] that each body that wears has lost, in coordinates of the window."""
         return {body: self._state.seen(body) for body in self._state.depth}
+
+    @property
+    def bodies(self) -> Bodies | None:
+        """Bodies with layers as thick as the kernels take them to be; None where no layers wear."""
+        return None if self._layers is None else self._layers.bodies
 
     @property
     def _exposed_facts(self) -> dict[str, Any]:
