@@ -154,6 +154,26 @@ def test_sliding_follows_the_rings_of_the_oracle():
 
 
 @pytest.mark.slow
+def test_depth_is_of_second_order_in_the_cells():
+    """Within .9 a at V_ref, against rings extrapolated in the step, with errors of integration far below."""
+    rings = Rings(edges=A / 160 * np.arange(241), contact_modulus=modulus())
+    coarse, fine = (
+        list(slide(rings, rings.middles**2 / (2.0 * RADIUS), LOAD, REFERENCE * np.geomspace(1e-3, 1.0, count)))[-1]
+        for count in (241, 481)
+    )
+    wear = {"type": "archard", "coefficient": REFERENCE / LOAD, "jump-error": 1e-4}
+    steps, numbers, errors = [{"normal-load": LOAD}, {"normal-load": LOAD, "sliding-distance": 1.0}], (8, 16, 32), []
+    for cells in numbers:
+        data = run(scene(steps, wear, cells=cells))
+        x = np.asarray(data["x"])[len(data["x"]) // 2 :]
+        inside = x < 0.9 * A
+        wanted = np.interp(x[inside], rings.middles, 2.0 * fine.depth - coarse.depth)
+        errors.append(np.abs(row(data, "worn_depth")[inside] - wanted).max() * RADIUS / A**2)
+    assert np.polyfit(np.log(numbers), np.log(errors), 1)[0] == close(-2.0, abs=0.4)
+    assert errors[-1] < 3e-5
+
+
+@pytest.mark.slow
 def test_sphere_that_slides_on_a_coating():
     """WR-17: E1/E2 = 2, as thick as the contact. R = 10 h: the units are those of the bare substrate."""
     wear = {"type": "archard", "coefficient": REFERENCE / LOAD, "body": 2}

@@ -130,6 +130,8 @@ class Case(ABC):
     #: Code outside ``fem`` that decides what `reference` computes, as ``"module"`` or ``"module:object"``; its text is
     #: hashed. By default the whole class; where it is given, nothing else, so that words and pictures do not count.
     code: ClassVar[tuple[str, ...]] = ()
+    #: What gives the reference, in the words of the figures.
+    method: ClassVar[str] = "finite elements"
 
     def __post_init__(self) -> None:
         names = [profile.name for profile in self.profiles]

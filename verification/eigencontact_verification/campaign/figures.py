@@ -58,7 +58,7 @@ def draw(found: JudgedCase, file: Path) -> Path:
         for axes in panels[len(profiles) :]:
             axes.set_axis_off()
         figure.suptitle("\n".join(filter(None, (found.case.words, found.case.key))), fontsize=10)
-        _key(figure, panels[0], shaded=any(shaded))
+        _key(figure, panels[0], found.case.method, shaded=any(shaded))
         file.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(file, dpi=110)
     return file
@@ -149,7 +149,7 @@ def _limit(axes: Any, profile: Profile, found: JudgedCase) -> None:
         axes.set_ylim(max(shown[0], low - beyond), min(shown[1], high + beyond))
 
 
-def _key(figure: Any, axes: Any, *, shaded: bool) -> None:
+def _key(figure: Any, axes: Any, method: str, *, shaded: bool) -> None:
     """What line, symbols and shade mean, below all panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -158,7 +158,7 @@ def _key(figure: Any, axes: Any, *, shaded: bool) -> None:
     symbol = axes.errorbar(
         [], [], yerr=[], color="0.2", fmt="o", markersize=4, markerfacecolor="none", capsize=2, linewidth=0.9
     )
-    entries = [(line, "semi-analytical"), (symbol, "finite elements, bars: $u_{FE}$")]
+    entries = [(line, "semi-analytical"), (symbol, f"{method}, bars: $u_{{FE}}$")]
     if shaded:
         entries.append((Patch(color=_GREY), "source or its boundary: not compared"))
     handles, words = zip(*entries, strict=True)

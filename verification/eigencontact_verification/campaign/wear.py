@@ -55,6 +55,7 @@ class WearCase(Case):
     title: str = ""
 
     code: ClassVar[tuple[str, ...]] = _CODE
+    method: ClassVar[str] = "rings"
 
     @property
     def modulus(self) -> float:
@@ -247,8 +248,8 @@ def wear_cases() -> tuple[WearCase, ...]:
     # ν = 0: slip along one direction is as along another; c/a = √(1 - u0/(μ d)) = √½ in partial slip
     fretting: dict[str, Any] = {"poisson_ratio": 0.0, "friction": 0.5, "reach": 2.6, "cycles": 200}
     partial: dict[str, Any] = {**fretting, "amplitude": 0.025, "wear": 0.004}
-    stick = float(np.sqrt(0.5))
-    sticking, slipping = _beside(last=0.6), _beside(stick, 1.0, last=1.2)
+    sticking = _beside(last=0.6)
+    slipping = [*sticking, *np.linspace(0.78, 0.94, 9), 1.15, 1.2]
     return (
         _case(
             "sliding", "a sphere that slides wears", _beside(last=1.1), _beside(1.215, last=1.4), volume=1.0,
