@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.driver import drive
 
@@ -126,3 +127,44 @@ def test_refusals(changes, words):
 def test_a_material_without_numbers_is_refused_where_it_is_touched():
     with pytest.raises(SceneError, match=r"must know every material in contact \(got 'bar', and 'substrate' at x = "):
         last(scene(friction={"type": "by-material", "coefficients": {"bar": 0.1}}, inclusions=BAR))
+
+
+def through(steps, wear=None):
+    """Slide through 1 um of a coating of the body's own constants that wears ten times less than the substrate."""
+    laws = {name: {"type": "archard", "coefficient": k} for name, k in (("coating", 2e-20), ("substrate", 2e-19))}
+    layers = [{"name": "coating", "thickness": "1 um", **STEEL}]
+    return last(
+        scene(
+            body1={"medium": {"type": "bonded-layers", "layers": layers, "substrate": STEEL}},
+            wear={"type": "by-material", "laws": laws, **(wear or {})}, steps=[{"normal-load": "12.307 N"}, *steps],
+            grid={"cells": 16, "size": ["80 um", "80 um"]},
+        )
+    )  # fmt: skip
+
+
+WAY = {"normal-load": "12.307 N", "sliding-distance": 1e4}
+MANY = {**WAY, "sliding-distance": 1e4 / 200}
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        pytest.param([WAY], id="one increment"),
+        pytest.param([{"cycle": [MANY], "repeat": 200}], id="jumps over cycles", marks=pytest.mark.slow),
+    ],
+)
+def test_a_layer_that_opens_on_the_way_is_seen(steps):
+    """Against 40 increments. The coating alone would lose 2461 um^3 on this way, by load and path."""
+    found, fine = through(steps).scalars, through([{**WAY, "increments": 40}]).scalars
+    assert fine["worn_volume"] > 1.3 * 2461e-18
+    assert found["worn_volume"] == close(fine["worn_volume"], rel=0.02)
+    assert found["max_worn_depth"] == close(fine["max_worn_depth"], rel=0.02)
+
+
+def test_what_lies_below_what_is_exposed():
+    """Half of the columns lose a depth of which a quarter lies below the coating, the others none of it."""
+    exposed = ec.plan(scene(body1=COATED, friction={"type": "by-material", "coefficients": {"coating": 0.2}})).exposed
+    worn = np.full(exposed.grid.shape, 17e-6)
+    worn[:, ::2] = 10e-6
+    found = exposed.beyond(worn, np.full(worn.shape, 4e-6))
+    assert 0.125 <= found < 0.125 + 2.0**-10  # ten halvings

@@ -20,6 +20,8 @@ __all__ = ["Exposed", "exposed_of"]
 
 FloatArray = NDArray[np.float64]
 
+#: Halvings of a depth in search of an interface.
+_BISECTIONS = 10
 #: Part of a cell's width below the surface, by which what ends there does not count.
 _BELOW = 1e-9
 
@@ -57,6 +59,18 @@ class Exposed:
         for number, shape in self.shapes:
             out[np.asarray(shape.contains(x, y, depth))] = number
         return out
+
+    def beyond(self, worn: FloatArray, added: FloatArray) -> float:
+        """Part of a depth to be worn, by volume, that lies below what is exposed now; both ``(ny, nx)`` [m]."""
+        now = self.at(worn)
+        crossed = self.at(worn + added) != now
+        if not crossed.any():
+            return 0.0
+        low, step = np.zeros(now.shape), 0.5
+        for _ in range(_BISECTIONS):
+            low = np.where(self.at(worn + (low + step) * added) == now, low + step, low)
+            step *= 0.5
+        return float((added * (1.0 - low))[crossed].sum() / added.sum())
 
     @property
     def alone(self) -> bool:

@@ -22,7 +22,7 @@ from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, 
 from eigencontact.execution.wear.state import recalled, store
 from eigencontact.model.kernels import Bodies
 from eigencontact.model.model import Model
-from eigencontact.plugin import FrictionState, WearState
+from eigencontact.plugin import FrictionState, NamesMaterials, WearState
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.moving_surface import moved
@@ -38,6 +38,8 @@ FloatArray = NDArray[np.float64]
 
 #: Part of the error of a jump that the integration at a fixed rate may make.
 _INTEGRATION = 0.1
+#: Times that a way is halved on which another material comes to the surface.
+_HALVINGS = 7
 #: Part of the depth so far that its error is relative to where less is added.
 _LEAST = 0.02
 
@@ -62,6 +64,8 @@ class WornSurface:
         self._mechanics, self._parts = mechanics, model.scene.wear.parts
         self._at_once = model.scene.wear.update == "increment"
         self._table, self._tolerance = model.scene.wear, _INTEGRATION * (model.scene.wear.error or 1e-2)
+        self._by_material = any(isinstance(law, NamesMaterials) for law in (model.wear, model.friction))
+        self._opening = model.scene.wear.error or 1e-2
         self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
 
     @property
@@ -99,7 +103,7 @@ class WornSurface:
                 self._skip(step, cycle.skipped)
             self._note_start(step)
         if step.slide is not None and not (cycle is not None and cycle.settling):
-            self._slide(step)
+            self._slide(step, step.slide.distance)
         return separation + self._state.total
 
     def end(self, step: Step) -> None:
@@ -168,9 +172,11 @@ class WornSurface:
         state.energy = state.energy + cycles * memory["cycle_energy"]
         state.cycles += cycles
 
-    def _slide(self, step: Step) -> None:
-        """Wear by sliding all over the contact, on the way to the pressure that the step will find."""
-        assert step.slide is not None
+    def _slide(self, step: Step, distance: float, halvings: int = _HALVINGS) -> None:
+        """Wear by sliding all over the contact, on the way to the pressure that the step will find.
+
+        A way on which too much would be worn off a material that is not exposed at its start is halved.
+        """
         assert step.control is not None
         fields = {} if step.previous is None else step.previous.fields
         pressure = self._mechanics.pressed(step.control, fields, self._separation + self._state.total, None, None)
@@ -182,8 +188,12 @@ class WornSurface:
                 pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **self._exposed_facts
             )
             shear = checked_shear_bound(self._friction, state)
-        slip, still = np.where(pressure > 0, step.slide.distance, 0.0), np.zeros_like(pressure)
+        slip, still = np.where(pressure > 0, distance, 0.0), np.zeros_like(pressure)
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, still, shear * slip))
+        if halvings and self._beyond(rate.depth(pressure)) > self._opening:
+            for _ in range(2):
+                self._slide(step, 0.5 * distance, halvings - 1)
+            return
         after = self._move(step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure)
         if self._layers is not None:
             self._layers.follow(self._state, after)
@@ -223,10 +233,19 @@ class WornSurface:
             rate = filled(rate, loaded)
         start = memory.get("start_depth_2")
         self._jumps.decide(state, cycle, rate, energy, pressure, float(peak.max()))
+        while state.jump > 1 and self._beyond(state.jump * rate.depth(pressure)) > self._opening:
+            state.jump //= 2
         if cycle.left == 0:  # the last jump has its error too, and no other follows
             state.memory, state.jump = {}, 1
         elif start is not None:
             state.memory["steady_2"] = state.depth[2] - start
+
+    def _beyond(self, depth: FloatArray) -> float:
+        """Part of a depth [m] that would be worn off another material than the one exposed now, where laws differ."""
+        exposed = self._model.exposed
+        if exposed is None or exposed.body not in self._parts or not self._by_material or not depth.any():
+            return 0.0
+        return exposed.beyond(self.lost[exposed.body], self._parts[exposed.body] * depth)
 
     def _seen(
         self, step: Step, pressure: FloatArray, shear: FloatArray, slip: FloatArray, amplitude: FloatArray,
