@@ -137,17 +137,17 @@ def test_plastic_flow_and_wear_are_solved_together():
     assert yields["energy_volume_residual"] < 1e-10
 
 
-@pytest.mark.slow
-def test_more_increments_a_cycle_change_little():
-    """20, 40 and 80 increments a cycle: what a cycle wears follows from its ends and turns."""
+@pytest.mark.parametrize("coefficient", [GENTLE, 10 * GENTLE])
+def test_the_number_of_increments_does_not_matter(coefficient):
+    """What a cycle wears follows from its ends and turns, with a load that is kept: 1 increment a quarter, and 6."""
     volumes = []
-    for count in (5, 10, 20):
+    for count in (1, 6):
         way = 0.025 * CONTACT
         cycle = [
             {"shift-x": way, "increments": count},
             {"shift-x": -way, "increments": 2 * count},
             {"shift-x": 0.0, "increments": count},
         ]
-        steps = [{"normal-load": LOAD}, {"cycle": cycle, "repeat": 10}]
-        volumes.append(ec.run(fretting(steps=steps)).summary["worn_volume"])
-    assert np.ptp(volumes) < 2e-3 * volumes[-1]
+        steps = [{"normal-load": LOAD}, {"cycle": cycle, "repeat": 6}]
+        volumes.append(ec.run(fretting(coefficient, steps=steps)).summary["worn_volume"])
+    assert volumes[0] == close(volumes[1], rel=1e-5)

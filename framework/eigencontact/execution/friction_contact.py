@@ -173,6 +173,7 @@ class ContactWithFriction(Contact):
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
             slide=self._way(increment),
+            moved=increment.moved,
             progress=increment.progress,
         )
         solution = _scaled(found, 1.0 / self._scale)

@@ -41,6 +41,8 @@ class Increment:
         Depth that bodies have lost [m].
     slide : Slide or None
         How the surfaces slide all over the contact.
+    moved : bool
+        Whether the surfaces are others than those that the pressure at the start was found on.
     progress : callable or None
         Told the residual of each iteration.
     """
@@ -53,6 +55,7 @@ class Increment:
     material: NDArray[np.intp] | None
     worn: Mapping[int, FloatArray]
     slide: Slide | None
+    moved: bool
     progress: Progress | None
 
     @classmethod
@@ -68,6 +71,7 @@ class Increment:
             material=step.exposed,
             worn=step.worn,
             slide=step.slide,
+            moved=step.moved,
             progress=step.progress,
         )
 
@@ -83,7 +87,9 @@ class Increment:
         tangential, along = _middle(self.tangential, MODES, self.begin)
         slide = None if self.slide is None else replace(self.slide, distance=0.5 * self.slide.distance)
         first = replace(self, times=(start, middle), control=control, tangential=tangential, slide=slide)
-        return first, replace(self, times=(middle, end), begin={**self.begin, **told, **along}, slide=slide)
+        return first, replace(
+            self, times=(middle, end), begin={**self.begin, **told, **along}, slide=slide, moved=False
+        )
 
 
 def _middle(

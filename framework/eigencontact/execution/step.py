@@ -78,6 +78,8 @@ class Step:
         Where in a cycle it lies; None outside of cycles.
     slide : Slide or None
         How the surfaces slide all over the contact; None where what slips is to be found.
+    moved : bool
+        Whether the surfaces have moved since the last step found its pressure.
     worn : dict of int to (ny, nx)
         Depth that each body that wears has lost where the contact of the step meets it [m].
     bodies : Bodies or None
@@ -99,6 +101,7 @@ class Step:
     travel: tuple[float, float] = (0.0, 0.0)
     cycle: CyclePlace | None = None
     slide: Slide | None = None
+    moved: bool = False
     worn: dict[int, FloatArray] = field(default_factory=dict)
     bodies: Bodies | None = None
     previous: StepRecord | None = None

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.execution.step import CyclePlace
 from eigencontact.execution.wear.rate import Rate
-from eigencontact.execution.wear.state import WornState
+from eigencontact.execution.wear.state import WornState, updated
 from eigencontact.scene.wear import Wear
 
 __all__ = ["MOST", "Jumps", "against_deflection", "ahead"]
@@ -83,9 +83,11 @@ class Jumps:
             wanted = min(wanted, MOST / share)
         state.jump = max(1, min(int(wanted), cycle.left))
         if state.cycles < _RUN_IN + 0.5:  # the first cycle begins where nothing has slipped
-            state.memory, state.jump = {}, 1
+            state.memory, state.jump = updated(memory), 1
             return
-        state.memory = {"rate": rate.pressed, "steady": rate.steady, "slope": slope, "cycle_energy": energy}
+        state.memory = updated(memory) | {
+            "rate": rate.pressed, "steady": rate.steady, "slope": slope, "cycle_energy": energy,
+        }  # fmt: skip
 
     def _by_error(self, state: WornState, missing: float, worn: float) -> float:
         """Next jump by what the last one missed a cycle, and what a cycle wears [m³]."""

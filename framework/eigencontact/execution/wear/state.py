@@ -12,7 +12,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.execution.step import Step
 from eigencontact.results.records import HistoryRecord, StepRecord
 
-__all__ = ["WornState", "recalled", "store"]
+__all__ = ["WornState", "recalled", "store", "updated"]
 
 FloatArray = NDArray[np.float64]
 
@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 _DIGITS = 9
 #: What is remembered: unit and meaning.
 _REMEMBERED = {
+    "update": ("m", "depth that the step took off in its end, after its pressure was found"),
     "total_energy": ("J/m2", "work of friction so far, that of skipped cycles included"),
     "depth_2": ("m", "depth that body 2 has lost, in coordinates that move with it"),
     "start_depth": ("m", "worn depth at the start of the cycle"),
@@ -109,6 +110,11 @@ def carried(values: FloatArray, cells: tuple[float, float]) -> FloatArray:
         if part:
             values = (1.0 - part) * values + part * np.roll(values, 1, axis)
     return values
+
+
+def updated(memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """What of a memory outlives a cycle: how the surfaces have moved in its end."""
+    return {"update": memory["update"]} if "update" in memory else {}
 
 
 def recalled(

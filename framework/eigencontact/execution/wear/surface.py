@@ -19,7 +19,7 @@ from eigencontact.execution.step import CyclePlace, Step
 from eigencontact.execution.wear.jumps import MOST, Jumps, against_deflection, ahead
 from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
-from eigencontact.execution.wear.state import recalled, store
+from eigencontact.execution.wear.state import recalled, store, updated
 from eigencontact.model.kernels import Bodies
 from eigencontact.model.model import Model
 from eigencontact.plugin import FrictionState, NamesMaterials, WearState
@@ -96,10 +96,12 @@ class WornSurface:
         travel = step.travel if self._travels else None
         self._separation, self._state = separation, recalled(step.previous, self._parts, self._grid, travel)
         cycle = step.cycle
+        step.moved = self._state.memory.pop("update", None) is not None
         if self._layers is not None:
             self._layers.begin(step, self._state)
         if cycle is not None and cycle.begins:
             if cycle.skipped:
+                step.moved = True
                 self._skip(step, cycle.skipped)
             self._note_start(step)
         if step.slide is not None and not (cycle is not None and cycle.settling):
@@ -212,7 +214,11 @@ class WornSurface:
         depth = rate.depth(pressure)
         rate = replace(rate, steady=np.minimum(rate.steady, self._mechanics.softness * peak))
         assert step.control is not None
+        before = self._state.total
         self._move(step.control, fields, rate, 1, depth, energy, pressure)
+        update = self._state.total - before
+        if update.any():
+            self._state.memory["update"] = update
         return rate, energy_of(rate.depth(pressure), depth, energy, 1.0)
 
     def _end_cycle(self, step: Step, cycle: CyclePlace, peak: FloatArray) -> None:
@@ -236,7 +242,7 @@ class WornSurface:
         while state.jump > 1 and self._beyond(state.jump * rate.depth(pressure)) > self._opening:
             state.jump //= 2
         if cycle.left == 0:  # the last jump has its error too, and no other follows
-            state.memory, state.jump = {}, 1
+            state.memory, state.jump = updated(memory), 1
         elif start is not None:
             state.memory["steady_2"] = state.depth[2] - start
 

@@ -112,6 +112,7 @@ class _Increment:
     offset: FloatArray | None
     tolerance: float | None
     slide: FloatArray | None
+    moved: bool
     progress: Progress | None
 
 
@@ -190,6 +191,7 @@ class FrictionalContact:
         tolerance: float | None = None,
         start: FrictionalSolution | None = None,
         slide: FloatArray | None = None,
+        moved: bool = False,
         progress: Progress | None = None,
     ) -> FrictionalSolution:
         """Solve one increment.
@@ -211,6 +213,9 @@ class FrictionalContact:
         slide : (k,) float64, optional
             Way that body 2 slides on body 1 all over the contact [m]: the shear is at its bound everywhere, against it,
             whatever `tangential` says. The way is not counted among the rigid displacements.
+        moved : bool
+            Whether the separation is another than that at the end of the last increment: the bound at the start is then
+            not known, and friction works with that of the end alone.
         progress : callable, optional
             Told the residual of each iteration.
 
@@ -220,7 +225,7 @@ class FrictionalContact:
             See `NormalSolver` and `TangentialSolver`.
         """
         before = before or Sliding.at_rest(self.grid, self.components)
-        asked = _Increment(separation, control, tangential, before, offset, tolerance, slide, progress)
+        asked = _Increment(separation, control, tangential, before, offset, tolerance, slide, moved, progress)
         last = None if start is None else self._as_round(start, before)
         if self._by_shear is None:
             return self._solution(asked, self._round(asked, last, before.lift, tolerance), before.lift, 1, 0.0)
@@ -304,7 +309,7 @@ class FrictionalContact:
     ) -> FrictionalSolution:
         return FrictionalSolution(
             normal=last.normal, tangential=last.tangential,
-            sliding=self._after(asked.before, last.normal.pressure, last.tangential, lift, asked.slide),
+            sliding=self._after(asked.before, last.normal.pressure, last.tangential, lift, asked),
             tangential_by_pressure=last.carried, rounds=rounds, coupling_residual=change,
             normal_convolutions=last.convolutions[0], tangential_convolutions=last.convolutions[1],
         )  # fmt: skip
@@ -337,21 +342,23 @@ class FrictionalContact:
 
     def _after(
         self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray,
-        slide: FloatArray | None,
+        asked: _Increment,
     ) -> Sliding:  # fmt: skip
         """State at the end of the increment.
 
         Friction works with the mean of the bounds at both ends, in cells that lose contact too: never negative, and
         hardly dependent on the number of increments (the mean of the shears would balance with the work of the loads
-        exactly, but count the shear before the slip began). On a way that it slides the bound is that of its end.
+        exactly, but count the shear before the slip began). On a way that it slides, and
+        where the surfaces have moved before the increment, the bound is that of its end.
         """
         loaded, left = pressure > 0, (before.pressure > 0) & (pressure <= 0)
         slip = found.slip * ((loaded & ~found.stick) | left)
         distance = np.sqrt(np.einsum("kij,kij->ij", slip, slip))
-        if slide is not None:
-            distance = loaded * float(np.linalg.norm(slide))
+        if asked.slide is not None:
+            distance = loaded * float(np.linalg.norm(asked.slide))
         after = self.bound(pressure, before)
-        work = (after if slide is not None else 0.5 * (self.bound(before.pressure, before) + after)) * distance
+        known = asked.slide is None and not asked.moved
+        work = (after if not known else 0.5 * (self.bound(before.pressure, before) + after)) * distance
         return Sliding(
             pressure=pressure, shear=found.shear, position=before.position + found.slip, lift=lift, rigid=found.rigid,
             slip_distance=before.slip_distance + distance, dissipated=before.dissipated + work,
