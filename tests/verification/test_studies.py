@@ -53,6 +53,7 @@ def test_finished_variants_are_read_again(tmp_path):
         ("coating-thickness", {"normal-contact"}),
         ("coating-fretting", {"frictional-contact"}),
         ("plastic-friction", {"inhomogeneities", "frictional-contact"}),
+        ("wear-fretting-loops", {"wear", "frictional-contact"}),
     ],
 )
 def test_scenes_can_be_planned(name, blocks):

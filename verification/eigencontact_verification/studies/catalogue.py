@@ -26,6 +26,8 @@ _MODULES = (
     "plastic_cells",
     "bone",
     "damage_mesh",
+    "wear_sliding",
+    "wear_fretting",
 )
 
 
