@@ -107,8 +107,8 @@ def _wear(model: Model, last: StepRecord, history: Sequence[Row]) -> Iterator[Ca
     if error > allowed:
         remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
         words = (
-            f"cycles that were not solved make the worn volume wrong by {percent(error)}, by estimate, more than "
-            f"{percent(allowed)}; set {remedy}"
+            f"surfaces that move once in one cycle or many make the worn volume wrong by {percent(error)}, by "
+            f"estimate, more than {percent(allowed)}; set {remedy}"
         )
         yield Caution("wear-jumps", words, error)
     box = Box.around(last.fields["pressure"] > 0)
