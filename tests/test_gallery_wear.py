@@ -115,6 +115,13 @@ def test_coated_spheres_come_to_the_same_shape(young, finished):
     assert float(data.wear_error[-1]) < 0.01
 
 
+def test_sliding_all_over_the_contact_needs_no_increments(finished):
+    """By a sliding-distance the contact slips as a whole at once: no work of friction is missed on the way."""
+    result = finished("wear-gross-sliding", 'body1.medium.layers.0.young-modulus="210 GPa"')
+    assert result.dataset.slip_fraction.values[:2].tolist() == [0.0, 1.0]
+    assert "load-steps" not in str(result.summary["warnings"])
+
+
 def test_partial_slip_wears_a_ring(finished):
     """WR-5: Mindlin's first cycle; nothing is worn inside the stick circle; the loop turns clockwise and narrows."""
     data = finished("fretting-wear-partial-slip").dataset

@@ -6,6 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.execution.wear.state import WornState, carried
+from execution.test_cycles import Stop, Stopped, same
 
 #: Sphere of 200 um on steel under 12.307 N: contact radius [m], p0 [Pa]; worn volume by load and path [1/Pa].
 A, LOAD = 20e-6, 12.307
@@ -15,9 +16,13 @@ MILD = 1e-18
 
 
 def travelling(places, wear, **tables):
-    """The sphere, pressed at the first place and moved from there to each of the others."""
+    """Results of the sphere, pressed at the first place and moved from there to each of the others."""
+    return ec.run(scene(places, wear, **tables)).dataset
+
+
+def scene(places, wear, **tables):
     places = [{"normal-load": LOAD, "travel-x": x, "increments": n} for x, n in places]
-    return ec.run(
+    return ec.load_scene(
         {
             "body1": {"young-modulus": 210e9, "poisson-ratio": 0.3},
             "body2": {"rigid": True},
@@ -28,7 +33,7 @@ def travelling(places, wear, **tables):
             "output": {"pictures": False},
             **tables,
         }
-    ).dataset
+    )
 
 
 #: To and fro by 24 um each way, in cells.
@@ -105,6 +110,16 @@ def test_cycles_that_are_skipped_wear_each_body_in_its_own_place(shares):
     for name in ("worn_depth", *(f"worn_depth_{body[-1]}" for body in shares)):
         found, known = skipped[name].values[-1], solved[name].values[-1]
         np.testing.assert_allclose(found, known, atol=2e-4 * known.max())
+
+
+def test_a_run_that_ends_on_the_track_is_resumed_to_the_bit(tmp_path):
+    """What body 2 has lost is known from stored records alone, between cells too; so is the way to skipped cycles."""
+    there = [{"normal-load": LOAD, "travel-x": x, "increments": 2} for x in (1.7 * CELL, -2.1 * CELL)]
+    wear = {"shares": {"body1": 0.3, "body2": 0.7}, "coefficient": MILD, "update": "increment", "cycles-per-update": 4}
+    planned = scene([], wear, steps=[{"normal-load": LOAD}, {"cycle": there, "repeat": 9}])
+    with pytest.raises(Stopped):
+        ec.run(planned, tmp_path / "out", watcher=Stop(11))
+    same(ec.run(planned, tmp_path / "out", resume=True).dataset, ec.run(planned).dataset)
 
 
 def test_what_is_carried_keeps_its_sum_and_comes_back_by_the_adjoint():
