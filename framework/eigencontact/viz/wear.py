@@ -80,8 +80,10 @@ def _heading(dataset: xr.Dataset, step: int) -> str:
     volume, deepest = (float(dataset[name][step]) for name in ("worn_volume", "max_worn_depth"))
     if deepest == 0.0:
         return f"Wear{moment(dataset, step)}\nnothing lost so far"
-    numbers = f"{scale_for([volume], 'm3').text(volume)} lost, at most {scale_for([deepest], 'm').text(deepest)} deep"
-    return f"Wear{moment(dataset, step)}\n{numbers}"
+    cubes, length = (
+        scale_for(dataset[name].values, unit) for name, unit in (("worn_volume", "m3"), ("max_worn_depth", "m"))
+    )
+    return f"Wear{moment(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
 
 
 def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
