@@ -171,9 +171,9 @@ def test_pin_on_disc(finished):
     data = finished("pin-on-disc").dataset
     area = float(np.prod(data.attrs["cell_size"]))
     volumes = [float(data[f"worn_depth_{body}"][-1].sum()) * area for body in (1, 2)]
-    assert volumes == close([1.25e-13 * 5 * 480e-6] * 2, rel=1e-5)
+    assert volumes == close([2.5e-13 * 5 * 480e-6] * 2, rel=1e-5)
     stroke = data.isel(step=20)  # the end of the first one
-    middle = [float(stroke.worn_depth_1.interp(x=0, y=0)), 1.25e-13 * 0.5 * np.pi * 1.127e9 * 46.03e-6]
+    middle = [float(stroke.worn_depth_1.interp(x=0, y=0)), 2.5e-13 * 0.5 * np.pi * 1.127e9 * 46.03e-6]
     assert middle[0] == close(middle[1], rel=0.08)
     along, across = (float((data.worn_depth_2[-1] > 0).any(axis).sum()) for axis in ("y", "x"))
     assert along == across
