@@ -9,6 +9,7 @@ from eigencontact.errors import SceneError
 from eigencontact.execution.driver import drive
 from eigencontact.execution.material_cells import MaterialCells, risen
 from eigencontact.model.boxes import box_of_inhomogeneities
+from eigencontact.worth.noticed import noticed
 
 #: Case WR-17, as in test_worn_layers.
 H, E, NU = 20e-6, 210e9, 0.3
@@ -116,6 +117,18 @@ def test_a_run_goes_on_from_its_records_to_the_bit():
 def test_what_lies_deep_is_refused_where_its_cells_would_have_to_rise():
     with pytest.raises(SceneError, match=r"wear of body 1 must stay below 0.5 of the height of cells"):
         records(scene((10,), (3,), inclusions=coating(thickness=H / 4, top=H / 4), cells=24))
+
+
+def test_a_run_warns_of_what_does_not_rise():
+    """Eigenstrain in the wearing body stays where it was, the coating rises."""
+    strained = {"type": "uniform", "value": 1e-6, "depth": 2e-6, "layers": 2}
+    made = ec.plan(scene((10,), (2,), inclusions=[], eigenstrain=strained))
+    *_, end = drive(made)
+    (caution,) = [one for one in noticed(made, end, [end.scalars]) if one.code == "worn-regions"]
+    assert caution.error == close(end.scalars["max_worn_depth"] / 2e-6, rel=1e-12)
+    assert "stays where it was" in caution.words
+    plain = ec.plan(scene((10,), (2,)))
+    assert "worn-regions" not in [one.code for one in noticed(plain, list(drive(plain))[-1], [])]
 
 
 @pytest.mark.slow

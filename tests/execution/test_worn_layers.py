@@ -144,3 +144,11 @@ def test_thinned_layers_are_thinner_layers():
         ]
         np.testing.assert_allclose(answers[0], answers[1], rtol=1e-12)
     assert worn.thinned(4e-6) == worn.deep_material
+
+
+@pytest.mark.parametrize(("who", "alike"), [({"body": 1}, False), ({"shares": {"body1": 0.5, "body2": 0.5}}, True)])
+def test_like_layers_stay_alike_where_both_wear_alike(who, alike):
+    """Where one of two like bodies gets thinner, pressure moves the surfaces along themselves."""
+    made = ec.plan(scene(coated(), body2=coated(), friction={"type": "coulomb", "coefficient": 0.3}, wear=who))
+    assert made.coupling.alike == alike
+    assert (("x", "z") in made.coupling.pairs) != alike

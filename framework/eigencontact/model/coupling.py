@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from eigencontact.core.material import Material, dundurs_constant
 from eigencontact.core.tractions import ALONG, Traction
 from eigencontact.model.kernels import Bodies
+from eigencontact.plugin import LayeredMedium
 from eigencontact.scene.schema import Scene
 
 __all__ = ["Coupling", "coupling_of"]
@@ -59,7 +60,7 @@ def coupling_of(scene: Scene, bodies: Bodies, *, dragged: bool = False) -> Coupl
     if scene.friction is None:
         return Coupling(level="none", components="", pairs=(("z", "z"),), alike=False)
     level = scene.numerics.coupling
-    alike = _alike(bodies)
+    alike = _alike(bodies) and not _grow_apart(scene, bodies)
     components = _components(scene) if level == "none" and not dragged else "xy"
     pairs: list[Pair] = [("z", "z"), *((c, c) for c in components)]
     if level != "none":
@@ -77,6 +78,12 @@ def _alike(bodies: Bodies) -> bool:
     if isinstance(first, Material | None) and isinstance(second, Material | None):
         return abs(dundurs_constant(first, second)) < _ROUND_OFF
     return first == second
+
+
+def _grow_apart(scene: Scene, bodies: Bodies) -> bool:
+    """Whether layers of two like bodies do not wear alike."""
+    parts = {} if scene.wear is None else scene.wear.parts
+    return isinstance(bodies[0], LayeredMedium) and parts.get(1) != parts.get(2)
 
 
 def _components(scene: Scene) -> str:

@@ -15,13 +15,12 @@ from eigencontact.model.resolution import FINE, percent
 from eigencontact.model.sources import Patch
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.worth.foreseen import coarse_contact, foreseen, measured
+from eigencontact.worth.worn_bodies import worn_bodies
 
 __all__ = ["noticed"]
 
 #: Share of the contact that slips: more than this all at once, from less than that, is a jump.
 _ALL, _SOME = 0.999, 0.5
-#: Error by layers that are taken as uniform, from which on it is told.
-_UNEVEN = 0.01
 #: Cells within which a place counts as on an edge.
 _NEAR = 1.5
 #: Worn depth by the radius of the contact, beyond which slopes count: strains by them are of that order.
@@ -45,7 +44,7 @@ def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Cau
         Scalars of every step, in order.
     """
     found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
-    found += [*_taken_for_elastic(model, history), *_wear(model, last, history), *_uneven_layers(history)]
+    found += [*_taken_for_elastic(model, history), *_wear(model, last, history), *worn_bodies(model, last, history)]
     known = {caution.code for caution in found}
     earlier = [one for one in foreseen(model) if one.code not in known or one.code == "load-steps"]
     return (*earlier, *found)
@@ -139,17 +138,6 @@ def _taken_for_elastic(model: Model, history: Sequence[Row]) -> Iterator[Caution
             "inclusion with this law"
         )
         yield Caution("law-cells", words)
-
-
-def _uneven_layers(history: Sequence[Row]) -> Iterator[Caution]:
-    """Layers that have worn unevenly and are taken as uniform."""
-    error = max((row.get("layer_error") or 0.0 for row in history), default=0.0)
-    if error >= _UNEVEN:
-        words = (
-            "layers that wear are taken as thick as their mean in the contact: the answer of the most and of the least "
-            f"worn column differs from that by {percent(error)}; describe them by cells to see it"
-        )
-        yield Caution("worn-layers", words, error)
 
 
 def _slow_place(model: Model, last: StepRecord) -> Iterator[Caution]:
