@@ -26,10 +26,11 @@ COARSER = {
     ],
     "fretting-loop-evolution": [
         'wear.coefficient="10 mm^3/(J mm)"',
-        "grid.cells=33",
+        "grid.cells=25",
         "steps.1.increments=1",
         "steps.2.cycle.0.increments=5",
         "steps.2.cycle.1.increments=5",
+        "steps.2.repeat=14",
     ],
     "pin-on-disc": [
         "grid.cells=[40, 18]",
@@ -105,7 +106,8 @@ COATINGS = {
 def test_coated_spheres_come_to_the_same_shape(young, finished):
     """WR-1 to WR-3, WR-17."""
     first, peak, depth, radius = COATINGS[young]
-    data = finished("wear-gross-sliding", f'body1.medium.layers.0.young-modulus="{young} GPa"').dataset
+    changes = [] if young == 105 else [f'body1.medium.layers.0.young-modulus="{young} GPa"']
+    data = finished("wear-gross-sliding", *changes).dataset
     assert float(data.cycles[-1]) == 1000
     assert float(data.worn_volume[-1]) == close(3076.8e-18, rel=1e-3)
     assert float(data.max_pressure[0]) / P0 == close(first, rel=0.01)
@@ -117,7 +119,7 @@ def test_coated_spheres_come_to_the_same_shape(young, finished):
 
 def test_sliding_all_over_the_contact_needs_no_increments(finished):
     """By a sliding-distance the contact slips as a whole at once: no work of friction is missed on the way."""
-    result = finished("wear-gross-sliding", 'body1.medium.layers.0.young-modulus="210 GPa"')
+    result = finished("wear-gross-sliding")
     assert result.dataset.slip_fraction.values[:2].tolist() == [0.0, 1.0]
     assert "load-steps" not in str(result.summary["warnings"])
 
@@ -163,7 +165,7 @@ def test_loops_close_under_an_approach(finished):
     np.testing.assert_allclose(data.worn_depth.values[-1], left, atol=0.01 * 2e-6)
     load = data.tangential_load_x.values
     assert load[1] == close(CARRIED, rel=2e-3)
-    assert np.abs(load[-10:]).max() < 1e-3 * CARRIED
+    assert np.abs(load[-10:]).max() < 1e-2 * CARRIED
 
 
 def test_pin_on_disc(finished):
