@@ -59,16 +59,15 @@ def scene_of(name: str, values: Mapping[str, float], changes: Sequence[str], **t
 
 
 def numbers(dataset: xr.Dataset) -> Row:
-    """Largest pressure in the beginning; what wear has come to."""
+    """Worn volume, its estimated error, largest depth; largest pressure at first and in the end; contact radius."""
     last = dataset.isel(step=-1)
     return {
-        "cycles": float(last["cycles"]),
-        "worn volume [um^3]": 1e18 * float(last["worn_volume"]),
-        "largest depth [um]": 1e6 * float(last["max_worn_depth"]),
-        "largest pressure / p0 at first": float(dataset["max_pressure"][0]) / BIG.peak,
-        "largest pressure / p0": float(last["max_pressure"]) / BIG.peak,
-        "contact radius / a0": float(last["contact_radius"]) / BIG.radius,
-        "estimated error of the volume": float(last["wear_error"]),
+        "V [um^3]": 1e18 * float(last["worn_volume"]),
+        "error of V [%]": 100.0 * float(last["wear_error"]),
+        "depth [um]": 1e6 * float(last["max_worn_depth"]),
+        "first p/p0": float(dataset["max_pressure"][0]) / BIG.peak,
+        "p/p0": float(last["max_pressure"]) / BIG.peak,
+        "a/a0": float(last["contact_radius"]) / BIG.radius,
     }
 
 

@@ -70,18 +70,15 @@ def _work(dataset: xr.Dataset, cycle: SolvedCycle) -> float:
 
 def _read(_variant: Variant, dataset: xr.Dataset) -> Row:
     cycles = solved_cycles(dataset)
-    plain = [one for one in cycles if float(dataset["shift_x"][one.first - 1]) > 0]
-    load, worn = dataset["tangential_load_x"].values, dataset["worn_depth"].isel(step=-1)
+    load, worn = dataset["tangential_load_x"].values / _CARRIED, dataset["worn_depth"].isel(step=-1)
     row = int(np.abs(dataset["y"].values).argmin())
     middle = float(worn[row, int(np.abs(dataset["x"].values).argmin())])
     return {
         **numbers(dataset),
-        "work of the first cycle [nJ]": 1e9 * _work(dataset, plain[0]),
-        "work of the last cycle [nJ]": 1e9 * _work(dataset, plain[-1]),
-        "largest Q / μP in the first cycle": float(load[cycles[0].first : cycles[0].last + 1].max()) / _CARRIED,
-        "largest Q / μP in the last cycle": float(load[cycles[-1].first : cycles[-1].last + 1].max()) / _CARRIED,
-        "depth in the middle over the largest": middle / float(worn.max()),
-        "stick radius / a0": float(dataset["stick_radius"][cycles[-1].last]) / BIG.radius,
+        "first W [uJ]": 1e6 * _work(dataset, cycles[0]),
+        "W [uJ]": 1e6 * _work(dataset, cycles[-1]),
+        "Q/μP": float(load[cycles[-1].first : cycles[-1].last + 1].max()),
+        "middle / largest": middle / float(worn.max()),
     }
 
 

@@ -52,8 +52,8 @@ def _read(_variant: Variant, dataset: xr.Dataset) -> Row:
     flat = (4.0 * BIG.sphere_radius * float(last["worn_volume"]) / np.pi) ** 0.25  # radius of the flat end, rigid
     return {
         **numbers(dataset),
-        "volume of a cycle [um^3]": 1e18 * float(last["worn_volume"]) / float(last["cycles"]),
-        "depth over that of a rigid flat end": float(last["max_worn_depth"]) * 2.0 * BIG.sphere_radius / flat**2,
+        "V of a cycle": 1e18 * float(last["worn_volume"]) / float(last["cycles"]),
+        "depth / a^2/2R": float(last["max_worn_depth"]) * 2.0 * BIG.sphere_radius / flat**2,
     }
 
 
@@ -95,7 +95,7 @@ def _draw_sections(found: Sequence[Finished]) -> Figure:
 _REMARK = (
     "The volume of a cycle is α μ P times its path whatever the coating; pressures and areas of the coatings come "
     "together. The text's depth of 2 µm is a tenth of a0, not twice it. The sphere is kept as a half-space whose "
-    "surface stays flat: the gap grows by the worn depth."
+    "surface stays flat: the gap grows by the worn depth, and the coating thins by it."
 )
 
 STUDIES = (
