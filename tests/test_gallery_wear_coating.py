@@ -5,6 +5,8 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.viz.exposed import exposed_map, several_exposed
+from eigencontact.viz.figures import draw_all
 
 LOAD, THICKNESS = 12.307, 1e-6
 
@@ -42,3 +44,16 @@ def test_the_end_is_that_of_finer_cells(data):
     """With 41 cells and 20, 30 and 60 increments 1712, 1714 and 1721 um^3, and 1.746, 1.747 and 1.753 um deep."""
     assert float(data.worn_volume[-1]) == close(1721e-18, rel=0.03)
     assert float(data.max_worn_depth[-1]) == close(1.753e-6, rel=0.03)
+
+
+def test_what_is_exposed_is_drawn_by_name(data, monkeypatch, tmp_path):
+    """Before the coating is gone there is nothing to tell apart."""
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
+    assert "exposed-materials.png" in draw_all(data, tmp_path)
+    assert [several_exposed(data, step) for step in (0, -1)] == [False, True]
+    figure = exposed_map(data)
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["substrate", "coating"]
+    drawn = np.asarray(figure.axes[0].images[0].get_array())
+    steel = data.exposed_material.values[-1] == 0
+    assert (drawn == 0).sum() == steel.sum()

@@ -133,14 +133,14 @@ def test_a_run_warns_of_what_does_not_rise():
 
 @pytest.mark.slow
 def test_a_coated_body_in_gross_sliding():
-    """Case WR-17, the coated body wears: 1 % of the peaks, a cell of a0 / 8 of the radii."""
+    """Case WR-17, the coated body wears: 1 % of the peaks and depths, a cell of a0 / 12 of the radii."""
     found = {round(one.scalars["worn_volume"] / VOLUME, 3): one.scalars for one in
-             records(scene((0.1, 1, 10), (2, 4, 32), 32))}  # fmt: skip
+             records(scene((0.1, 1, 10), (2, 4, 32), 48))}  # fmt: skip
     for volume, peak, depth, radius in ((0.1, 1.3663, 0.05325, 0.880), (10, 0.2139, 1.51853, 1.820)):
         scalars = min(found.items(), key=lambda item: abs(item[0] - volume))[1]
-        assert scalars["max_pressure"] / PEAK == close(peak, rel=0.012)
+        assert scalars["max_pressure"] / PEAK == close(peak, rel=0.01)
         assert scalars["max_worn_depth"] / (H**2 / RADIUS) == close(depth, rel=0.01)
-        assert abs(scalars["contact_radius"] / H - radius) < 0.125
+        assert abs(scalars["contact_radius"] / H - radius) < 1 / 12
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from eigencontact.viz.coverage import coverage_map, struck
+from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
@@ -205,6 +206,9 @@ def _wear(dataset: xr.Dataset, step: int) -> list[Picture]:
     if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
         sentence = "Worn surfaces over the interfaces of layers and coatings, along x and y."
         wanted.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
+    if several_exposed(dataset, step):
+        sentence = "Materials at the surface, by name; the line is the outline of the contact."
+        wanted.append(("exposed-materials.png", sentence, lambda: exposed_map(dataset, step)))
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."
         wanted.append(("wear-history.png", sentence, lambda: wear_history(dataset)))

@@ -1,0 +1,76 @@
+"""Map of the materials at the surface."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eigencontact.errors import EigencontactError
+from eigencontact.viz.style import COLOURS, moment, paper_style
+from eigencontact.viz.window import contact_window
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["exposed_map", "several_exposed"]
+
+#: How much of white is mixed into the colours of materials.
+_PALE = 0.55
+
+
+def several_exposed(dataset: xr.Dataset, step: int = -1) -> bool:
+    """Whether more than one material is at the surface in a step."""
+    return "exposed_material" in dataset and float(np.ptp(dataset["exposed_material"][step].values)) > 0
+
+
+def exposed_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+    """Materials at the surface that the contact of a step met, by name, and the outline of that contact.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results that have ``exposed_material``.
+    step : int
+        Position along ``step``.
+    """
+    from matplotlib.colors import ListedColormap, to_rgb
+    from matplotlib.patches import Patch
+
+    found = np.asarray(dataset["exposed_material"][step].values).astype(int)
+    contact = np.asarray(dataset["pressure"][step].values) > 0
+    numbers, names = np.unique(found), _names(dataset.attrs["scene"])
+    pale = [_PALE + (1 - _PALE) * np.array(to_rgb(COLOURS[n % len(COLOURS)])) for n in range(numbers.size)]
+    window = contact_window(dataset, contact)
+    with paper_style():
+        figure, axes, _ = window.axes_of_map()
+        axes.imshow(
+            np.searchsorted(numbers, found)[window.view.slices],
+            origin="lower",
+            extent=window.extent,
+            cmap=ListedColormap(pale),
+            vmin=-0.5,
+            vmax=numbers.size - 0.5,
+        )
+        window.label(axes)
+        window.outline(axes, contact[window.view.slices])
+        axes.set_title(f"Exposed materials{moment(dataset, step)}")
+        words = [names.get(int(n), f"material {n}") for n in numbers]
+        entries = [Patch(color=colour, label=word) for colour, word in zip(pale, words, strict=True)]
+        figure.legend(handles=entries, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _names(scene: str) -> dict[int, str]:
+    """Names of materials by number; empty where the scene cannot be built again."""
+    from eigencontact.model.model import build_model
+    from eigencontact.scene.installed import installed_plugins
+    from eigencontact.scene.schema import Scene
+
+    try:
+        exposed = build_model(Scene(**tomllib.loads(scene)), installed_plugins()).exposed
+    except EigencontactError:
+        return {}
+    return {} if exposed is None else dict(enumerate(exposed.names))
