@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 #: Largest wear of one update, in deflections of a loaded cell: the surface has long come to rest.
 MOST = 1e7
 #: Largest growth and fall of a jump from one to the next, and what it stays below the size that the error allows.
-_GROWTH, _FALL, _SAFETY = 2.5, 0.3, 0.8
+_GROWTH, _FALL, _SAFETY = 2.5, 0.3, 0.95
 #: Part of the wear so far that may bear the error where the last cycles wear little.
 _OF_ALL = 0.5
 #: Cycles that say nothing about those after them.

@@ -130,6 +130,8 @@ def recalled(
     if last is None:
         return WornState(depth=dict.fromkeys(bodies, zero), energy=zero, cells=cells)
     held = {name: last.history[f"wear_{name}"].values[0] for name in _REMEMBERED if f"wear_{name}" in last.history}
+    if "rate" in held:
+        held.setdefault("steady", zero)
     depth = {body: last.fields[f"worn_depth_{body}"] for body in bodies}
     if "depth_2" in held:
         depth[2] = held.pop("depth_2")
@@ -160,6 +162,8 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
     }
     coords = {"y": grid.y, "x": grid.x}
     for name, values in {"total_energy": state.energy, **own, **state.memory}.items():
+        if name == "steady" and not values.any():  # as where a contact stays as large as it is
+            continue
         unit, meaning = _REMEMBERED[name]
         step.history[f"wear_{name}"] = HistoryRecord(
             name=f"wear_{name}", body=1, values=values[None], coords=coords, unit=unit, meaning=meaning

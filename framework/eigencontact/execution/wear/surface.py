@@ -66,6 +66,8 @@ class WornSurface:
         self._table, self._tolerance = model.scene.wear, _INTEGRATION * (model.scene.wear.error or 1e-2)
         self._by_material = any(isinstance(law, NamesMaterials) for law in (model.wear, model.friction))
         self._opening = model.scene.wear.error or 1e-2
+        # Within a cycle surfaces move by increments that move them at once, and by sliding.
+        self._within = self._at_once or any(ramp.slides for ramp in model.scene.ramps)
         self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
 
     @property
@@ -141,7 +143,9 @@ class WornSurface:
         """Values at the start of a cycle."""
         state, zero = self._state, np.zeros(self._grid.shape)
         fields = {} if step.previous is None else step.previous.fields
-        state.memory |= {"start_depth": state.lost, "start_energy": state.energy}
+        state.memory.pop("cycle_energy", None)
+        if self._within:
+            state.memory |= {"start_depth": state.lost, "start_energy": state.energy}
         if self._travels and 2 in state.depth:
             state.memory["start_depth_2"] = state.depth[2]
         if self._friction is not None and not self._at_once:
@@ -225,7 +229,7 @@ class WornSurface:
         """Wear by a whole cycle, and decide how many more it stands for."""
         state, pressure = self._state, step.fields["pressure"]
         memory, rate, energy = state.memory, None, np.zeros_like(pressure)
-        within = not np.array_equal(state.lost, memory["start_depth"])
+        within = self._within and not np.array_equal(state.lost, memory["start_depth"])
         if "start_slip" in memory:
             energy = step.fields["dissipated_energy_density"] - memory["start_dissipated"]
             slip = step.fields["slip_distance"] - memory["start_slip"]
