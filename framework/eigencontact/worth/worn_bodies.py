@@ -16,6 +16,8 @@ __all__ = ["worn_bodies"]
 
 #: Error by layers that are taken as uniform, from which on it is told.
 _UNEVEN = 0.01
+#: Difference of the pressure after a slide from that found on the way, from which on it is told.
+_LAGS = 0.03
 #: Part of its depth by which a region may stay behind.
 _STAYS = 0.05
 
@@ -29,6 +31,13 @@ def worn_bodies(model: Model, last: StepRecord, history: Sequence[Mapping[str, f
             f"worn column differs from that by {percent(error)}; describe them by cells to see it"
         )
         yield Caution("worn-layers", words, error)
+    lag = last.scalars.get("wear_lag", 0.0)
+    if lag >= _LAGS:
+        words = (
+            f"what lies in the bodies answers when a slide is done: the pressure that wore in the last step differs by "
+            f"{percent(lag)} from that found then; give more increments"
+        )
+        yield Caution("worn-increments", words, lag)
     yield from _left_behind(model, last)
 
 

@@ -124,6 +124,8 @@ class WornSurface:
             memory["peak_pressure"] = peak
         slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
         if step.slide is not None:
+            missed = float(np.abs(step.fields["pressure"] - self._expected).sum())
+            step.scalars["wear_lag"] = missed / max(float(self._expected.sum()), np.finfo(float).tiny)
             if "start_slip" in memory:  # it has worn already
                 memory["start_slip"] = memory["start_slip"] + slip
                 memory["start_dissipated"] = memory["start_dissipated"] + energy
@@ -200,7 +202,9 @@ class WornSurface:
             for _ in range(2):
                 self._slide(step, 0.5 * distance, halvings - 1)
             return
-        after = self._move(step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure)
+        after = self._expected = self._move(
+            step.control, fields, rate, 1, rate.depth(pressure), shear * slip, pressure
+        )  # fmt: skip
         if self._layers is not None:
             self._layers.follow(self._state, after)
 
