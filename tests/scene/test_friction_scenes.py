@@ -160,11 +160,11 @@ REFUSED = {
     ),
     "unknown law": (
         {"friction": {"type": "colomb", "coefficient": 0.1}},
-        "friction: unknown friction-law 'colomb'; installed: 'coulomb', 'coulomb-map', 'shear-cap'; did you mean 'coul",
+        "friction: unknown friction-law 'colomb'; installed: 'by-material', 'coulomb', 'coulomb-map'",
     ),
     "no type": (
         {"friction": {"coefficient": 0.1}},
-        "friction.type must name a friction-law (got None); installed: 'coulomb', 'coulomb-map', 'shear-cap'",
+        "friction.type must name a friction-law (got None); installed: 'by-material', 'coulomb', 'coulomb-map', 'shear-cap'",
     ),
     "two laws": ({"friction": [COULOMB, COULOMB]}, "friction must be a table (got [{"),
     "a number for a law": ({"friction": 0.3}, "friction must be a table (got 0.3)"),

@@ -81,7 +81,7 @@ REFUSED = {
     "no layers": (changed("layers", []), "body1.medium: bonded-layers.layers must hold at least one layer (got none)"),
     "unknown key": (
         changed("layers", 1, "thicknes", 1e-6),
-        "unknown key 'thicknes' in body1.medium.layers.1; known: young-modulus, poisson-ratio, thickness; did you mean",
+        "unknown key 'thicknes' in body1.medium.layers.1; known: young-modulus, poisson-ratio, thickness, name",
     ),
     "unknown key of the medium": (
         changed("sub-strate", {}),

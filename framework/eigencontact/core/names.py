@@ -27,6 +27,7 @@ PICTURES = (
     "shear",
     "shear-profiles",
     "dissipation",
+    "exposed-materials",
     "loop",
     "zones",
     "passing",

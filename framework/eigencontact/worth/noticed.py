@@ -15,7 +15,6 @@ from eigencontact.model.resolution import FINE, percent
 from eigencontact.model.sources import Patch
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.worth.foreseen import coarse_contact, foreseen, measured
-from eigencontact.worth.worn_bodies import worn_bodies
 
 __all__ = ["noticed"]
 
@@ -44,7 +43,11 @@ def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Cau
         Scalars of every step, in order.
     """
     found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
-    found += [*_taken_for_elastic(model, history), *_wear(model, last, history), *worn_bodies(model, last, history)]
+    found += _taken_for_elastic(model, history)
+    if model.wear is not None:
+        from eigencontact.worth.worn_bodies import worn_bodies
+
+        found += [*_wear(model, last, history), *worn_bodies(model, last, history)]
     known = {caution.code for caution in found}
     earlier = [one for one in foreseen(model) if one.code not in known or one.code == "load-steps"]
     return (*earlier, *found)
