@@ -164,7 +164,7 @@ REFUSED = {
     ),
     "no type": (
         {"friction": {"coefficient": 0.1}},
-        "friction.type must name a friction-law (got None); installed: 'by-material', 'coulomb', 'coulomb-map', 'shear-cap'",
+        "friction.type must name a friction-law (got None); installed: 'by-material', 'coulomb', 'coulomb-map'",
     ),
     "two laws": ({"friction": [COULOMB, COULOMB]}, "friction must be a table (got [{"),
     "a number for a law": ({"friction": 0.3}, "friction must be a table (got 0.3)"),
