@@ -373,10 +373,14 @@ def test_repeated_cycles_are_the_history_written_out():
 
 
 @pytest.mark.parametrize(
-    "numerics", [{"coupling": "none"}, pytest.param({"coupling": "full", "tolerance": 1e-10}, marks=pytest.mark.slow)]
+    "numerics", [{"coupling": "none"}, pytest.param({"coupling": "full", "tolerance": 3e-10}, marks=pytest.mark.slow)]
 )
 def test_turned_and_mirrored_histories_wear_alike(numerics):
-    """Along y in place of x, and begun the other way; with coupling as closely as the solver is asked for."""
+    """Along y in place of x, and begun the other way.
+
+    With full coupling as closely as can be solved: at 1e-10 round-off decides whether an increment is halved, and the
+    few increments of this history then wear otherwise.
+    """
     table = fretting(2, nu=0.3, cells=6, wear={"cycles-per-update": 1}) | {"numerics": numerics}
     first, out, cycles = table["steps"]
 
