@@ -70,6 +70,20 @@ def test_extreme_layers_under_a_ball(case):
     assert abs(approach) < 0.003
 
 
+@pytest.mark.parametrize("contrast", [1e4, pytest.param(1e5, marks=slow)])
+def test_a_thin_layer_of_great_stiffness(contrast):
+    """A plate on a soft ground, whose pressure stands at the rim: the approach follows with second order."""
+    tight = {"tolerance": 1e-8}
+    found = [abs(errors([(A / 10, contrast * E, NU)], cells=cells, numerics=tight)[1]) for cells in (31, 63)]
+    assert found[0] < 1e-4
+    assert 3.0 < found[0] / found[1] < 7.0
+
+
+@slow
+def test_the_rim_pressure_of_a_thin_layer_of_great_stiffness():
+    assert abs(errors([(A / 10, 1e4 * E, NU)], cells=256)[0]) < 0.003
+
+
 @slow
 @pytest.mark.parametrize(("ratio", "share"), [(2.0, 1e-4), (0.5, 1e-4)])
 def test_a_coating_of_a_ten_thousandth_is_all_but_none(ratio, share):

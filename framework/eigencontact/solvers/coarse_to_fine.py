@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
-from eigencontact.solvers.constrained_cg import BoxProblem, solve_box
+from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, solve_box
 from eigencontact.solvers.control import Control, mode_field
 from eigencontact.solvers.levels import coarse_factors, prolong, restrict, restrict_springs
 from eigencontact.solvers.operator import Compliance
 from eigencontact.solvers.preconditioner import SpringPreconditioner
 from eigencontact.solvers.report import Certificate, Progress, SolveReport
 from eigencontact.solvers.rigid import RigidModes
+from eigencontact.solvers.settled_sets import solve_settled
 from eigencontact.solvers.solution import NormalSolution
 
 if TYPE_CHECKING:
@@ -210,14 +211,14 @@ class CoarseToFine:
             if self.progress is not None:
                 self.progress(f"{grid.nx} x {grid.ny} cells", residual, self.options.tolerance)
 
-        state = solve_box(
-            problem,
-            p.astype(dtype),
-            loaded,
-            tolerance=tolerance,
-            max_iterations=max(1, iterations),
-            on_iteration=note,
-        )
+        state, left = BoxState(p.astype(dtype), np.zeros(len(modes)), inf), max(1, iterations)
+        for solve in (solve_box, solve_settled):
+            done = self.report.iterations
+            state = solve(problem, state.pressure, loaded, tolerance=tolerance, max_iterations=left, on_iteration=note)
+            left -= self.report.iterations - done
+            if state.residual <= tolerance or left <= 0:
+                break
+            loaded = state.pressure > 0
         out = np.zeros(grid.shape)
         out[box.slices] = state.pressure
         out *= scale

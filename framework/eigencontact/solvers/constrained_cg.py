@@ -21,9 +21,12 @@ from numpy.typing import NDArray
 
 from eigencontact.solvers.rigid import RigidModes, dot
 
-__all__ = ["BoxProblem", "BoxState", "solve_box"]
+__all__ = ["BoxProblem", "BoxState", "relative", "solve_box", "without_forces"]
 
 Array = NDArray[Any]
+
+# Iterations without half the best residual after which the loaded cells only change sides.
+_STALLED = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +79,7 @@ def solve_box(
     max_iterations: int,
     on_iteration: Callable[[float], None],
 ) -> BoxState:
-    """Iterate until the relative residual on the box is within the tolerance, or the iterations are used up.
+    """Iterate until the relative residual on the box is within the tolerance, stalls, or the iterations are used up.
 
     Parameters
     ----------
@@ -106,6 +109,7 @@ def solve_box(
     slope_old = 0.0
     work = np.empty_like(p)
     careful = False
+    best, since = np.inf, 0
     state = BoxState(p, np.zeros(len(modes)), np.inf)
     for _ in range(max_iterations):
         state.pressure = p
@@ -116,12 +120,15 @@ def solve_box(
         outside -= r
         overlap = float(outside.max())
         inside = max(float(r.max()), -float(r.min()))
-        state.residual = _relative(max(inside, overlap), max(deflection, problem.least_deflection))
+        state.residual = relative(max(inside, overlap), max(deflection, problem.least_deflection))
         on_iteration(state.residual)
         if state.residual <= tolerance:
             short = modes.shortage(p, problem.forces)
             if short > tolerance:  # no pressure on this box carries the moments: its gaps are closed for other forces
                 state.residual = short
+            break
+        best, since = (state.residual, 0) if state.residual < 0.5 * best else (best, since + 1)
+        if since >= _STALLED:
             break
         if overlap > (10 * inside if careful else 0):  # take in the cells that overlap
             taken = outside >= overlap if careful else outside > 0
@@ -143,11 +150,11 @@ def solve_box(
             direction += z
         else:
             direction = z
-        _without_forces(modes, direction, c, share)
+        without_forces(modes, direction, c, share)
         descent = dot(r, direction)
         if careful and descent <= 0:  # the loaded cells have changed; the old direction leads uphill on these
             direction = z
-            _without_forces(modes, direction, c, share)
+            without_forces(modes, direction, c, share)
             descent = dot(r, direction)
         response = problem.apply(direction)
         curvature = dot(direction, response)
@@ -182,7 +189,7 @@ def solve_box(
     return state
 
 
-def _without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:
+def without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:
     """Take the forces out of a search direction, in place."""
     if share is None:
         modes.remove(direction, loaded)
@@ -190,7 +197,7 @@ def _without_forces(modes: RigidModes, direction: Array, loaded: Array, share: A
         modes.unload(direction, loaded * share)
 
 
-def _relative(worst: float, deflection: float) -> float:
+def relative(worst: float, deflection: float) -> float:
     """Residual of a box: gaps are measured against the largest deflection of loaded cells.
 
     `BoxProblem.least_deflection` is in it: a periodic body does not deflect at all under a uniform pressure.
