@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,9 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.weighted_sums import WeightedSums
 
-__all__ = ["BlockContraction", "CompiledContraction", "can_compile"]
+__all__ = ["BlockContraction", "CompiledContraction"]
 
 Array = NDArray[Any]
-
-
-def can_compile() -> bool:
-    """Whether numba is installed."""
-    return find_spec("numba") is not None
 
 
 class _Contraction:

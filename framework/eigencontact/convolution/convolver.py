@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.convolution.backends import Backend, Plan, available_threads, backend, in_parallel
-from eigencontact.convolution.contraction import can_compile
+from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.errors import require
@@ -28,8 +28,6 @@ Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).
 _BATCH_BYTES = 524_288
-# Products of wavenumbers and pairs from which compiled loops repay their import.
-_WORTH_COMPILING = 3_000_000
 # Targets whose half-transformed rows are held at a time.
 _TOGETHER = 6
 # Bytes of a spectrum up to which many sources are summed plane by plane, without keeping their half-transformed rows.
@@ -52,6 +50,8 @@ class Convolver:
         FFT library; ``"auto"`` takes pyFFTW where it is installed.
     effort : {"estimate", "measure"}
         FFTW planning effort.
+    applications : float
+        How often it will be applied; where many sources are summed, compiled loops repay their import after some.
 
     Notes
     -----
@@ -68,12 +68,13 @@ class Convolver:
         threads: int | None = None,
         library: str = "auto",
         effort: str = "estimate",
+        applications: float = 10.0,
     ) -> None:
         require(precision in ("double", "single"), "numerics", "precision", precision, "'double' or 'single'")
         require(threads is None or threads >= 1, "numerics", "threads", threads, "at least 1")
         self.layout = layout
         self.precision = precision
-        self.count = 0
+        self.count, self._applications = 0, applications
         self._real = np.float64 if precision == "double" else np.float32
         self._complex = np.complex128 if precision == "double" else np.complex64
         self._fft = backend(library, effort)
@@ -151,8 +152,8 @@ class Convolver:
         return targets
 
     def _compile(self, pairs: int) -> None:
-        """Load the compiled loop where this many products repay its import."""
-        if pairs * self.layout.y.length * self.layout.x.half >= _WORTH_COMPILING and can_compile():
+        """Load the compiled loop where this many pairs repay its import."""
+        if planes_repay(pairs, pairs * self.layout.y.length * self.layout.x.half, self._applications):
             from eigencontact.convolution.compiled import add_packed
 
             for worker in self._workers:

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.convolution.backends import available_threads, backend, in_parallel
-from eigencontact.convolution.contraction import BlockContraction, CompiledContraction, can_compile
+from eigencontact.convolution.compiling import volumes_repay
+from eigencontact.convolution.contraction import BlockContraction, CompiledContraction
 from eigencontact.convolution.weighted_sums import WeightedSums
 from eigencontact.errors import require
 
@@ -26,8 +27,6 @@ Array = NDArray[Any]
 
 # Bytes of the kernels assembled for one piece, small enough for the second-level cache (measured optimum).
 _PIECE_BYTES = 600_000
-# Padded points from which compiled loops repay their import: applied a few times, and some hundred times.
-_WORTH_COMPILING = {"auto": 100_000, "repeated": 5_000}
 
 
 class VolumeConvolver:
@@ -43,10 +42,10 @@ class VolumeConvolver:
         Cores to use; by default all this process may use.
     library : {"auto", "pyfftw", "scipy"}
         FFT library; ``"auto"`` takes pyFFTW where it is installed.
-
-    loops : {"auto", "repeated", "compiled", "numpy"}
-        Who multiplies kernels and sources; ``"auto"`` takes numba for large boxes where it is installed, ``"repeated"``
-        for small ones as well, which are worth it where they are applied some hundred times.
+    loops : {"auto", "compiled", "numpy"}
+        Who multiplies kernels and sources; ``"auto"`` takes numba where it is installed and repays its import.
+    applications : float
+        How often it will be applied, for ``"auto"``.
 
     Notes
     -----
@@ -61,6 +60,7 @@ class VolumeConvolver:
         threads: int | None = None,
         library: str = "auto",
         loops: str = "auto",
+        applications: float = 10.0,
     ) -> None:
         require(threads is None or threads >= 1, "numerics", "threads", threads, "at least 1")
         layout = sums.kernels.layout
@@ -73,10 +73,8 @@ class VolumeConvolver:
         self.depths = depths
         self.fft = backend(library)
         points = layout.x.length * layout.y.length * layout.z.length
-        rule = "'auto', 'repeated', 'compiled' or 'numpy'"
-        require(loops in (*_WORTH_COMPILING, "compiled", "numpy"), "numerics", "loops", loops, rule)
-        least = _WORTH_COMPILING.get(loops)
-        self.compiled = loops == "compiled" if least is None else can_compile() and points >= least
+        require(loops in ("auto", "compiled", "numpy"), "numerics", "loops", loops, "'auto', 'compiled' or 'numpy'")
+        self.compiled = volumes_repay(points, applications) if loops == "auto" else loops == "compiled"
         self.threads = min(threads or available_threads(), max(1, points // 16_384))
         self._half: Array = np.empty(0, self.complex)
         self._workers: dict[tuple[int, ...], list[_Worker]] = {}

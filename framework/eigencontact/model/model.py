@@ -33,6 +33,7 @@ from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw, Geometr
 from eigencontact.scene.components import build_component
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene, StressRequest
+from eigencontact.scene.steps import expected_points
 
 __all__ = ["Model", "build_model"]
 
@@ -113,6 +114,11 @@ class Model:
     def numerics(self) -> Numerics:
         """Fidelity and effort."""
         return self.scene.numerics
+
+    @property
+    def steps(self) -> int:
+        """Number of load steps, ramps counted in increments; of cycles that wear those that will be solved, a guess."""
+        return expected_points(self.scene.steps, self.scene.wear)
 
     @property
     def periodic(self) -> bool:

@@ -9,7 +9,6 @@ from eigencontact.core.cautions import Caution
 from eigencontact.execution.block import Block, Cost, Part
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
-from eigencontact.scene.steps import expected_points
 
 __all__ = ["LeftOut", "Plan"]
 
@@ -50,11 +49,6 @@ class Plan(Model):
     def kernels(self) -> list[KernelUse]:
         """Every influence coefficient that will be built."""
         return [kernel for block in self.blocks for kernel in block.kernels]
-
-    @property
-    def steps(self) -> int:
-        """Number of load steps, ramps counted in increments; of cycles that wear those that will be solved, a guess."""
-        return expected_points(self.scene.steps, self.scene.wear)
 
     @property
     def cost(self) -> Cost:

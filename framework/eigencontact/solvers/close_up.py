@@ -75,6 +75,7 @@ def close_up(
         "space": space,
         "shear_modulus": shear_modulus,
         "threads": threads,
+        "applications": float(np.prod(finer)),
     }
     out = np.zeros((3 if quantity == "displacement" else 6, *target.shape))
     near, rest = _split(source, target, strain)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,6 +68,8 @@ class VolumeField:
         Single halves memory; its price is a relative error near 1e-6 of the largest value.
     threads : int, optional
         Cores to use; by default all this process may use.
+    applications : float
+        How often it will be applied: see `eigencontact.convolution.VolumeConvolver`.
 
     Notes
     -----
@@ -75,9 +77,6 @@ class VolumeField:
     ``58 * 16 * (nx + 1) * (ny + 1) * (nz + 1)`` bytes. One application makes 6 + 17 transforms along z, and 6 + 6 along
     y and x. On a face between cells stress and strain are the means of both sides.
     """
-
-    #: See `VolumeConvolver`.
-    _loops: ClassVar[str] = "auto"
 
     def __init__(
         self,
@@ -91,6 +90,7 @@ class VolumeField:
         shear_modulus: float = 1.0,
         precision: str = "double",
         threads: int | None = None,
+        applications: float = 10.0,
     ) -> None:
         check_request(source, target, quantity, space)
         flush = space == "half" and source.flush and abs(target.first[2]) <= 1e-9 * target.pitch[2]
@@ -105,7 +105,7 @@ class VolumeField:
         self._local = self._scale * local_matrix(forms)
         self._kernels = self._sampled(cell, forms, precision)
         depths = target.centres(2) / self._unit
-        self._convolver = VolumeConvolver(self._sums(forms), depths, threads=threads, loops=self._loops)
+        self._convolver = VolumeConvolver(self._sums(forms), depths, threads=threads, applications=applications)
 
     def _sampled(self, cell: HasCornerPotentials, forms: Forms, precision: str) -> VolumeKernels:
         layout, unit, pitch = self.layout, self._unit, self.source.pitch

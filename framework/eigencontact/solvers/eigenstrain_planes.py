@@ -74,7 +74,7 @@ class PlaneFields:
         With or without the free surface z = 0.
     shear_modulus : float
         [Pa]; for stress.
-    precision, threads
+    precision, threads, applications
         See `eigencontact.convolution.Convolver`.
     """
 
@@ -93,6 +93,7 @@ class PlaneFields:
         shear_modulus: float = 1.0,
         precision: str = "double",
         threads: int | None = None,
+        applications: float = 10.0,
     ) -> None:
         self.depths = np.atleast_1d(np.asarray(depths, dtype=float))
         lattice = Cells(first=(*source.first[:2], float(self.depths.min())), pitch=source.pitch, shape=(1, *target))
@@ -108,7 +109,7 @@ class PlaneFields:
         self._scale, self._unit = scale_of(quantity, shear_modulus, source), unit_of_length(source.pitch)
         forms = tuple(reduced_response(quantity, poisson_ratio, space)[k] for k in self.components)
         self._local = self._scale * local_matrix(forms)
-        self._convolver = Convolver(self._layout, precision=precision, threads=threads)
+        self._convolver = Convolver(self._layout, precision=precision, threads=threads, applications=applications)
         self._threads, self._precision = threads or available_threads(), precision
         layers = range(0, source.shape[0], _LAYERS)
         #: Spectra ``[plane][component][layer][eigenstrain component]``.

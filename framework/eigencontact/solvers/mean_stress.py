@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,6 @@ class MeanVolumeField(VolumeField):
     images, which is multiplied with powers of the depth, is averaged along x and y only; along z it is smooth but for
     cells that touch the surface.
     """
-
-    _loops: ClassVar[str] = "repeated"
 
     def _tables(
         self,

@@ -93,7 +93,7 @@ class SurfaceAndCells:
         Direction of each, of ``"xyz"``.
     cells : Cells
         Cells of the box.
-    precision, threads
+    precision, threads, applications
         See `eigencontact.convolution.Convolver`.
     """
 
@@ -106,6 +106,7 @@ class SurfaceAndCells:
         *,
         precision: str = "double",
         threads: int | None = None,
+        applications: float = 10.0,
     ) -> None:
         same = np.allclose(cells.pitch[:2], (grid.dx, grid.dy), rtol=1e-9, atol=0.0)
         require(same, "surface", "pitch of the cells", cells.pitch[:2], f"that of the grid, {(grid.dx, grid.dy)} [m]")
@@ -119,7 +120,9 @@ class SurfaceAndCells:
         axes = ((self._down.y, self._up.y), (self._down.x, self._up.x))
         self._shared = all(down.symmetric and up.symmetric and down.length == up.length for down, up in axes)
         ways = (self._down, self._up)
-        self._convolvers = [Convolver(layout, precision=precision, threads=threads) for layout in ways]
+        self._convolvers = [
+            Convolver(layout, precision=precision, threads=threads, applications=applications) for layout in ways
+        ]
         #: Spectra ``[layer][strain component][traction]`` of either way.
         self._spectra: tuple[list[Any], list[Any]] = tuple(  # type: ignore[assignment]
             [[[None] * len(kernels) for _ in COMPONENTS] for _ in range(cells.shape[0])] for _ in "du"

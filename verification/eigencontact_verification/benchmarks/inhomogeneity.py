@@ -130,6 +130,7 @@ def _ratio(task: Task, ratio: float) -> Sample:
             poisson_ratio=matrix.poisson_ratio,
             shear_modulus=matrix.shear_modulus,
             threads=task.threads,
+            applications=100,
         )
         return InhomogeneousCells(operator, matrix, [Isotropic(young_modulus=ratio, poisson_ratio=0.3)], inside)
 

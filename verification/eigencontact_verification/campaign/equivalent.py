@@ -238,7 +238,9 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
 
     matrix, (box, inside) = problem.matrix, _lattice(problem, across)
     cell = installed_cell(installed_plugins())((0.0, 0.0, 1.0), (1.0, 1.0, 1.0))
-    operator = MeanVolumeField(cell, box, box, poisson_ratio=matrix.poisson_ratio, shear_modulus=matrix.shear_modulus)
+    operator = MeanVolumeField(
+        cell, box, box, poisson_ratio=matrix.poisson_ratio, shear_modulus=matrix.shear_modulus, applications=100
+    )
     applied = np.zeros((6, *box.shape))
     if problem.pressure:
         count = max(2 * int(np.ceil(1.0 / box.pitch[0])), across)

@@ -98,10 +98,12 @@ class Cells(Responding):
         from eigencontact.solvers.mean_surface import MeanStressKernel, SurfaceAndCells
 
         precision, threads = self._numerics.precision, self._numerics.threads
+        often = self._applications * self._half_space.steps
         cells, grid = self._box.cells(self._grid), self._grid
         self._operator = MeanVolumeField(
-            self._half_space.cell, cells, cells, precision=precision, **self._half_space.options("stress")
-        )
+            self._half_space.cell, cells, cells, precision=precision, applications=often,
+            **self._half_space.options("stress"),
+        )  # fmt: skip
         self._places = self._box.centres(grid).flat_points()
         self._content = MaterialCells(self._box, self.sources, grid)
         self._worn: FloatArray | None = None
@@ -110,7 +112,9 @@ class Cells(Responding):
         if self._kernels:
             kernels = [MeanStressKernel(kernel, cells.pitch[2]) for kernel in self._kernels]
             directions = "".join(item.direction for item in self._tractions)
-            self._joint = SurfaceAndCells(grid, kernels, directions, cells, precision=precision, threads=threads)
+            self._joint = SurfaceAndCells(
+                grid, kernels, directions, cells, precision=precision, threads=threads, applications=often
+            )
 
     def _fill(self) -> None:
         """Make the system of the content of the cells; the operators stay."""

@@ -64,6 +64,7 @@ class Planes(CellRoute):
             depths=depths + 0.0,  # a depth of -0.0 would be the other side of the surface
             components=self.rows,
             precision=self.half_space.numerics.precision,
+            applications=self.half_space.steps,
             **self.half_space.options(self.quantity),
         )
 
@@ -111,6 +112,7 @@ class Volume(Planes):
             cells,
             target,
             precision=self.half_space.numerics.precision,
+            applications=self.half_space.steps,
             **self.half_space.options(self.quantity),
         )
 

@@ -44,6 +44,8 @@ class HalfSpace:
         1 or 2.
     full : bool
         Without the free surface.
+    steps : int
+        How often its fields are computed.
     """
 
     body: int
@@ -52,6 +54,7 @@ class HalfSpace:
     numerics: Numerics
     registry: Registry
     full: bool = False
+    steps: int = 1
 
     @classmethod
     def of(cls, model: Model, body: int) -> HalfSpace:
@@ -59,7 +62,7 @@ class HalfSpace:
         full = model.numerics.half_space in ("full-space", "image-pressure")
         return cls(
             body=body, material=model.half_space(body), grid=model.grid, numerics=model.numerics,
-            registry=model.registry, full=full,
+            registry=model.registry, full=full, steps=model.steps,
         )  # fmt: skip
 
     @property
