@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.hooks.registry import Registry
 from eigencontact.library import installed_plugins, make, rectangle_field
@@ -118,7 +119,7 @@ class RunResult:
     problems : tuple of str
         Stored steps that a resumed run found damaged and computed again.
     seconds : float
-        Wall time of it all [s].
+        Wall time of it all, that of a plan included [s]; ``seconds_by_block`` of the summary says what took it.
     """
 
     summary: dict[str, Any]
@@ -177,9 +178,14 @@ def run(
     began = perf_counter()
     if not (folder is None or isinstance(folder, str | Path)):
         raise ResultsError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
-    planned = scene if isinstance(scene, Plan) else plan(scene, registry=registry)
+    if isinstance(scene, Plan):
+        planned, began = scene, began - scene.seconds_planned
+    else:
+        planned = plan(scene, registry=registry)
+    stopwatch = Stopwatch()
+    stopwatch.add("set-up", perf_counter() - began)
     if folder is not None:
-        return _run_in(planned, Path(folder), began, resume=resume, overwrite=overwrite, watcher=watcher)
+        return _run_in(planned, Path(folder), began, stopwatch, resume=resume, overwrite=overwrite, watcher=watcher)
     if resume:
         raise ResultsError(
             "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
@@ -188,12 +194,20 @@ def run(
     from eigencontact.results.memory import MemoryStore
 
     store = MemoryStore(run_info(planned))
-    summary = _summary(planned, store, _solve(planned, store, watcher, {}), {}, began)
+    solved = _solve(planned, store, watcher, stopwatch, {})
+    summary = _summary(planned, store, solved, {}, stopwatch, began)
     return RunResult(summary=summary, folder=None, seconds=perf_counter() - began, _store=store)
 
 
 def _run_in(
-    planned: Plan, folder: Path, began: float, *, resume: bool, overwrite: bool, watcher: Watcher | None
+    planned: Plan,
+    folder: Path,
+    began: float,
+    stopwatch: Stopwatch,
+    *,
+    resume: bool,
+    overwrite: bool,
+    watcher: Watcher | None,
 ) -> RunResult:
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
@@ -215,15 +229,16 @@ def _run_in(
     accepted = store.accepted() if resume else []
     done = {index: partial(store.load_step, index) for index in accepted}
     try:
-        solved = _solve(planned, store, watcher, done)
+        solved = _solve(planned, store, watcher, stopwatch, done)
     except BaseException:
         store.abandon()
         raise
-    results = store.finish()
+    with stopwatch.on("storing"):
+        results = store.finish()
     files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}
-    files |= _draw(planned, results, folder)
+    files |= _draw(planned, results, folder, stopwatch)
     files["summary.json"] = "the numbers of this run, in SI units"
-    summary = _summary(planned, store, solved, files, began)
+    summary = _summary(planned, store, solved, files, stopwatch, began)
     write_summary(folder, summary)
     return RunResult(
         summary=summary,
@@ -245,7 +260,11 @@ class _Solved(NamedTuple):
 
 
 def _solve(
-    planned: Plan, store: Store, watcher: Watcher | None, done: Mapping[int, Callable[[], StepRecord]]
+    planned: Plan,
+    store: Store,
+    watcher: Watcher | None,
+    stopwatch: Stopwatch,
+    done: Mapping[int, Callable[[], StepRecord]],
 ) -> _Solved:
     """Solve and store all steps that are not done."""
     from eigencontact.core.memory import peak_bytes, resident_bytes
@@ -254,15 +273,18 @@ def _solve(
     last = done[max(done)]() if done else None
     predicted = resident_bytes() + planned.cost.peak
     solving, resumed = 0.0, perf_counter()
-    for record in drive(planned, watcher=watcher, done=done):
+    for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=done):
         solving += perf_counter() - resumed
-        store.write_step(record)
+        with stopwatch.on("storing"):
+            store.write_step(record)
         last, resumed = record, perf_counter()
     assert last is not None
     return _Solved(last, solving, predicted, peak_bytes())
 
 
-def _summary(planned: Plan, store: Store, solved: _Solved, files: Mapping[str, str], began: float) -> dict[str, Any]:
+def _summary(
+    planned: Plan, store: Store, solved: _Solved, files: Mapping[str, str], stopwatch: Stopwatch, began: float
+) -> dict[str, Any]:
     from eigencontact.results.summary import summary_of
     from eigencontact.worth.noticed import noticed
 
@@ -275,30 +297,36 @@ def _summary(planned: Plan, store: Store, solved: _Solved, files: Mapping[str, s
         "files": files,
         "kernels": [str(kernel) for kernel in planned.kernels],
         "warnings": [caution.to_dict() for caution in noticed(planned, solved.last, history)],
-        "total_seconds": perf_counter() - began,
+        "total_seconds": (total := perf_counter() - began),
+        "seconds_by_block": stopwatch.seconds | {"rest": total - sum(stopwatch.seconds.values())},
     }
     return summary_of(store.info, solved.last, history, extra)
 
 
-def _draw(planned: Plan, results: Path, folder: Path) -> dict[str, str]:
+def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch) -> dict[str, str]:
     """Pictures, animation and VTK files of a finished run, as far as the scene wants them."""
     files: dict[str, str] = {}
     wanted = planned.scene.output
     if not (wanted.pictures or wanted.vtk or wanted.animation):
         return files
-    with open_results(results) as dataset:
+    with stopwatch.on("pictures"):
+        opened = open_results(results)
+    with opened as dataset:
         if wanted.pictures:
-            from eigencontact.viz.figures import draw_all
+            with stopwatch.on("pictures"):
+                from eigencontact.viz.figures import draw_all
 
-            files |= draw_all(dataset, folder, solid=wanted.vtk)
+                files |= draw_all(dataset, folder, solid=wanted.vtk)
         if wanted.animation:
-            from eigencontact.viz.animation import animate, subject_of
+            with stopwatch.on("animation"):
+                from eigencontact.viz.animation import animate, subject_of
 
-            files |= animate(dataset, folder, wanted.animation) if subject_of(dataset) else {}
+                files |= animate(dataset, folder, wanted.animation) if subject_of(dataset) else {}
         if wanted.vtk:
-            from eigencontact.viz.vtk import write_vtk
+            with stopwatch.on("files for ParaView"):
+                from eigencontact.viz.vtk import write_vtk
 
-            files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
+                files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
     return files
 
 

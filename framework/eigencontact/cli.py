@@ -113,14 +113,14 @@ def run(
     Example: `eigencontact run hertz -o hertz --set steps.normal-load="1 N"`
     """
     from eigencontact import app as calls
-    from eigencontact.progress import ProgressBars
+    from eigencontact.progress import progress
 
     try:
         loaded = calls.load_scene(scene, changes or [])
         planned = calls.plan(loaded)
         folder = output if output is not None else Path(planned.name)
-        with ProgressBars(enabled=not (quiet or as_json)) as bars:
-            result = calls.run(planned, folder, resume=resume, overwrite=overwrite, watcher=bars)
+        with progress(enabled=not (quiet or as_json)) as watcher:
+            result = calls.run(planned, folder, resume=resume, overwrite=overwrite, watcher=watcher)
     except EigencontactError as problem:
         _fail(problem)
     except KeyboardInterrupt:
@@ -174,6 +174,15 @@ def _report(name: str, result: Any) -> None:
         solved = f"solved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
         solved += f"{summary['convolutions']} convolutions)"
     console.print(f"\n{solved}; everything, pictures included, in {result.seconds:.3g} s")
+    console.print(_spent(summary["seconds_by_block"]), soft_wrap=True)
+
+
+def _spent(seconds: dict[str, float]) -> str:
+    """Where the time went; what took less than a part of it together, at the end."""
+    least = 0.01 * sum(seconds.values())
+    shown = {name: value for name, value in seconds.items() if value >= least and name != "rest"}
+    shown["rest"] = sum(seconds.values()) - sum(shown.values())
+    return "  " + ", ".join(f"{name} {value:.2g} s" for name, value in shown.items())
 
 
 @app.command()

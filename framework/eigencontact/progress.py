@@ -1,49 +1,52 @@
-"""Progress bars of a run: one for the load steps, one for the residual of the solve under way."""
+"""Progress of a run: bars on a terminal; elsewhere a line for each load step, with the time that is left."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import log10
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from time import monotonic
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
+    from eigencontact.execution.driver import Watcher
     from eigencontact.execution.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
-__all__ = ["ProgressBars"]
+__all__ = ["ProgressLines", "progress"]
+
+#: Shortest time between two lines on load steps, and longest silence while one of them is solved [s].
+_LINES, _SILENCE = 1.0, 15.0
 
 
-class ProgressBars:
-    """Watcher that draws bars on the terminal; silent where there is none, or when not enabled."""
+@contextmanager
+def progress(*, enabled: bool) -> Iterator[Watcher | None]:
+    """Watcher of a run that shows its course on the standard error stream; None where not enabled."""
+    if not enabled:
+        yield None
+        return
+    if not sys.stderr.isatty():
+        yield ProgressLines(sys.stderr)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    def __init__(self, *, enabled: bool) -> None:
-        self._enabled = enabled
-        self._bars: Any = None
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
+        yield _ProgressBars(bars)
+
+
+class _ProgressBars:
+    """Draws two bars: one for the load steps, one for the residual of the solve under way."""
+
+    def __init__(self, bars: Any) -> None:
+        self._bars = bars
         self._steps: Any = None
         self._solve: Any = None
 
-    def __enter__(self) -> Self:
-        if self._enabled:
-            from rich.console import Console
-            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-            console = Console(stderr=True)
-            if console.is_terminal:
-                columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-                self._bars = Progress(*columns, console=console, transient=True)
-                self._bars.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bars is not None:
-            self._bars.stop()
-
     def step_started(self, point: LoadPoint, total: int) -> None:
         """Show the load step that begins."""
-        if self._bars is None:
-            return
         if self._steps is None:
             self._steps = self._bars.add_task("load steps", total=total, completed=point.index - 1)
             self._solve = self._bars.add_task("residual", total=60)
@@ -51,12 +54,69 @@ class ProgressBars:
 
     def iterated(self, text: str, residual: float, tolerance: float) -> None:
         """Show the decades of the residual that are behind us."""
-        if self._bars is None or not 0 < residual < float("inf"):
+        if not 0 < residual < float("inf"):
             return
         decades = max(0.0, min(1.0, log10(residual) / log10(tolerance)))
         self._bars.update(self._solve, completed=round(60 * decades), description=f"{text}, residual {residual:.0e}")
 
     def step_finished(self, record: StepRecord, total: int) -> None:
         """Count the accepted step."""
-        if self._bars is not None:
-            self._bars.update(self._steps, completed=record.index, total=total)
+        self._bars.update(self._steps, completed=record.index, total=total)
+
+
+class ProgressLines:
+    """Watcher that writes lines, at most one a second and one for the last load step; none of a run within a second.
+
+    Parameters
+    ----------
+    stream : text stream
+        Where to.
+    clock : callable
+        Time [s] from any moment on.
+    """
+
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = monotonic) -> None:
+        self._stream, self._clock = stream, clock
+        self._ends: list[float] = []  # of the run so far and of each step
+        self._said, self._spoke = clock(), False
+        self._now = ""
+
+    def step_started(self, point: LoadPoint, total: int) -> None:
+        """Note which load step begins."""
+        self._ends = self._ends or [self._clock()]
+        self._now = f"load step {point.index} of {total}"
+
+    def iterated(self, text: str, residual: float, tolerance: float) -> None:
+        """Say how far a load step is that takes long."""
+        if self._clock() - self._said >= _SILENCE:
+            self._say(f"{self._now}: {text}, residual {residual:.1e}, to fall to {tolerance:.1e}")
+
+    def step_finished(self, record: StepRecord, total: int) -> None:
+        """Say how many load steps are done, after how long, and how long the others will take."""
+        self._ends.append(self._clock())
+        least = _LINES if record.index < total or not self._spoke else 0.0
+        if self._ends[-1] - self._said < least:
+            return
+        text = f"load step {record.index} of {total} done after {_readable(self._ends[-1] - self._ends[0])}"
+        if record.index < total:
+            text += f", some {_readable((total - record.index) * self._pace())} left"
+        self._say(text)
+
+    def _pace(self) -> float:
+        """Time of a step; without the first, which builds what all need, where there are others."""
+        ends = self._ends[1:] if len(self._ends) > 2 else self._ends
+        return (ends[-1] - ends[0]) / (len(ends) - 1)
+
+    def _say(self, text: str) -> None:
+        print(text, file=self._stream, flush=True)
+        self._said, self._spoke = self._clock(), True
+
+
+def _readable(seconds: float) -> str:
+    """Time in words: ``"0.21 s"``, ``"45 s"``, ``"3 min 20 s"``, ``"2 h 5 min"``."""
+    if seconds < 100.0:
+        return f"{seconds:.2g} s"
+    minutes = round(seconds / 60)
+    if minutes < 10:
+        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

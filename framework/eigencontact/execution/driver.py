@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.execution.block import Block
 from eigencontact.execution.loading import (
     LoadHistory,
@@ -61,6 +62,7 @@ def drive(
     plan: Drivable,
     *,
     watcher: Watcher | None = None,
+    stopwatch: Stopwatch | None = None,
     done: Mapping[int, Callable[[], StepRecord]] | None = None,
 ) -> Iterator[StepRecord]:
     """Solve the load steps of a plan in order.
@@ -71,6 +73,8 @@ def drive(
         What to do.
     watcher : Watcher, optional
         Told of the course.
+    stopwatch : Stopwatch, optional
+        Given the time of each block by its name, and of what the blocks build before the first step as ``set-up``.
     done : mapping of int to callable
         Steps already stored, by number; each is read by its callable when its turn comes and not yielded again.
 
@@ -79,7 +83,7 @@ def drive(
     StepRecord
         Each newly accepted step.
     """
-    done, course = done or {}, _Course(plan, watcher)
+    done, course = done or {}, _Course(plan, watcher, stopwatch or Stopwatch())
     last: StepRecord | None = None
     before: LoadPoint | None = None
     while (point := course.history.after(before, cycles=_stands_for(last))) is not None:
@@ -94,8 +98,7 @@ def drive(
         point, last = course.settled(point, last)
         course.passes(point, last)
         step = course.step(point, before, last)
-        for block in plan.blocks:
-            block.advance(step)
+        course.advance(plan.blocks, step)
         last, before = step.record(), point
         yield last
         if watcher is not None:
@@ -110,8 +113,8 @@ class _Course:
     history : LoadHistory
     """
 
-    def __init__(self, plan: Drivable, watcher: Watcher | None) -> None:
-        self._plan, self._watcher = plan, watcher
+    def __init__(self, plan: Drivable, watcher: Watcher | None, stopwatch: Stopwatch) -> None:
+        self._plan, self._watcher, self._stopwatch = plan, watcher, stopwatch
         self._friction, self._contact = plan.scene.friction is not None, bool(plan.scene.geometry)
         self.history = LoadHistory(plan.scene.steps, friction=self._friction)
         self._started = False
@@ -120,9 +123,16 @@ class _Course:
     def start(self) -> None:
         """Start the blocks, once."""
         if not self._started:
-            for block in self._plan.blocks:
-                block.start()
+            with self._stopwatch.on("set-up"):
+                for block in self._plan.blocks:
+                    block.start()
         self._started = True
+
+    def advance(self, blocks: Iterable[Block], step: Step) -> None:
+        """Let blocks advance a step."""
+        for block in blocks:
+            with self._stopwatch.on(block.name):
+                block.advance(step)
 
     def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
         """Note what a ramp starts from where a point begins one; `last` is the step before."""
@@ -162,9 +172,7 @@ class _Course:
             step = self.step(ramp_end, None, last)
             assert step.cycle is not None
             step.cycle = replace(step.cycle, settling=True)
-            for block in self._plan.blocks:
-                if block.settles:
-                    block.advance(step)
+            self.advance((block for block in self._plan.blocks if block.settles), step)
             last = step.record()
         last.fields.update(counts)
         return replace(point, skipped=0), replace(last, index=point.index - 1)

@@ -34,11 +34,14 @@ class Plan(Model):
         What is not modelled, and why.
     cautions : sequence of Caution
         What makes its numbers worth less than they look, as far as it is known before they are computed.
+    seconds_planned : float
+        Wall time that the decisions took [s].
     """
 
     blocks: Sequence[Block]
     left_out: Sequence[LeftOut]
     cautions: Sequence[Caution] = ()
+    seconds_planned: float = 0.0
 
     @property
     def parts(self) -> list[Part]:

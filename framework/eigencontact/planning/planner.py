@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from math import ceil
+from time import perf_counter
 
 from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
@@ -33,6 +34,7 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
+    began = perf_counter()
     model = build_model(scene, registry, initial_states(anchored(scene, registry)[0]))
     mechanics = list(_mechanics(model))
     seen = [*mechanics, *_wear(model, mechanics)]
@@ -40,7 +42,8 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
     known = {item.name: getattr(model, item.name) for item in fields(model)}
     plan = Plan(**known, blocks=in_order(blocks), left_out=())
     _check_memory(plan)
-    return replace(plan, left_out=left_out(model), cautions=foreseen(model))
+    plan = replace(plan, left_out=left_out(model), cautions=foreseen(model))
+    return replace(plan, seconds_planned=perf_counter() - began)
 
 
 def _mechanics(model: Model) -> Iterator[Mechanics]:
