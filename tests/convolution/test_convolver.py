@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from close import close
 from eigencontact.convolution import Convolver, Layout, convolver
 from eigencontact.convolution.backends import backend, in_parallel
 from eigencontact.convolution.layout import fast_even
@@ -151,6 +152,23 @@ def test_matrix_of_kernels_with_gaps(library, precision):
     assert engine.count == present.sum()
     assert np.all(found[4] == 0)
     assert np.abs(found - expected).max() <= BOUND[precision] * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("library", LIBRARIES)
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (11, 1), (4, 6), (7, 13), (37, 50), (300, 310)], ids=str)
+def test_energy_is_the_field_times_its_convolution(shape, library, periodic):
+    layout = Layout(shape, shape, periodic=periodic)
+    if periodic:
+        ky, kx = layout.wavenumbers(1.0, 1.0)
+        kernel = layout.spectrum_from_response((1.0 / (1.0 + ky[:, None] + 2.0 * kx)).astype(complex), (1, 1))
+    else:
+        kernel = layout.spectrum(sample(layout, influence((1, 1))), (1, 1))
+    field = np.random.default_rng(1).standard_normal(shape)
+    energies = [Convolver(layout, library=library, threads=threads).energy(field, kernel) for threads in (1, 2)]
+    expected = float(np.sum(field * Convolver(layout, library=library).apply(field, kernel)))
+    assert energies[0] == energies[1]
+    assert energies[0] == close(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("library", LIBRARIES)

@@ -40,8 +40,15 @@ def solve(
     separation, modes=(), forces=(), *, start=None, loaded=None, matrix=A, dtype=float, precondition=None, **options
 ):
     heard = []
+    products = options.pop("products", [])
+
+    def apply(p):
+        products.append(1)
+        return (matrix @ p.ravel()).reshape(SHAPE).astype(dtype)
+
     problem = BoxProblem(
-        apply=lambda p: (matrix @ p.ravel()).reshape(SHAPE).astype(dtype),
+        apply=apply,
+        energy=options.pop("energy", None),
         precondition=precondition or (lambda r: r.copy()),
         separation=separation.astype(dtype),
         modes=RigidModes(list(modes)),
@@ -121,6 +128,28 @@ def test_the_start_does_not_matter(start):
         state, _ = solve(BOWL, modes, forces, start=pressure)
         assert state.residual <= 1e-11
         assert state.pressure == close(exact(BOWL, modes, forces), abs=1e-7)
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.8, 1.3, 0.01, 100.0, -1.0])
+@pytest.mark.parametrize("controlled", ["approach", "load", "moments"])
+def test_energies_however_wrong_change_no_answer(factor, controlled):
+    """An exact one saves products: cells that pull are released before a product, and no second one is needed."""
+    rough = np.random.default_rng(5).uniform(0, 1, SHAPE)
+    modes, forces = {"approach": ([], []), "load": (FIELDS[:1], [3.0]), "moments": (FIELDS, [3.0, 0.3, -0.4])}[
+        controlled
+    ]
+    separation = BOWL + 0.3 * rough - (0.5 if controlled == "approach" else 0.0)
+    plain, told = [], []
+    slow, before = solve(separation, modes, forces, products=plain)
+    fast, after = solve(
+        separation, modes, forces, products=told, energy=lambda d: factor * float(d.ravel() @ A @ d.ravel())
+    )
+    assert max(slow.residual, fast.residual) <= 1e-11
+    assert conditions(fast, separation, modes) < 1e-10
+    assert fast.pressure == close(exact(separation, modes, forces), abs=1e-7 * fast.pressure.max())
+    if factor == 1.0:
+        assert len(after) == len(before)
+        assert len(told) < len(plain)
 
 
 def test_a_good_preconditioner_saves_iterations_and_changes_nothing():

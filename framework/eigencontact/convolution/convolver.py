@@ -120,6 +120,22 @@ class Convolver:
             return np.asarray(self._apply(np.asarray(sources)[None], [[kernels]])[0])
         return self._apply(np.asarray(sources), kernels)
 
+    def energy(self, source: Array, kernel: Spectrum) -> float:
+        """Sum of a source times its own convolution, at half the price of one.
+
+        Parameters
+        ----------
+        source : (ny, nx) array
+            Source field; the targets must be the same cells.
+        kernel : Spectrum
+            Real and even in x and y.
+        """
+        half = self._buffers(1)
+        self._all([partial(worker.rows_forward, source[None], half) for worker in self._workers])
+        sums: dict[int, float] = {}
+        self._all([partial(worker.energy, kernel, half[0], sums) for worker in self._workers])
+        return sum(sums[first] for first in sorted(sums))  # in this order whatever the threads
+
     def _apply(self, sources: Array, kernels: Kernels) -> Array:
         expected = (sources.shape[0], *self.layout.source)
         require(sources.shape == expected, "convolution", "sources", sources.shape, f"of shape {expected}")
@@ -290,6 +306,24 @@ class _Worker:
                 else:
                     self._combine(row, columns, n)
                 self._transform_back(target, columns)
+
+    def energy(self, kernel: Spectrum, source: Array, sums: dict[int, float]) -> None:
+        """Share of this thread in `Convolver.energy`: a sum for each of its batches of columns."""
+        x, y = self._layout.x, self._layout.y
+        self._prepare(1, 0)
+        padded, spectrum, forward = self._sources[0]
+        for columns in self._columns:
+            n = columns.stop - columns.start
+            padded[:n, y.source_start : y.source_start + y.sources] = source[: y.sources, columns].T
+            forward()
+            squares = spectrum[:n].real ** 2
+            squares += spectrum[:n].imag ** 2
+            mirrored = y.length - y.half
+            squares[:, 1 : mirrored + 1] += squares[:, : y.half - 1 : -1]
+            by_column = np.einsum("ij,ij->i", squares[:, : y.half], kernel.values[columns])
+            once = {0, x.length // 2} if x.length % 2 == 0 else {0}  # all other columns stand for -kx too
+            single = sum(float(by_column[k - columns.start]) for k in once if columns.start <= k < columns.stop)
+            sums[columns.start] = 2.0 * float(by_column.sum()) - single
 
     def _gather(self, sources: Sequence[Array], kernels: Kernels, columns: slice) -> None:
         """Sums of all targets, source by source; without keeping the spectra of the sources."""

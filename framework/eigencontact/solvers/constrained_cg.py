@@ -50,6 +50,9 @@ class BoxProblem:
         the least pressure must not be asked for as much as the others. By default all the same.
     least_deflection : float
         Gaps are measured against the largest deflection of loaded cells, but never against less than this.
+    energy : callable, optional
+        Sum of a pressure times its displacement, roughly: it tells the cells to release before the displacement of a
+        step is computed, which is then computed once and not twice.
     """
 
     apply: Callable[[Array], Array]
@@ -59,6 +62,7 @@ class BoxProblem:
     forces: Array
     share: Array | None = None
     least_deflection: float = 0.0
+    energy: Callable[[Array], float] | None = None
 
 
 @dataclass(slots=True)
@@ -108,7 +112,7 @@ def solve_box(
     direction = r_old = np.zeros_like(p)
     slope_old = 0.0
     work = np.empty_like(p)
-    careful = False
+    careful, releasing = False, problem.energy is not None
     best, since = np.inf, 0
     state = BoxState(p, np.zeros(len(modes)), np.inf)
     for _ in range(max_iterations):
@@ -156,6 +160,15 @@ def solve_box(
             direction = z
             without_forces(modes, direction, c, share)
             descent = dot(r, direction)
+        rest = _released(problem, p, direction, descent) if releasing and not careful else None
+        releasing = rest is not None
+        if rest is not None:  # the cells that pull are known before the product
+            response = problem.apply(np.subtract(rest, p, out=work))
+            if dot(r, work) >= 0.5 * dot(work, response):
+                p, c = rest, (rest > 0).astype(dtype)
+                g += response
+                deflection = _deflection(g, problem.separation, c, work)
+                continue
         response = problem.apply(direction)
         curvature = dot(direction, response)
         if not curvature > 0:
@@ -163,7 +176,7 @@ def solve_box(
         step = dtype.type(descent / curvature)
         p = p + np.multiply(direction, step, out=work)
         if float(p.min()) < 0:  # release the cells that pull; the gap is then computed anew
-            pulls = p < 0
+            pulls, releasing = p < 0, problem.energy is not None
             np.maximum(p, 0, out=p)
             if len(modes):
                 p = modes.carry(p, problem.forces)
@@ -183,10 +196,30 @@ def solve_box(
         else:
             response *= step
             g += response
-            np.subtract(g, problem.separation, out=work)
-            work *= c
-            deflection = float(work.max())
+            deflection = _deflection(g, problem.separation, c, work)
     return state
+
+
+def _released(problem: BoxProblem, p: Array, direction: Array, descent: float) -> Array | None:
+    """Pressure after a step without the cells that would pull; None if none would, or the others cannot carry."""
+    assert problem.energy is not None
+    curvature = problem.energy(direction)
+    if not curvature > 0:
+        return None
+    rest = p + direction * p.dtype.type(descent / curvature)
+    if float(rest.min()) >= 0:
+        return None
+    np.maximum(rest, 0, out=rest)
+    if len(problem.modes):
+        rest = problem.modes.carry(rest, problem.forces)
+    return rest if problem.modes.carries(rest, problem.forces) else None
+
+
+def _deflection(gap: Array, separation: Array, loaded: Array, work: Array) -> float:
+    """Largest deflection of the loaded cells."""
+    np.subtract(gap, separation, out=work)
+    work *= loaded
+    return float(work.max())
 
 
 def without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:

@@ -41,6 +41,10 @@ class BoxOperator:
         """Apply the operator to a pressure of the source box's shape."""
         return self._convolver.apply(pressure, self.spectrum)
 
+    def energy(self, pressure: NDArray[Any]) -> float:
+        """Sum of a pressure times its displacement, where source and target are one box."""
+        return self._convolver.energy(pressure, self.spectrum)
+
     @property
     def convolutions(self) -> int:
         """Convolutions done so far."""

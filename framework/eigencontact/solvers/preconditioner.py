@@ -84,6 +84,14 @@ class Circulant:
         packed = Spectrum.pack(values, self._cells, 1, imaginary=False, precision=self._precision)
         return Preconditioner(self._convolver, packed)
 
+    def energy(self, pressure: NDArray[Any]) -> float:
+        """Sum of a pressure times its displacement, as far as the circulant knows."""
+        return self._convolver.energy(pressure, self._forward)
+
+    @cached_property
+    def _forward(self) -> Spectrum:
+        return Spectrum.pack(self.spectrum.T, self._cells, 1, imaginary=False, precision=self._precision)
+
     @property
     def middle(self) -> float:
         """Geometric mean of the largest and the smallest eigenvalue."""
