@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 import pyvista as pv
 
+from eigencontact import __version__
 from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import replacing
 from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore
+from eigencontact.viz import vtk_xml
 from eigencontact.viz.vtk import write_vtk
 from results import synthetic
 
@@ -90,6 +93,34 @@ def test_uneven_spacing_is_a_rectilinear_grid(tmp_path):
     mesh = read(written, "plane_0_0001.vtr")
     np.testing.assert_allclose(mesh.z, region.coords["z"], rtol=1e-6)
     np.testing.assert_array_equal(mesh.point_data["von_mises"], region.fields["von_mises"].ravel())
+
+
+def test_files_name_their_maker_and_the_components(run):
+    _, _, written = run
+    mesh = read(written, "plane_0_0001.vti")
+    assert list(mesh.field_data["eigencontact"]) == [__version__]
+    array = mesh.point_data.GetArray("stress")
+    assert [array.GetComponentName(n) for n in range(6)] == ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+    assert mesh.active_scalars_name == next(iter(mesh.point_data))
+
+
+@pytest.mark.parametrize("dtype", ["f8", "f4", "i1", "u1", "i4", "i8", "u8", "?"])
+def test_numbers_of_any_type_are_read_as_they_were(tmp_path, dtype):
+    """What VTK itself reads: all bytes of every array and of one behind another of odd length."""
+    name = 'a < b & "c"'
+    mesh = vtk_xml.image((3, 2, 1), (0.1, 1e-9, 1.0), (-1.0 / 3.0, 0.0, 2.0))
+    mesh.point_data["odd"] = np.arange(6).astype("u1")
+    mesh.point_data[name] = np.linspace(-3, 200, 12).reshape(2, 6).T.astype(dtype)
+    mesh.cell_data["two"] = np.array([np.nan, -np.inf])
+    path = tmp_path / f"mesh{mesh.suffix}"
+    with replacing(path, "mesh") as sink:
+        mesh.write(sink)
+    found = pv.read(path)
+    assert (found.dimensions, found.spacing, found.origin) == ((3, 2, 1), (0.1, 1e-9, 1.0), (-1.0 / 3.0, 0.0, 2.0))
+    np.testing.assert_array_equal(found.point_data["odd"], np.arange(6))
+    np.testing.assert_array_equal(found.point_data[name], mesh.point_data[name])
+    assert found.point_data[name].dtype == np.dtype("u1" if dtype == "?" else dtype)
+    np.testing.assert_array_equal(found.cell_data["two"], mesh.cell_data["two"])
 
 
 def test_folder_that_cannot_be_made(run, tmp_path):

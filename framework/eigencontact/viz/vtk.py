@@ -9,9 +9,7 @@ wrote it: a field array ``eigencontact``, a comment in collections.
 
 from __future__ import annotations
 
-import errno
 import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
@@ -22,20 +20,20 @@ from eigencontact import __version__
 from eigencontact.core.names import SURFACE
 from eigencontact.core.tensors import COMPONENTS, from_mandel
 from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import partial_name, reason, replacing
+from eigencontact.results.atomic import reason, replacing
 from eigencontact.results.reader import open_results
+from eigencontact.viz import vtk_xml
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from eigencontact.viz.vtk_xml import Mesh
+
 __all__ = ["write_vtk"]
 
-#: Order in which VTK, and so ParaView, reads the six components of a symmetric tensor.
-VTK_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
-_REORDER = [COMPONENTS.index(name) for name in VTK_COMPONENTS]
-#: Names that VTK shows beside the components, in the same order.
-_VTK_NAMES = tuple(name.upper() for name in VTK_COMPONENTS)
+#: Where the six components of a symmetric tensor in VTK's order stand among ours.
+_REORDER = [COMPONENTS.index(name) for name in vtk_xml.COMPONENTS]
 #: Surface vectors, stored by their components, that VTK gets as vectors too; a component that a run leaves out is 0.
 _VECTORS = ("residual_displacement", "displacement", "shear", "slip")
 #: Those of them that lie in the surface.
@@ -105,119 +103,80 @@ def _remembered(dataset: xr.Dataset, body: int, folder: Path) -> list[Path]:
     return [*series, collection]
 
 
-def _cells(dataset: xr.Dataset, body: int, at: int) -> Any:
+def _cells(dataset: xr.Dataset, body: int, at: int) -> Mesh:
     """Image of the cells of a body with what they remember; six components are those of a tensor."""
-    import pyvista as pv
-
     axes = [np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "xyz"]
     edges = [float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in axes]
-    corner = tuple(float(axis[0]) - 0.5 * edge for axis, edge in zip(axes, edges, strict=True))
-    mesh = pv.ImageData(dimensions=tuple(axis.size + 1 for axis in axes), spacing=tuple(edges), origin=corner)
+    corner = [float(axis[0]) - 0.5 * edge for axis, edge in zip(axes, edges, strict=True)]
+    mesh = vtk_xml.image([axis.size + 1 for axis in axes], edges, corner)
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("role") != "history" or f"cells_{body}_z" not in variable.dims:
             continue
         values = np.asarray(variable[at].values)
         tensor = values.ndim == 4 and len(values) == len(COMPONENTS)
         rows = values.reshape(*values.shape[: values.ndim - 3], -1).T
-        mesh.cell_data[str(name)] = np.ascontiguousarray(from_mandel(rows.T).T[:, _REORDER] if tensor else rows)
+        mesh.cell_data[str(name)] = from_mandel(rows.T).T[:, _REORDER] if tensor else rows
         if tensor:
-            _name_components(mesh.cell_data[str(name)])
+            mesh.tensors.add(str(name))
     return mesh
 
 
-def _surface(dataset: xr.Dataset, at: int) -> Any:
+def _surface(dataset: xr.Dataset, at: int) -> Mesh:
     """Image of one layer of cells in z = 0 with the surface fields."""
-    import pyvista as pv
-
     dx, dy = (float(edge) for edge in np.atleast_1d(dataset.attrs["cell_size"]))
     origin = (float(dataset["x"][0]) - 0.5 * dx, float(dataset["y"][0]) - 0.5 * dy, 0.0)
     ny, nx = dataset.sizes["y"], dataset.sizes["x"]
-    mesh = pv.ImageData(dimensions=(nx + 1, ny + 1, 1), spacing=(dx, dy, 1.0), origin=origin)
+    mesh = vtk_xml.image((nx + 1, ny + 1, 1), (dx, dy, 1.0), origin)
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("role") == "field":
-            mesh.cell_data[str(name)] = np.ascontiguousarray(variable[at].values).ravel()
+            mesh.cell_data[str(name)] = np.asarray(variable[at].values).ravel()
     for vector in _VECTORS:
         parts = [f"{vector}_{axis}" for axis in "xyz"]
         plane = [mesh.cell_data[part] for part in parts[:2] if part in mesh.cell_data]
         if plane and (vector in _IN_PLANE or parts[2] in mesh.cell_data):
-            zero = np.zeros(mesh.n_cells)
-            rows = [mesh.cell_data.get(part, zero) for part in parts]
-            mesh.cell_data[vector] = np.column_stack(rows)
+            zero = np.zeros(nx * ny)
+            mesh.cell_data[vector] = np.column_stack([mesh.cell_data.get(part, zero) for part in parts])
     return mesh
 
 
-def _region(dataset: xr.Dataset, name: str, described: dict[str, Any], at: int) -> Any:
+def _region(dataset: xr.Dataset, name: str, described: dict[str, Any], at: int) -> Mesh:
     """Mesh of a region with its fields as point values."""
-    import pyvista as pv
-
     coords = {axis: np.asarray(dataset[f"{name}_{axis}"].values, dtype=float) for axis in "xyz"}
     if described["dims"] == ["point"]:
         size = dataset.sizes[f"{name}_point"]
-        points = np.column_stack([coords[axis] * np.ones(size) for axis in "xyz"])
-        mesh = pv.PolyData(points)
-        if described["shape"] == "line" and size > 1:
-            mesh = pv.PolyData(points, lines=np.concatenate([[size], np.arange(size)]))
+        where = np.column_stack([coords[axis] * np.ones(size) for axis in "xyz"])
+        mesh = (vtk_xml.lines if described["shape"] == "line" and size > 1 else vtk_xml.points)(where)
     else:
         mesh = _lattice(*(np.atleast_1d(coords[axis]) for axis in "xyz"))
     # VTK counts x fastest, then y, then z: the C order of arrays (z, y, x), whichever of them are single.
     for quantity in described["fields"]:
         values = np.asarray(dataset[f"{name}_{quantity}"][at].values)
-        tensor = quantity in ("stress", "strain")
-        if tensor or quantity in ("principal", "displacement"):
-            rows = values.reshape(values.shape[0], -1).T
-            mesh.point_data[quantity] = np.ascontiguousarray(rows[:, _REORDER] if tensor else rows)
-            if tensor:
-                _name_components(mesh.point_data[quantity])
+        if quantity in ("stress", "strain"):
+            mesh.point_data[quantity] = values.reshape(len(values), -1)[_REORDER].T
+            mesh.tensors.add(quantity)
+        elif quantity in ("principal", "displacement"):
+            mesh.point_data[quantity] = values.reshape(len(values), -1).T
         else:
-            mesh.point_data[quantity] = np.ascontiguousarray(values).ravel()
+            mesh.point_data[quantity] = values.ravel()
     return mesh
 
 
-def _lattice(x: NDArray[Any], y: NDArray[Any], z: NDArray[Any]) -> Any:
+def _lattice(x: NDArray[Any], y: NDArray[Any], z: NDArray[Any]) -> Mesh:
     """Image where the points are evenly spaced along all axes, otherwise a rectilinear grid."""
-    import pyvista as pv
-
     steps = [np.diff(axis) for axis in (x, y, z)]
     if all(step.size == 0 or (step[0] > 0 and np.ptp(step) <= 1e-9 * np.abs(step[0])) for step in steps):
         # Even from the ends, so that the last point has no accumulated rounding.
-        spacing = tuple(float(np.ptp(axis)) / (axis.size - 1) if axis.size > 1 else 1.0 for axis in (x, y, z))
-        origin = (float(x[0]), float(y[0]), float(z[0]))
-        return pv.ImageData(dimensions=(x.size, y.size, z.size), spacing=spacing, origin=origin)
-    return pv.RectilinearGrid(x, y, z)
+        spacing = [float(np.ptp(axis)) / (axis.size - 1) if axis.size > 1 else 1.0 for axis in (x, y, z)]
+        return vtk_xml.image((x.size, y.size, z.size), spacing, (float(x[0]), float(y[0]), float(z[0])))
+    return vtk_xml.rectilinear(x, y, z)
 
 
-def _name_components(array: Any) -> None:
-    vtk_array = getattr(array, "VTKObject", None)
-    if vtk_array is not None:
-        for n, name in enumerate(_VTK_NAMES):
-            vtk_array.SetComponentName(n, name)
-
-
-def _save(mesh: Any, folder: Path, stem: str) -> Path:
-    """Write a mesh under a temporary name, check that it arrived, rename it."""
-    suffix = {"ImageData": ".vti", "RectilinearGrid": ".vtr", "PolyData": ".vtp"}[type(mesh).__name__]
-    target = folder / f"{stem}{suffix}"
-    partial = partial_name(target).with_suffix(suffix)
-    mesh.field_data["eigencontact"] = [__version__]
-    try:
-        mesh.save(partial)
-        _arrived(partial)
-        partial.replace(target)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise ResultsError(
-            f"{target.name} must be stored in {folder} (got: {reason(error)}); free space or choose another folder"
-        ) from error
+def _save(mesh: Mesh, folder: Path, stem: str) -> Path:
+    """Write a mesh; the file appears complete or not at all."""
+    target = folder / f"{stem}{mesh.suffix}"
+    with replacing(target, target.name) as sink:
+        mesh.write(sink)
     return target
-
-
-def _arrived(path: Path) -> None:
-    """Put a VTK file on the disk, or raise: VTK's own writer does not raise when the disk is full."""
-    with path.open("r+b") as file:
-        file.seek(-min(32, path.stat().st_size), os.SEEK_END)
-        if b"</VTKFile>" not in file.read():
-            raise OSError(errno.ENOSPC, "file incomplete, is the disk full?")
-        os.fsync(file.fileno())
 
 
 def _collection(times: list[float], series: list[Path]) -> str:
