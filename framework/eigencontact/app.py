@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from eigencontact.results.memory import MemoryStore
     from eigencontact.results.records import StepRecord
     from eigencontact.results.store import ResultStore
+    from eigencontact.results.stored import Results
     from eigencontact.scene.schema import Scene
 
     Store = ResultStore | MemoryStore
@@ -310,7 +311,9 @@ def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch) -> d
     if not (wanted.pictures or wanted.vtk or wanted.animation):
         return files
     with stopwatch.on("pictures"):
-        opened = open_results(results)
+        from eigencontact.results.stored import open_stored
+
+        opened = open_stored(results)
     with opened as dataset:
         if wanted.pictures:
             with stopwatch.on("pictures"):
@@ -360,12 +363,13 @@ def draw(
     from eigencontact.results.atomic import DAMAGE, reason
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import results_file
+    from eigencontact.results.stored import open_stored
     from eigencontact.viz.figures import draw_all
 
     source = results_file(results)
     target = Path(folder) if folder is not None else source.parent
     stored: dict[Path, str] = {}
-    with open_results(results) if table is None else region(results, table, step=step, folder=target) as dataset:
+    with open_stored(results) if table is None else region(results, table, step=step, folder=target) as dataset:
         names = list(json.loads(dataset.attrs["regions"]))
         if table is not None:
             stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
@@ -403,7 +407,7 @@ def _make_folder(folder: Path) -> None:
         raise ResultsError(f"output folder {folder} must be writable (got {problem}); choose another with -o") from None
 
 
-def _place_of(dataset: xarray.Dataset, step: int) -> int:
+def _place_of(dataset: Results, step: int) -> int:
     """Position of a stored step."""
     steps = [int(number) for number in dataset["step"].values]
     if step not in steps:

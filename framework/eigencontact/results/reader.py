@@ -14,7 +14,9 @@ from eigencontact.results.ownership import RESULTS, STEPS
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["open_results", "results_file"]
+    from eigencontact.results.stored import _Stored
+
+__all__ = ["open_results", "refuse_damaged", "results_file"]
 
 
 def open_results(path: str | Path) -> xr.Dataset:
@@ -45,8 +47,14 @@ def open_results(path: str | Path) -> xr.Dataset:
         raise ResultsError(
             f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
         ) from error
-    if dataset.attrs.get("format") != FORMAT:
-        found = dataset.attrs.get("format")
+    refuse_damaged(dataset, file)
+    return dataset
+
+
+def refuse_damaged(dataset: xr.Dataset | _Stored, file: Path) -> None:
+    """Refuse an open file that is not ours, or that lacks what it says it holds; it is closed then."""
+    found = dataset.attrs.get("format")
+    if found != FORMAT:
         dataset.close()
         raise ResultsError(f"{file} must be a file of format {FORMAT!r} (got {found!r}); it is not one of ours")
     missing = _missing(dataset)
@@ -56,7 +64,6 @@ def open_results(path: str | Path) -> xr.Dataset:
             f"{file} must hold what it says of its regions (got {missing}); it was changed: run the scene again with "
             "--overwrite"
         )
-    return dataset
 
 
 def results_file(path: str | Path) -> Path:
@@ -85,7 +92,7 @@ def results_file(path: str | Path) -> Path:
     return file
 
 
-def _missing(dataset: xr.Dataset) -> str:
+def _missing(dataset: xr.Dataset | _Stored) -> str:
     """What the attribute ``regions`` lacks or names in vain, in words."""
     try:
         regions = json.loads(dataset.attrs["regions"])

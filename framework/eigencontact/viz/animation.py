@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     Draw = Callable[..., Figure]
+    from eigencontact.results.stored import Results
 
 __all__ = ["FRAMES", "Subject", "animate", "frames", "subject_of"]
 
@@ -67,12 +67,12 @@ class Subject:
     stacked: bool = False
 
 
-def subject_of(dataset: xr.Dataset) -> Subject | None:
+def subject_of(dataset: Results) -> Subject | None:
     """Pictures for the frames of a history; None where it has one step, or nothing that is drawn.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     """
     if dataset.sizes["step"] < 2:
@@ -109,7 +109,7 @@ def subject_of(dataset: xr.Dataset) -> Subject | None:
     return Subject((pressure, *section), f"Contact pressure{below}.", stacked=bool(section))
 
 
-def thinned(dataset: xr.Dataset, most: int = FRAMES) -> tuple[int, ...]:
+def thinned(dataset: Results, most: int = FRAMES) -> tuple[int, ...]:
     """Positions along ``step``, evenly spaced, the first and the last among them, at most so many.
 
     Of cycles that wear they are the ends of those that were solved, unless the geometry travels in them.
@@ -120,12 +120,12 @@ def thinned(dataset: xr.Dataset, most: int = FRAMES) -> tuple[int, ...]:
     return tuple(steps[np.unique(chosen)].tolist())
 
 
-def frames(dataset: xr.Dataset, subject: Subject) -> Iterator[Figure]:
+def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
     """One figure, drawn anew for every frame, with the same size, axes and colours.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     subject : Subject
         What the frames show.
@@ -170,12 +170,12 @@ def _axes(figure: Figure) -> list[Axes]:
     return [axes for part in figure.subfigs for axes in part.axes]
 
 
-def animate(dataset: xr.Dataset, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:
+def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:
     """Write the animation of a history.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     folder : Path
         Existing folder.

@@ -11,9 +11,10 @@ from eigencontact.viz.style import paper_style
 from eigencontact.viz.window import Window, view_of
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from eigencontact.results.stored import Results
 
 __all__ = ["coverage_map", "impacts", "strikes", "struck"]
 
@@ -21,7 +22,7 @@ __all__ = ["coverage_map", "impacts", "strikes", "struck"]
 FEWEST = 3
 
 
-def impacts(dataset: xr.Dataset) -> list[int]:
+def impacts(dataset: Results) -> list[int]:
     """Positions along ``step`` of the largest load of each impact: what lies between steps without pressure."""
     loaded = np.asarray(dataset["max_pressure"].values) > 0
     loads = np.asarray(dataset["normal_load"].values, dtype=float)
@@ -29,22 +30,22 @@ def impacts(dataset: xr.Dataset) -> list[int]:
     return [int(first + loads[first:last].argmax()) for first, last in ends.reshape(-1, 2)]
 
 
-def struck(dataset: xr.Dataset) -> bool:
+def struck(dataset: Results) -> bool:
     """Whether a geometry is pressed on and lifted at several places."""
     return "max_pressure" in dataset and rolls(dataset) and len(impacts(dataset)) > FEWEST
 
 
-def strikes(dataset: xr.Dataset) -> NDArray[np.intp]:
+def strikes(dataset: Results) -> NDArray[np.intp]:
     """Impacts that each cell ``(ny, nx)`` has felt: pressure at their largest load."""
-    return np.asarray((dataset["pressure"][impacts(dataset)] > 0).sum("step").values)
+    return np.asarray((dataset["pressure"][impacts(dataset)].values > 0).sum(axis=0))
 
 
-def coverage_map(dataset: xr.Dataset) -> Figure:
+def coverage_map(dataset: Results) -> Figure:
     """Number of impacts that each place has felt; the share of a square in the middle that has felt one is said.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run in which `struck` holds.
 
     Returns

@@ -12,8 +12,9 @@ from eigencontact.viz.style import COLOURS, moment, paper_style
 from eigencontact.viz.window import contact_window
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
+
+    from eigencontact.results.stored import Results
 
 __all__ = ["exposed_map", "several_exposed"]
 
@@ -21,17 +22,17 @@ __all__ = ["exposed_map", "several_exposed"]
 _PALE = 0.55
 
 
-def several_exposed(dataset: xr.Dataset, step: int = -1) -> bool:
+def several_exposed(dataset: Results, step: int = -1) -> bool:
     """Whether more than one material is at the surface in a step."""
     return "exposed_material" in dataset and float(np.ptp(dataset["exposed_material"][step].values)) > 0
 
 
-def exposed_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+def exposed_map(dataset: Results, step: int = -1) -> Figure:
     """Materials at the surface that the contact of a step met, by name, and the outline of that contact.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results that have ``exposed_material``.
     step : int
         Position along ``step``.

@@ -6,6 +6,8 @@ import json
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from eigencontact.viz.coverage import coverage_map, struck
 from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
@@ -26,10 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    import xarray as xr
     from matplotlib.figure import Figure
 
     Picture = tuple[str, str, Callable[[], Figure]]
+    from eigencontact.results.stored import Results
 
 __all__ = ["draw_all"]
 
@@ -39,12 +41,12 @@ LOOP_STEPS = 3
 CONSTANT = 1e-6
 
 
-def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, solid: bool = False) -> dict[str, str]:
+def draw_all(dataset: Results, folder: Path, step: int | None = None, *, solid: bool = False) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run (`eigencontact.results.reader.open_results`).
     folder : Path
         Existing folder for the PNG files.
@@ -133,7 +135,7 @@ def draw_all(dataset: xr.Dataset, folder: Path, step: int | None = None, *, soli
     return described
 
 
-def _plastic(dataset: xr.Dataset, step: int, *, solid: bool) -> list[Picture]:
+def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
     """Pictures of what has yielded, where that was kept, and of a load that rises and falls."""
     if not yields(dataset):
         return []
@@ -164,7 +166,7 @@ def _plastic(dataset: xr.Dataset, step: int, *, solid: bool) -> list[Picture]:
     return wanted
 
 
-def _friction(dataset: xr.Dataset, step: int) -> list[Picture]:
+def _friction(dataset: Results, step: int) -> list[Picture]:
     """Pictures of a run with friction: of one step, and from three steps on of the history."""
     if "contact_zone" not in dataset:
         return []
@@ -179,7 +181,7 @@ def _friction(dataset: xr.Dataset, step: int) -> list[Picture]:
             lambda: shear_profiles(dataset, step),
         ),
     ]
-    if float(dataset["dissipated_energy_density"][step].max()) > 0:
+    if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
         wanted.append(("dissipation.png", "Work of friction for each area.", lambda: dissipation_map(dataset, step)))
     if dataset.sizes["step"] < LOOP_STEPS:
         return wanted
@@ -191,7 +193,7 @@ def _friction(dataset: xr.Dataset, step: int) -> list[Picture]:
     return wanted
 
 
-def _wear(dataset: xr.Dataset, step: int) -> list[Picture]:
+def _wear(dataset: Results, step: int) -> list[Picture]:
     """Pictures of surfaces that wear: of one step, and of the history."""
     if not wears(dataset):
         return []
@@ -218,11 +220,11 @@ def _wear(dataset: xr.Dataset, step: int) -> list[Picture]:
     return wanted
 
 
-def _holds(dataset: xr.Dataset, name: str, step: int) -> bool:
+def _holds(dataset: Results, name: str, step: int) -> bool:
     """Whether a closed form is stored and holds at this step."""
-    return name in dataset and bool(dataset[name][step].notnull().all())
+    return name in dataset and not np.isnan(dataset[name][step].values).any()
 
 
-def _constant(dataset: xr.Dataset, name: str) -> bool:
+def _constant(dataset: Results, name: str) -> bool:
     values = dataset[name].values
     return float(values.max() - values.min()) <= CONSTANT * float(abs(values).max())

@@ -12,10 +12,11 @@ from eigencontact.viz.style import COLOURS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
     from numpy.typing import ArrayLike, NDArray
+
+    from eigencontact.results.stored import Results
 
 __all__ = ["Film", "Frame", "draw_way", "extremes"]
 
@@ -32,13 +33,13 @@ class Film:
 
     Attributes
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     steps : tuple of int
         Positions along ``step`` that have a frame, in order.
     """
 
-    dataset: xr.Dataset
+    dataset: Results
     steps: tuple[int, ...]
     _known: dict[Any, Any] = field(default_factory=dict, repr=False)
 

@@ -12,11 +12,11 @@ from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scal
 from eigencontact.viz.window import cell_edges, contact_window, is_ragged, masked_map, middle, view_of
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = ["dissipation_map", "shear_map", "shear_profiles"]
@@ -31,12 +31,12 @@ _NEGLIGIBLE = 0.05
 _SYMMETRIC = 0.05
 
 
-def shear_map(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Shear traction on body 1 as arrows over the map of stick and slip.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with friction.
     step : int
         Position along ``step``.
@@ -83,7 +83,7 @@ def shear_map(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> F
     return figure
 
 
-def _arrows(axes: Axes, dataset: xr.Dataset, step: int, zone: NDArray[Any], window: Any, on: Frame | None) -> list[Any]:
+def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window: Any, on: Frame | None) -> list[Any]:
     """Arrows on some cells; an entry for the legend that says what the longest of all cells stands for."""
     from matplotlib.lines import Line2D
 
@@ -134,12 +134,12 @@ def _nearest_loaded(
     return found[0], found[1]
 
 
-def dissipation_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+def dissipation_map(dataset: Results, step: int = -1) -> Figure:
     """Work of friction for each area up to a step, with the outline of the contact of that step.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with friction.
     step : int
         Position along ``step``.
@@ -162,7 +162,7 @@ def dissipation_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     )
 
 
-def shear_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
+def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     """Shear traction of one step along x and along y, between the bounds that the friction law sets.
 
     The lines pass through the middle of the contact, or through the cell of largest pressure where the pressure is not
@@ -170,7 +170,7 @@ def shear_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with friction; ``shear_bound`` and the closed form ``reference_shear_x``,
         ``reference_shear_y`` are drawn where they are stored.
     step : int
@@ -261,14 +261,14 @@ def _difference(values: NDArray[Any], reference: NDArray[Any]) -> float:
     return float(np.linalg.norm(values - reference) / (np.linalg.norm(reference) or np.nan))
 
 
-def _field(dataset: xr.Dataset, name: str, step: int) -> NDArray[Any]:
+def _field(dataset: Results, name: str, step: int) -> NDArray[Any]:
     """Surface field of one step; zero where the run leaves its direction out."""
     if name not in dataset:
         return np.zeros((dataset.sizes["y"], dataset.sizes["x"]))
     return np.asarray(dataset[name][step].values, dtype=float)
 
 
-def _optional(dataset: xr.Dataset, name: str, step: int) -> NDArray[Any] | None:
+def _optional(dataset: Results, name: str, step: int) -> NDArray[Any] | None:
     """Surface field of one step, None where it is not stored or does not hold."""
     if name not in dataset:
         return None

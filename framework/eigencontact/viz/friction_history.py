@@ -14,12 +14,12 @@ from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scal
 from eigencontact.viz.window import cell_edges, is_ragged, view_of
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from eigencontact.results.cycles import Cycle
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = ["fretting_loops", "zone_strip"]
@@ -30,18 +30,18 @@ MARKERS = 60
 MANY = 250
 
 
-def _history(dataset: xr.Dataset) -> dict[str, NDArray[Any]]:
+def _history(dataset: Results) -> dict[str, NDArray[Any]]:
     """Scalars of all steps by name."""
     scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
     return {str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars}
 
 
-def fretting_loops(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Tangential load over shift, torsion moment over twist, through all steps.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with friction and a load along or about the surface (`driven`).
     step : int
         Position along ``step`` up to which a frame draws the loops.
@@ -87,7 +87,7 @@ def _loop(axes: Axes, x: NDArray[Any], y: NDArray[Any], cycle: Cycle | None) -> 
     axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5, zorder=3)
 
 
-def _energy_words(dataset: xr.Dataset, modes: list[str]) -> str:
+def _energy_words(dataset: Results, modes: list[str]) -> str:
     """Work of friction: of the last closed cycle in two ways, else so far."""
     motion = "twist" if modes == ["twist"] else "shift"
     cycle = last_cycle(_history(dataset), "twist" if motion == "twist" else "shift")
@@ -106,7 +106,7 @@ def _energy_words(dataset: xr.Dataset, modes: list[str]) -> str:
     return words
 
 
-def _spent_words(dataset: xr.Dataset, step: int) -> str:
+def _spent_words(dataset: Results, step: int) -> str:
     """Work of friction up to a step, in words."""
     if "dissipated_energy" not in dataset:
         return "Load and displacement"
@@ -114,12 +114,12 @@ def _spent_words(dataset: xr.Dataset, step: int) -> str:
     return f"Work of friction {scale_for([spent], 'J').text(spent)}"
 
 
-def zone_strip(dataset: xr.Dataset) -> Figure:
+def zone_strip(dataset: Results) -> Figure:
     """Stick and slip on one line through the contact, step by step, under the course of the loads.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with friction and several steps.
 
     Returns
@@ -169,7 +169,7 @@ def zone_strip(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _courses(axes: Axes, dataset: xr.Dataset, steps: NDArray[Any]) -> None:
+def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
     """Loads over the steps, relative to their largest size, which the legend names."""
     symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
     curves = [("normal_load", "$P$", "N", "0.35", ":")]

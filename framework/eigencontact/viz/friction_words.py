@@ -9,7 +9,7 @@ import numpy as np
 from eigencontact.viz.style import moment, scale_for
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from eigencontact.results.stored import Results
 
 __all__ = ["MODES", "ZONES", "ZONE_COLOURS", "driven", "friction_heading"]
 
@@ -27,7 +27,7 @@ MODES = {
 _BY_PRODUCT = 1e-3
 
 
-def driven(dataset: xr.Dataset) -> list[str]:
+def driven(dataset: Results) -> list[str]:
     """Which of ``x``, ``y`` and ``twist`` the history loads; by-products of the others do not count."""
     largest = {mode: _largest(dataset, names[:2]) for mode, names in MODES.items()}
     load = float(np.abs(dataset["normal_load"].values).max())
@@ -42,12 +42,12 @@ def driven(dataset: xr.Dataset) -> list[str]:
     return found
 
 
-def _largest(dataset: xr.Dataset, names: tuple[str, str]) -> tuple[float, float]:
+def _largest(dataset: Results, names: tuple[str, str]) -> tuple[float, float]:
     force, way = (float(np.abs(dataset[name].values).max()) if name in dataset else 0.0 for name in names)
     return force, way
 
 
-def friction_heading(dataset: xr.Dataset, step: int, what: str) -> str:
+def friction_heading(dataset: Results, step: int, what: str) -> str:
     """Title of a picture: what is shown, at which normal load and which tangential load or torsion moment."""
     shown = [("normal_load", "P", "N")]
     loads = driven(dataset)

@@ -10,9 +10,9 @@ from eigencontact.viz.frame import draw_way
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = ["load_history"]
@@ -21,7 +21,7 @@ __all__ = ["load_history"]
 MARKERS = 40
 
 
-def load_history(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """What was prescribed against what followed, and contact area, through all steps.
 
     Normal load against approach and contact area against load; where the load stays the same and a moment or a tilt
@@ -29,7 +29,7 @@ def load_history(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with several steps.
     step : int
         Position along ``step`` up to which a frame draws the curves.
@@ -65,7 +65,7 @@ def load_history(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -
     return figure
 
 
-def _driver(dataset: xr.Dataset) -> tuple[str, str, tuple[str, str]]:
+def _driver(dataset: Results) -> tuple[str, str, tuple[str, str]]:
     """Force and displacement that change most through the history, and their names in words."""
     loads = np.asarray(dataset["normal_load"].values, dtype=float)
     if np.ptp(loads) > 1e-6 * np.abs(loads).max(initial=0.0):

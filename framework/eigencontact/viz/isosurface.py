@@ -9,10 +9,10 @@ import numpy as np
 from eigencontact.viz.style import heading, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.remembered import CellField
 
 __all__ = ["plastic_surfaces", "surface_of"]
@@ -22,12 +22,12 @@ SHARES = ((0.02, 0.16), (0.25, 0.35), (0.75, 0.9))
 PERCENT = 100.0
 
 
-def plastic_surfaces(dataset: xr.Dataset, field: CellField, step: int = -1) -> Figure:
+def plastic_surfaces(dataset: Results, field: CellField, step: int = -1) -> Figure:
     """Surfaces of equal equivalent plastic strain, cut open at the plane through the largest strain.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     field : CellField
         The strain of one body.

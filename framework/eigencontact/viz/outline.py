@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.style import Scale
 
 __all__ = ["draw_outline", "draw_outline_below", "paths_of"]
@@ -20,17 +20,17 @@ __all__ = ["draw_outline", "draw_outline_below", "paths_of"]
 SAME = 1e-7
 
 
-def draw_outline(axes: Axes, dataset: xr.Dataset, name: str, length: Scale) -> None:
+def draw_outline(axes: Axes, dataset: Results, name: str, length: Scale) -> None:
     """Draw stored outlines, dark on a light ground so that they show on every colour; nothing where none are."""
     _draw(axes, dataset, name, length, ((1.8, "1.0", "-", 1.0), (0.8, "0.1", "-", 1.0)))
 
 
-def draw_outline_below(axes: Axes, dataset: xr.Dataset, length: Scale) -> None:
+def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
     """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed."""
     _draw(axes, dataset, "outline", length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
 
 
-def _draw(axes: Axes, dataset: xr.Dataset, name: str, length: Scale, strokes: tuple[Any, ...]) -> None:
+def _draw(axes: Axes, dataset: Results, name: str, length: Scale, strokes: tuple[Any, ...]) -> None:
     from matplotlib.collections import LineCollection
 
     if name not in dataset:

@@ -21,10 +21,10 @@ from eigencontact.viz.style import (
 )
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = ["load_depth", "loaded_step", "plastic_history", "plastic_section", "unloads"]
@@ -38,14 +38,14 @@ PERCENT = 100.0
 PLASTIC = "Equivalent plastic strain [%]"
 
 
-def loaded_step(dataset: xr.Dataset) -> int:
+def loaded_step(dataset: Results) -> int:
     """Position of the last step; of the largest load where nothing presses in the last."""
-    if "pressure" not in dataset or bool((dataset["pressure"][-1] != 0).any()):
+    if "pressure" not in dataset or np.any(dataset["pressure"][-1].values != 0):
         return -1
     return int(np.argmax(dataset["normal_load"].values))
 
 
-def unloads(dataset: xr.Dataset) -> bool:
+def unloads(dataset: Results) -> bool:
     """Whether the load falls from its largest value."""
     if not {"normal_load", "approach"} <= set(dataset.data_vars):
         return False
@@ -53,12 +53,12 @@ def unloads(dataset: xr.Dataset) -> bool:
     return bool(np.any(np.diff(loads) < -FALL * loads.max(initial=0.0)))
 
 
-def load_depth(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Normal load against approach, loading and unloading told apart.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     step : int
         Position along ``step`` up to which a frame draws the curve.
@@ -113,13 +113,13 @@ def _runs(rising: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def plastic_section(
-    dataset: xr.Dataset, field: CellField, step: int = -1, words: tuple[str, str] = ("Plastic strain", PLASTIC)
+    dataset: Results, field: CellField, step: int = -1, words: tuple[str, str] = ("Plastic strain", PLASTIC)
 ) -> Figure:
     """Plastic strain or damage on the section normal to y through its largest value, with the line around its zone.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     field : CellField
         The number of one body.
@@ -176,12 +176,12 @@ def plastic_section(
     return figure
 
 
-def plastic_history(dataset: xr.Dataset, prefix: str) -> Figure:
+def plastic_history(dataset: Results, prefix: str) -> Figure:
     """Largest plastic strain and plastic volume, and what each step adds to the strain, against the number of the step.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run with an observer of the plastic zone.
     prefix : str
         Of the numbers of that observer.

@@ -10,10 +10,10 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.style import Scale
 
 __all__ = ["DAMAGE", "STRAIN", "CellField", "draw_zone", "plastic_strains", "remembered_fields", "yields"]
@@ -80,17 +80,17 @@ class CellField:
         return top, {axis: float(self.axes[axis][index]) for axis, index in where.items()}
 
 
-def yields(dataset: xr.Dataset) -> bool:
+def yields(dataset: Results) -> bool:
     """Whether a run remembers plastic strain or damage."""
     return any(f"{name}_{body}" in dataset for body in (1, 2) for name in (STRAIN, DAMAGE))
 
 
-def plastic_strains(dataset: xr.Dataset, step: int) -> Iterator[CellField]:
+def plastic_strains(dataset: Results, step: int) -> Iterator[CellField]:
     """Equivalent plastic strain of each body; see `remembered_fields`."""
     return remembered_fields(dataset, step, STRAIN)
 
 
-def remembered_fields(dataset: xr.Dataset, step: int, quantity: str) -> Iterator[CellField]:
+def remembered_fields(dataset: Results, step: int, quantity: str) -> Iterator[CellField]:
     """A number that each body remembers at a position along ``step``, where it was kept and is not zero."""
     for body in (1, 2):
         name = f"{quantity}_{body}"

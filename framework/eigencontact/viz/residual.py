@@ -20,9 +20,10 @@ from eigencontact.viz.style import (
 )
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from eigencontact.results.stored import Results
 
 __all__ = ["cause", "displacement_profiles", "uplift_map"]
 
@@ -30,19 +31,19 @@ _NAMES = {"z": "uplift $-u_z$", "x": "$u_x$", "y": "$u_y$"}
 _STYLES = {"z": "-", "x": "--", "y": ":"}
 
 
-def cause(dataset: xr.Dataset) -> str:
+def cause(dataset: Results) -> str:
     """What displaces the surface besides the tractions, in words: inclusions of another material, or eigenstrain."""
     if any(str(name).startswith("plastic_strain_") for name in dataset):
         return "plastic strain"
     return "the inclusions" if "inclusion_residual" in dataset else "eigenstrain"
 
 
-def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+def uplift_map(dataset: Results, step: int = -1) -> Figure:
     """Uplift of the surface by eigenstrain or inclusions, out of the body, with their outlines from above.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     step : int
         Position along ``step``.
@@ -89,7 +90,7 @@ def uplift_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     return figure
 
 
-def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
+def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
     """Uplift and in-plane displacement along x and along y.
 
     The lines pass through the largest uplift (in magnitude); through the middle of the window when the uplift is
@@ -97,7 +98,7 @@ def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     step : int
         Position along ``step``.
@@ -139,7 +140,7 @@ def displacement_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     return figure
 
 
-def _uplift(dataset: xr.Dataset, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def _uplift(dataset: Results, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     lifted = -np.asarray(dataset["residual_displacement_z"][step].values, dtype=float)
     x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
     return lifted + 0.0, x, y

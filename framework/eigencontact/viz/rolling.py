@@ -10,10 +10,11 @@ import numpy as np
 from eigencontact.viz.style import COLOURS, Scale, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from eigencontact.results.stored import Results
 
 __all__ = ["passing_history", "rolls"]
 
@@ -23,19 +24,19 @@ MOST = 6
 ROUND_OFF = 1e-3
 
 
-def rolls(dataset: xr.Dataset) -> bool:
+def rolls(dataset: Results) -> bool:
     """Whether the geometry moves along the surface."""
     return any(float(np.ptp(dataset[name].values)) > 0 for name in ("travel_x", "travel_y") if name in dataset)
 
 
-def passing_history(dataset: xr.Dataset) -> Figure:
+def passing_history(dataset: Results) -> Figure:
     """Largest pressure, and von Mises stress at the points of regions of points, against the place of the geometry.
 
     Where the geometry moves along x and y, the place is the length of its path.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run in which `rolls` holds.
 
     Returns
@@ -73,7 +74,7 @@ def _curve(axes: Axes, length: Scale, place: NDArray[np.float64], values: NDArra
     axes.set_ylabel(f"{label} [{scale.unit}]")
 
 
-def _place(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:
+def _place(dataset: Results) -> tuple[NDArray[np.float64], str]:
     """Place of the geometry in each step [m], and its name."""
     x, y = (np.asarray(dataset[name].values, dtype=float) for name in ("travel_x", "travel_y"))
     if not np.ptp(y):
@@ -83,7 +84,7 @@ def _place(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:
     return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))]), "path of the geometry"
 
 
-def _histories(dataset: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+def _histories(dataset: Results) -> dict[str, NDArray[np.float64]]:
     """Von Mises stress in each step, by point."""
     found: dict[str, NDArray[np.float64]] = {}
     for name, region in json.loads(dataset.attrs["regions"]).items():

@@ -24,11 +24,11 @@ from eigencontact.viz.style import (
 )
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = ["drawable", "mean_profile", "stress_profile", "stress_section"]
@@ -44,7 +44,7 @@ OUTLYING, COMMON = 1.3, 0.995
 NARROW = 0.3
 
 
-def drawable(dataset: xr.Dataset) -> dict[str, str]:
+def drawable(dataset: Results) -> dict[str, str]:
     """Regions that can be drawn, by name: ``"section"`` or ``"profile"``.
 
     Planes and volumes (cut through the maximum) of at least 2 x 2 points give a section, lines a profile; scattered
@@ -63,12 +63,12 @@ def drawable(dataset: xr.Dataset) -> dict[str, str]:
     return found
 
 
-def stress_section(dataset: xr.Dataset, region: str, step: int = -1, on: Frame | None = None) -> Figure:
+def stress_section(dataset: Results, region: str, step: int = -1, on: Frame | None = None) -> Figure:
     """Equivalent stress of one step on a section, z downwards where the section contains it, equal scales.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     region : str
         A region of shape plane or volume. A volume is cut normal to y through its largest value.
@@ -146,12 +146,12 @@ def stress_section(dataset: xr.Dataset, region: str, step: int = -1, on: Frame |
     return figure
 
 
-def stress_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
+def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     """Stresses of one step along a line: depth downwards, or distance along it where the depth is constant.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     region : str
         A region of shape line.
@@ -207,12 +207,12 @@ def stress_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
     return figure
 
 
-def mean_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
+def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     """Means over each depth of a volume of the stresses along the surface, with the range of nine tenths of the points.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     region : str
         A region of shape volume with its stress.
@@ -241,11 +241,11 @@ def mean_profile(dataset: xr.Dataset, region: str, step: int = -1) -> Figure:
     return figure
 
 
-def _field(dataset: xr.Dataset, region: str) -> str | None:
+def _field(dataset: Results, region: str) -> str | None:
     return next((field for field in SCALAR_FIELDS if f"{region}_{field}" in dataset), None)
 
 
-def _is_single(dataset: xr.Dataset, region: str, axis: str) -> bool:
+def _is_single(dataset: Results, region: str, axis: str) -> bool:
     return f"{region}_{axis}" in dataset.variables and dataset[f"{region}_{axis}"].ndim == 0
 
 

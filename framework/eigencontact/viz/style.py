@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = [
@@ -175,7 +175,7 @@ def place(axis: str, value: float) -> str:
     return f"{axis} = {scale_for([value], 'm').text(value)}" if value else f"{axis} = 0"
 
 
-def heading(dataset: xr.Dataset, step: int, what: str) -> str:
+def heading(dataset: Results, step: int, what: str) -> str:
     """Title of a picture: what is shown, at which load, at which step of several."""
     words = what
     if "normal_load" in dataset:
@@ -184,12 +184,12 @@ def heading(dataset: xr.Dataset, step: int, what: str) -> str:
     return words + moment(dataset, step)
 
 
-def moment(dataset: xr.Dataset, step: int) -> str:
+def moment(dataset: Results, step: int) -> str:
     """Step of several that a picture shows, for the end of its title; of surfaces that wear after how many cycles."""
     if dataset.sizes["step"] == 1:
         return ""
     number = int(dataset["step"][step])
-    if "cycles" in dataset and float(dataset["cycles"].max()) > 0:
+    if "cycles" in dataset and float(np.nanmax(dataset["cycles"].values)) > 0:
         done = float(dataset["cycles"][step])
         return f" (step {number}, {done:.7g} {'cycle' if done == 1 else 'cycles'} done)"
     return f" (step {number} of {int(dataset['step'][-1])})"

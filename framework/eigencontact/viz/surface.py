@@ -11,10 +11,10 @@ from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, pl
 from eigencontact.viz.window import cell_edges, contact_window, masked_map, middle, view_of
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
 __all__ = ["homogeneous_words", "pressure_map", "pressure_profiles", "relative_difference"]
@@ -23,12 +23,12 @@ __all__ = ["homogeneous_words", "pressure_map", "pressure_profiles", "relative_d
 MARKERS = 64
 
 
-def pressure_map(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+def pressure_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Contact pressure of one step as a map, cut to the contact and some room around it.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     step : int
         Position along ``step``.
@@ -58,7 +58,7 @@ def pressure_map(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -
     return figure
 
 
-def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
+def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     """Contact pressure of one step along x and along y, beside the closed form where the run has one.
 
     Beside a contact with layers, inclusions or eigenstrain it is the closed form without them, under the same load.
@@ -68,7 +68,7 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     step : int
         Position along ``step``.
@@ -140,7 +140,7 @@ def pressure_profiles(dataset: xr.Dataset, step: int = -1) -> Figure:
     return figure
 
 
-def homogeneous_words(dataset: xr.Dataset) -> str:
+def homogeneous_words(dataset: Results) -> str:
     """What the closed form beside a contact of inhomogeneous bodies is that of; empty where there is none."""
     if "homogeneous_pressure" not in dataset:
         return ""
@@ -164,5 +164,5 @@ def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None) ->
     return f"closed form (relative difference: {100 * whole:.2g} % in the L2 norm, {100 * peak:.2g} % at the maximum)"
 
 
-def _surface(dataset: xr.Dataset, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def _surface(dataset: Results, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     return tuple(np.asarray(v.values, dtype=float) for v in (dataset["pressure"][step], dataset["x"], dataset["y"]))  # type: ignore[return-value]

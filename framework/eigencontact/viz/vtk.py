@@ -21,13 +21,13 @@ from eigencontact.core.names import SURFACE
 from eigencontact.core.tensors import COMPONENTS, from_mandel
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import reason, replacing
-from eigencontact.results.reader import open_results
+from eigencontact.results.stored import open_stored
 from eigencontact.viz import vtk_xml
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.vtk_xml import Mesh
 
 __all__ = ["write_vtk"]
@@ -40,12 +40,12 @@ _VECTORS = ("residual_displacement", "displacement", "shear", "slip")
 _IN_PLANE = ("shear", "slip")
 
 
-def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
+def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
     """Write every step of stored results as VTK files.
 
     Parameters
     ----------
-    results : xarray.Dataset or path
+    results : Results or path
         Results of a run, or where they are stored.
     folder : Path
         Made where missing.
@@ -63,7 +63,7 @@ def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
         When the results cannot be read or the folder cannot be written.
     """
     if isinstance(results, (str, Path)):
-        with open_results(results) as dataset:
+        with open_stored(results) as dataset:
             return write_vtk(dataset, folder)
     folder = Path(folder)
     try:
@@ -91,7 +91,7 @@ def write_vtk(results: xr.Dataset | Path | str, folder: Path) -> list[Path]:
     return written
 
 
-def _remembered(dataset: xr.Dataset, body: int, folder: Path) -> list[Path]:
+def _remembered(dataset: Results, body: int, folder: Path) -> list[Path]:
     """Files of what the cells of a body remember, in the steps after which that was kept."""
     series, times = [], []
     for at, index in enumerate(int(step) for step in dataset["history_step"].values):
@@ -103,7 +103,7 @@ def _remembered(dataset: xr.Dataset, body: int, folder: Path) -> list[Path]:
     return [*series, collection]
 
 
-def _cells(dataset: xr.Dataset, body: int, at: int) -> Mesh:
+def _cells(dataset: Results, body: int, at: int) -> Mesh:
     """Image of the cells of a body with what they remember; six components are those of a tensor."""
     axes = [np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "xyz"]
     edges = [float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in axes]
@@ -121,7 +121,7 @@ def _cells(dataset: xr.Dataset, body: int, at: int) -> Mesh:
     return mesh
 
 
-def _surface(dataset: xr.Dataset, at: int) -> Mesh:
+def _surface(dataset: Results, at: int) -> Mesh:
     """Image of one layer of cells in z = 0 with the surface fields."""
     dx, dy = (float(edge) for edge in np.atleast_1d(dataset.attrs["cell_size"]))
     origin = (float(dataset["x"][0]) - 0.5 * dx, float(dataset["y"][0]) - 0.5 * dy, 0.0)
@@ -139,7 +139,7 @@ def _surface(dataset: xr.Dataset, at: int) -> Mesh:
     return mesh
 
 
-def _region(dataset: xr.Dataset, name: str, described: dict[str, Any], at: int) -> Mesh:
+def _region(dataset: Results, name: str, described: dict[str, Any], at: int) -> Mesh:
     """Mesh of a region with its fields as point values."""
     coords = {axis: np.asarray(dataset[f"{name}_{axis}"].values, dtype=float) for axis in "xyz"}
     if described["dims"] == ["point"]:

@@ -18,12 +18,12 @@ from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_sepa
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from eigencontact.model.sources import Source
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
     from eigencontact.viz.worn import SolvedCycle
 
@@ -52,12 +52,12 @@ POINTS = 40
 ROOM = 0.12
 
 
-def worn_map(dataset: xr.Dataset, step: int = -1) -> Figure:
+def worn_map(dataset: Results, step: int = -1) -> Figure:
     """Depth that both bodies together have lost, with the outline of the contact of that step.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run that wears.
     step : int
         Position along ``step``.
@@ -76,7 +76,7 @@ def worn_map(dataset: xr.Dataset, step: int = -1) -> Figure:
     )
 
 
-def _heading(dataset: xr.Dataset, step: int) -> str:
+def _heading(dataset: Results, step: int) -> str:
     volume, deepest = (float(dataset[name][step]) for name in ("worn_volume", "max_worn_depth"))
     if deepest == 0.0:
         return f"Wear{moment(dataset, step)}\nnothing lost so far"
@@ -86,7 +86,7 @@ def _heading(dataset: xr.Dataset, step: int) -> str:
     return f"Wear{moment(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
 
 
-def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) -> Figure:
+def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Surfaces of both bodies before and after they wore, not pressed on each other; below them the worn depth.
 
     The lines pass through the middle where the worn depth is symmetric about it, else through its largest value. Body 1
@@ -94,7 +94,7 @@ def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) 
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run that wears.
     step : int
         Position along ``step``.
@@ -127,12 +127,12 @@ def worn_profiles(dataset: xr.Dataset, step: int = -1, on: Frame | None = None) 
     return figure
 
 
-def worn_coating(dataset: xr.Dataset, step: int = -1) -> Figure:
+def worn_coating(dataset: Results, step: int = -1) -> Figure:
     """Worn surfaces over the interfaces of layers and coatings, which stay where they were, along x and along y.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run that wears, one body of which has layers, or inclusions at the surface.
     step : int
         Position along ``step``.
@@ -180,7 +180,7 @@ class _Line:
 class _Section:
     """Both surfaces of one step, on lines along x and y through the wear."""
 
-    def __init__(self, dataset: xr.Dataset, step: int, on: Frame | None, coats: tuple[Source, ...] = ()) -> None:
+    def __init__(self, dataset: Results, step: int, on: Frame | None, coats: tuple[Source, ...] = ()) -> None:
         last = np.asarray(dataset["worn_depth"][-1].values, dtype=float)
         touched = dataset["pressure"][-1].values != 0 if on is None else on.film.touched("pressure")
         window = contact_window(dataset, touched | (last > SHARE * last.max(initial=0.0)))
@@ -268,12 +268,12 @@ def _between(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
     return np.interp(share, own, path[:, 0]), np.interp(share, own, path[:, 1])
 
 
-def wear_history(dataset: xr.Dataset) -> Figure:
+def wear_history(dataset: Results) -> Figure:
     """Worn volume, largest depth, largest pressure and contact area over the cycles, or the path of sliding.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run that wears. Of solved cycles their ends are drawn.
     """
     steps = ends_of_cycles(dataset)
@@ -306,7 +306,7 @@ def wear_history(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def loop_cycles(dataset: xr.Dataset) -> list[SolvedCycle]:
+def loop_cycles(dataset: Results) -> list[SolvedCycle]:
     """Solved cycles whose loops are drawn: the first, the last, some between at even ratios of numbers."""
     if not driven(dataset):
         return []
@@ -318,12 +318,12 @@ def loop_cycles(dataset: xr.Dataset) -> list[SolvedCycle]:
     return [known[n] for n in np.unique(np.abs(numbers[:, None] - wanted).argmin(axis=0))]
 
 
-def worn_loops(dataset: xr.Dataset) -> Figure:
+def worn_loops(dataset: Results) -> Figure:
     """Loops of chosen cycles over each other, coloured by how many cycles were done.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run that wears and has `loop_cycles`.
     """
     from matplotlib import colormaps

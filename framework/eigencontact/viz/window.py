@@ -10,11 +10,11 @@ from eigencontact.core.grid import Box
 from eigencontact.viz.style import box_size, colour_range, label_plane, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
     from eigencontact.viz.style import Scale
 
@@ -38,7 +38,7 @@ class Window:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : Results
         Results of a run.
     view : Box
         Cells shown.
@@ -55,7 +55,7 @@ class Window:
         Left, right, bottom, top in that unit.
     """
 
-    def __init__(self, dataset: xr.Dataset, view: Box) -> None:
+    def __init__(self, dataset: Results, view: Box) -> None:
         self.view = view
         x, y = (np.asarray(dataset[axis].values, dtype=float) for axis in "xy")
         self.edges_x = cell_edges(x, dataset, 0)[view.x0 : view.x1 + 1]
@@ -146,7 +146,7 @@ def masked_map(
     return figure
 
 
-def cell_edges(centres: NDArray[Any], dataset: xr.Dataset, axis: int) -> NDArray[Any]:
+def cell_edges(centres: NDArray[Any], dataset: Results, axis: int) -> NDArray[Any]:
     """Edges of the cells along one axis (0: x, 1: y) [m]."""
     cell = float(np.atleast_1d(dataset.attrs["cell_size"])[axis])
     return np.append(centres - 0.5 * cell, centres[-1] + 0.5 * cell)
@@ -162,7 +162,7 @@ def view_of(mask: NDArray[np.bool_]) -> Box:
     return found.grown(margins[0], margins[1], (rows, columns))
 
 
-def contact_window(dataset: xr.Dataset, mask: NDArray[np.bool_]) -> Window:
+def contact_window(dataset: Results, mask: NDArray[np.bool_]) -> Window:
     """Window around the cells of a mask."""
     return Window(dataset, view_of(mask))
 

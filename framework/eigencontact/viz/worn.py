@@ -12,10 +12,10 @@ import numpy as np
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
     from eigencontact.model.sources import Source
+    from eigencontact.results.stored import Results
 
 __all__ = [
     "SolvedCycle",
@@ -30,6 +30,7 @@ __all__ = [
 
 #: Places in the load history closer than this are one.
 SAME = 1e-6
+_MOVED = ("displacement_z", "residual_displacement_z")
 
 
 @dataclass(frozen=True)
@@ -49,12 +50,12 @@ class SolvedCycle:
     done: float
 
 
-def wears(dataset: xr.Dataset) -> bool:
+def wears(dataset: Results) -> bool:
     """Whether a surface has lost depth."""
-    return "max_worn_depth" in dataset and float(dataset["max_worn_depth"].max()) > 0.0
+    return "max_worn_depth" in dataset and float(np.nanmax(dataset["max_worn_depth"].values)) > 0.0
 
 
-def solved_cycles(dataset: xr.Dataset) -> list[SolvedCycle]:
+def solved_cycles(dataset: Results) -> list[SolvedCycle]:
     """Cycles of a history that wears, in order; those that were skipped are not among them."""
     time, done = (np.asarray(dataset[name].values, dtype=float) for name in ("time", "cycles"))
     found: list[SolvedCycle] = []
@@ -71,13 +72,13 @@ def solved_cycles(dataset: xr.Dataset) -> list[SolvedCycle]:
     return found
 
 
-def ends_of_cycles(dataset: xr.Dataset) -> NDArray[np.intp]:
+def ends_of_cycles(dataset: Results) -> NDArray[np.intp]:
     """Positions along ``step`` of ends of solved cycles, and of all steps outside of cycles."""
     inside = {n for cycle in solved_cycles(dataset) for n in range(cycle.first, cycle.last)}
     return np.array([n for n in range(dataset.sizes["step"]) if n not in inside], dtype=np.intp)
 
 
-def course(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str, str]:
+def course(dataset: Results) -> tuple[NDArray[np.float64], str, str]:
     """What a wear history goes by, in each step: its values, what it is, and its unit.
 
     Cycles where there are some; else the path of sliding all over the contact; else the number of the step.
@@ -92,7 +93,7 @@ def course(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str, str]:
     return np.asarray(dataset["step"].values, dtype=float), "Step", "1"
 
 
-def initial_separation(dataset: xr.Dataset, step: int = -1) -> NDArray[np.float64]:
+def initial_separation(dataset: Results, step: int = -1) -> NDArray[np.float64]:
     """Separation (ny, nx) [m] that the surfaces had before they wore, where the geometry is at a step.
 
     It follows from the gap ``g = h + w + u + r - approach - tilt_x y + tilt_y x`` of the first step, which meets a worn
@@ -108,17 +109,17 @@ def initial_separation(dataset: xr.Dataset, step: int = -1) -> NDArray[np.float6
         first = _steps(dataset)[0]
         slides = "sliding-distance" in first.get("cycle", [first])[0]  # what slips wears after it is solved
         met = worn[0].values * slides
-    one = dataset.isel(step=position)
+    wanted = ("gap", "approach", *_MOVED, "tilt_x", "tilt_y")
+    one = {name: dataset[name][position] for name in wanted if name in dataset}
     tilt: Any = 0.0
-    if "tilt_x" in dataset and "tilt_y" in dataset:
+    if "tilt_x" in one and "tilt_y" in one:
         tilt = float(one["tilt_x"]) * dataset["y"].values[:, None] - float(one["tilt_y"]) * dataset["x"].values
-    names = [name for name in ("displacement_z", "residual_displacement_z") if name in dataset]
-    moved = sum(one[name].values for name in names)
+    moved = sum(one[name].values for name in _MOVED if name in one)
     found = one["gap"].values - met - moved + float(one["approach"]) + tilt
     return np.asarray(found, dtype=float)
 
 
-def interfaces(dataset: xr.Dataset, body: int) -> tuple[float, ...]:
+def interfaces(dataset: Results, body: int) -> tuple[float, ...]:
     """Depths [m] below the first surface at which the layers of a body end; none where its medium is not installed."""
     from eigencontact.scene.components import build_component
     from eigencontact.scene.installed import installed_plugins
@@ -133,7 +134,7 @@ def interfaces(dataset: xr.Dataset, body: int) -> tuple[float, ...]:
     return tuple(medium.interfaces)
 
 
-def coatings(dataset: xr.Dataset) -> tuple[Source, ...]:
+def coatings(dataset: Results) -> tuple[Source, ...]:
     """Inclusions that reach the surface of their body; none where the scene cannot be built again."""
     return _coatings(dataset.attrs["scene"]) if _scene(dataset).get("inclusions") else ()
 
@@ -151,9 +152,9 @@ def _coatings(scene: str) -> tuple[Source, ...]:
     return tuple(one for one in sources if not one.guessed and one.shape.bounds[0][2] <= 0.0)
 
 
-def _scene(dataset: xr.Dataset) -> dict[str, Any]:
+def _scene(dataset: Results) -> dict[str, Any]:
     return tomllib.loads(dataset.attrs["scene"])
 
 
-def _steps(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def _steps(dataset: Results) -> list[dict[str, Any]]:
     return list(_scene(dataset).get("steps", [{}]))

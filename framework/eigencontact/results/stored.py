@@ -1,0 +1,210 @@
+"""Stored results as pictures and VTK files read them: what they ask of an xarray dataset, by h5py alone.
+
+Importing xarray, and pandas with it, takes longer than most pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, Self
+
+import numpy as np
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import DAMAGE, open_hdf5, reason
+from eigencontact.results.reader import refuse_damaged, results_file
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["Results", "open_stored"]
+
+#: Attributes of variables that belong to the format.
+_INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
+
+
+class Values(Protocol):
+    """Numbers, or texts, that were read."""
+
+    @property
+    def values(self) -> Any:
+        """Array of them."""
+
+    def __float__(self) -> float: ...
+    def __int__(self) -> int: ...
+
+
+class Variable(Protocol):
+    """Variable of results."""
+
+    @property
+    def values(self) -> Any:
+        """Array of all its values."""
+
+    @property
+    def dims(self) -> tuple[Any, ...]:
+        """Names of its dimensions."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each."""
+
+    @property
+    def ndim(self) -> int:
+        """Their number."""
+
+    @property
+    def attrs(self) -> Mapping[Any, Any]:
+        """What is said of it: units, long name, role."""
+
+    def __getitem__(self, index: Any) -> Values: ...
+    def __float__(self) -> float: ...
+
+
+class Results(Protocol):
+    """What pictures ask of results; `open_stored` gives it, and so does xarray."""
+
+    @property
+    def attrs(self) -> Mapping[Any, Any]:
+        """Provenance, regions, cells."""
+
+    @property
+    def sizes(self) -> Mapping[Any, int]:
+        """Length of every dimension."""
+
+    @property
+    def variables(self) -> Mapping[Any, Any]:
+        """Everything by name."""
+
+    @property
+    def data_vars(self) -> Mapping[Any, Variable]:
+        """Variables that are no coordinates."""
+
+    def __contains__(self, name: object) -> bool: ...
+    def __iter__(self) -> Iterator[Any]: ...
+    def __getitem__(self, name: str) -> Variable: ...
+
+
+def open_stored(path: str | Path) -> _Stored:
+    """Open the results of a finished run for pictures; close it, or use it in a ``with`` block.
+
+    Raises
+    ------
+    ResultsError
+        As `eigencontact.results.reader.open_results` does.
+    """
+    file = results_file(path)
+    try:
+        stored = _Stored(open_hdf5(file, "r"))
+    except DAMAGE as error:
+        raise ResultsError(
+            f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
+        ) from error
+    refuse_damaged(stored, file)
+    return stored
+
+
+@dataclass(slots=True)
+class _Array:
+    """Values that are in memory."""
+
+    values: NDArray[Any]
+
+    def __float__(self) -> float:
+        return float(self.values)
+
+    def __int__(self) -> int:
+        return int(self.values)
+
+
+class _Variable:
+    """Variable of the file; an index reads what it asks for."""
+
+    def __init__(self, made: Any) -> None:
+        text = made.dtype.kind == "O"
+        self._made = made.asstr() if text else made
+        self._text = text
+        self._stored = made
+        self.shape: tuple[int, ...] = made.shape
+        self.ndim: int = made.ndim
+
+    def __getitem__(self, index: Any) -> _Array:
+        found = np.asarray(self._made[index])
+        return _Array(found.astype(str) if self._text else found)
+
+    def __float__(self) -> float:
+        return float(self.values)
+
+    @cached_property
+    def values(self) -> NDArray[Any]:
+        """All values."""
+        return self[()].values
+
+    @cached_property
+    def dims(self) -> tuple[str, ...]:
+        """Names of its dimensions."""
+        made = self._stored
+        if made.is_scale:
+            return (made.name.lstrip("/"),)
+        return tuple(dim[0].name.lstrip("/") for dim in made.dims)
+
+    @cached_property
+    def attrs(self) -> dict[str, Any]:
+        """What is said of it: units, long name, role."""
+        return {name: _plain(value) for name, value in self._stored.attrs.items() if name not in _INNER}
+
+    @property
+    def coordinates(self) -> str:
+        """Names of coordinates beside its dimensions."""
+        return str(self._stored.attrs.get("coordinates", ""))
+
+
+class _Stored:
+    """All variables of a results file."""
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+        self.attrs = {name: _plain(value) for name, value in file.attrs.items() if name != "_NCProperties"}
+        self.variables = {
+            name: _Variable(made)
+            for name, made in file.items()
+            if not (made.is_scale and made.attrs["NAME"].startswith(b"This is a netCDF dimension"))
+        }
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.variables
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.data_vars)
+
+    def __getitem__(self, name: str) -> _Variable:
+        return self.variables[name]
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """Length of every dimension."""
+        return {name: made.shape[0] for name, made in self._file.items() if made.is_scale}
+
+    @cached_property
+    def data_vars(self) -> dict[str, _Variable]:
+        """Variables that are no coordinates."""
+        beside = {name for variable in self.variables.values() for name in variable.coordinates.split()}
+        return {name: variable for name, variable in self.variables.items() if name not in beside | self.sizes.keys()}
+
+
+def _plain(value: Any) -> Any:
+    """One number of a list of one; text as it is."""
+    return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
