@@ -1,10 +1,10 @@
 """`eigencontact tradeoff`: what is varied follows from the scene; errors, fronts, and a small study for real."""
 
 import json
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,15 +12,17 @@ import pytest
 import eigencontact.cli
 from close import close
 from eigencontact import app
-from eigencontact.scene.schema import GridSpec, Numerics
 from eigencontact_verification.tradeoff.errors import errors, field_error
+from eigencontact_verification.tradeoff.fidelity import FIDELITIES
+from eigencontact_verification.tradeoff.figure import picture
 from eigencontact_verification.tradeoff.process import Solved, solve_fresh
 from eigencontact_verification.tradeoff.report import as_markdown
-from eigencontact_verification.tradeoff.study import Prediction, Row, fronts, predict, study
-from eigencontact_verification.tradeoff.variant import Fidelities, Variant, keys_of, tables_of, variants
+from eigencontact_verification.tradeoff.study import Prediction, Row, Study, fronts, predict, standing, study
+from eigencontact_verification.tradeoff.variant import KEYS, Fidelities, Variant, keys_of, tables_of, variants
 from eigencontact_verification.tradeoff.worker import solve
 
 SMALL = ["stress=[]", "grid.cells-per-contact-radius=8", "numerics.threads=1"]
+COARSE = [*SMALL[:1], "grid.cells-per-contact-radius=4", "numerics.inclusion-pitch=4 um", "observers=[]"]
 
 
 @pytest.fixture
@@ -74,24 +76,57 @@ def test_a_given_window_keeps_its_place_and_size():
     assert [[*grid["size"], *grid["center"]] for grid in found] == [close([12.2e-6, 12.2e-6, 0.0, 0.0])] * 4
 
 
-@pytest.mark.parametrize(("material", "expected"), [({"young-modulus": 1e9}, ["whole"]), (None, [])])
-def test_how_inhomogeneities_are_resolved_is_varied_where_a_scene_has_them(material, expected):
-    class Resolved(Numerics):
-        inclusion_resolution: str = "cells"
+@pytest.mark.parametrize(
+    ("scene", "changes", "key", "expected"),
+    [
+        ("void-near-surface", [], "inclusion-resolution", ["inclusion-resolution whole"]),
+        ("plastic-hertz", COARSE, "inclusion-resolution", []),
+        ("plastic-hertz", COARSE, "plastic-error", ["plastic-error 0.03", "plastic-error 0.1"]),
+        ("plastic-hertz", [*COARSE, "numerics.plastic-error=0.02"], "plastic-error", ["no plastic-error"]),
+        ("fretting-wear-partial-slip", [], "jump-error", ["jump-error 0.03", "jump-error 0.1"]),
+        ("fretting-wear-partial-slip", ["wear.jump-error=0.05"], "jump-error", ["jump-error 0.1"]),
+        ("coated-sphere", ["grid.cells-per-contact-radius=8"], "layers", ["layers cells"]),
+    ],
+)  # fmt: skip
+def test_each_fidelity_is_there_where_a_scene_has_what_it_is_about(scene, changes, key, expected):
+    plan = app.plan(app.load_scene(scene, changes))
+    found = [variant for variant in variants(plan, Fidelities(), [key] if expected else []) if variant.key == key]
+    assert [variant.words for variant in found] == expected
+    for variant in found:  # and every one is a scene
+        app.load_scene(tables_of(plan.scene.resolved(), variant))
 
-    inclusion = SimpleNamespace(material=material, model_extra={})
-    scene = SimpleNamespace(numerics=Resolved(), inclusions=[inclusion], grid=GridSpec())
-    grid = app.plan("buried-cuboid").grid
-    plan = SimpleNamespace(scene=scene, grid=grid, geometries=(), friction=None, sources=())
-    found = [v.changes["numerics"]["inclusion-resolution"] for v in variants(plan, Fidelities()) if "resol" in v.key]
-    assert found == expected
+
+def test_cells_of_the_box_are_varied_by_their_height():
+    plan = app.plan(app.load_scene("plastic-hertz", COARSE))
+    reference, scene, coarse = variants(plan, Fidelities(), ["inclusion-pitch"])
+    heights = []
+    for variant in (reference, scene, coarse):
+        planned = app.plan(tables_of(plan.scene.resolved(), variant))
+        heights.append(planned.inhomogeneities[0].lattice.edges[0])
+    assert heights == close([0.5 * heights[1], heights[1], 2.0 * heights[1]])
+
+
+def test_layers_become_cells_that_fill_the_window():
+    scene = app.load_scene("coated-sphere", ["grid.cells-per-contact-radius=8", "stress=[]"])
+    plan = app.plan(scene)
+    *_, cells = variants(plan, Fidelities(), ["layers"])
+    planned = app.plan(tables_of(scene.resolved(), cells))
+    assert planned.grid.shape == plan.grid.shape
+    assert [planned.grid.dx, planned.grid.dy] == close([plan.grid.dx, plan.grid.dy])
+    (layer,) = planned.inhomogeneities
+    assert planned.bodies[0].young_modulus == close(210e9)
+    assert layer.law.young_modulus == close(420e9)
+    low, high = layer.shape.bounds
+    assert np.subtract(high, low) == close([*plan.grid.size, 2e-6])
+    assert abs(low[2]) < 1e-18
 
 
 def test_a_setting_that_changes_nothing_is_not_solved():
-    plan = app.plan("buried-cuboid")
-    same = Variant(key="inclusion-cells", words="4", changes={"numerics": {"inclusion-cells": 4}})
+    plan = app.plan("peened-layer")
+    pitch = next(one for one in FIDELITIES if one.key == "inclusion-cells")
+    same = Variant(key=pitch.key, words="as it is", changes={"numerics": {"inclusion-cells": 16}}, fidelity=pitch)
     found = predict(plan.scene.resolved(), [Variant(key="scene", words=""), same])
-    assert [one.reason for one in found] == ["", "the regions are cut into the same cells as in the scene"]
+    assert [one.reason for one in found] == ["", "the plan is that of the scene"]
 
 
 # --- errors and fronts ------------------------------------------------------------------------------------------------
@@ -101,7 +136,7 @@ def plane(n, slope=1.0, steps=1):
     """A field that linear interpolation meets exactly, on n x n cells of a window of side 2."""
     axis = (np.arange(n) + 0.5) * 2.0 / n - 1.0
     value = 3.0 + slope * axis + 0.5 * axis[:, None]
-    return {"x": axis, "y": axis, "pressure": np.repeat(value[None], steps, axis=0)}
+    return {"time": 1.0 + np.arange(steps), "x": axis, "y": axis, "pressure": np.repeat(value[None], steps, axis=0)}
 
 
 def test_field_error_is_that_of_the_difference():
@@ -128,8 +163,15 @@ def test_a_component_that_is_left_out_counts_as_zero():
 
 
 def test_scalar_errors_are_relative_to_the_largest_over_the_steps():
-    steps = [{"max_pressure": 2.0, "normal_load": 1.0}, {"max_pressure": 4.0, "normal_load": 0.0, "approach": None}]
-    other = [{"max_pressure": 2.0, "normal_load": 1.0}, {"max_pressure": 3.0, "normal_load": 0.1}]
+    steps = [
+        {"time": 1.0, "max_pressure": 2.0, "normal_load": 1.0},
+        {"time": 3.0, "max_pressure": 4.0, "normal_load": 0.0, "approach": None},
+    ]
+    other = [
+        {"time": 1.0, "max_pressure": 2.0, "normal_load": 1.0},
+        {"time": 2.0, "max_pressure": 9.0, "normal_load": 9.0},  # the reference has jumped over this one
+        {"time": 3.0, "max_pressure": 3.0, "normal_load": 0.1},
+    ]
     found = errors({"history": other}, plane(4), {"history": steps}, plane(4))
     assert found == {"max pressure": 0.25, "loads": 0.1, "pressure field": 0.0}
 
@@ -145,6 +187,88 @@ def test_fronts():
     # what is as accurate within 2 % is beaten by what is cheaper; of the same price, by what is more accurate
     rows = [row(0.1, 2.0, 5.0), row(0.101, 1.0, 6.0), row(0.2, 1.0, 9.0)]
     assert fronts(rows) == [("memory",), ("time",), ()]
+
+
+def test_fields_are_compared_at_the_times_that_both_have():
+    found, wanted = plane(6, steps=3), plane(6, steps=2)
+    wanted["time"] = np.array([1.0, 3.0])
+    found["pressure"] = found["pressure"] * np.array([1.0, 7.0, 1.5])[:, None, None]
+    assert field_error(found, wanted, ["pressure"]) == close(0.5 / 2**0.5)
+
+
+def studied(*rows):
+    """A study of rows (key, error, seconds, memory), the reference before them."""
+    found = [
+        Row(
+            prediction=Prediction(variant=Variant(key=key, words=f"{key} {k}")),
+            status="ok", error=error, seconds=seconds, memory=memory,
+        )
+        for k, (key, error, seconds, memory) in enumerate([("reference", None, 9.0, 9e6), *rows])
+    ]  # fmt: skip
+    marked = tuple(replace(one, fronts=mark) for one, mark in zip(found, fronts(found), strict=True))
+    return Study(name="s", headline="pressure field", rows=marked)
+
+
+def test_where_the_scene_stands():
+    rows = [("scene", 0.01, 2.0, 5e6), ("grid", 0.1, 1.0, 5e6), ("tolerance", 0.01, 4.0, 2e6)]
+    time, memory = standing(studied(*rows))
+    assert time == "front of time: the scene stands on it, point 2 of 2 from the cheapest"
+    assert memory == "front of memory: the scene is not on it; 3 (tolerance 3) is as accurate at 0.4 of its memory"
+    assert standing(studied(*rows[1:])) == []
+
+
+def crowded():
+    """Points on top of each other, close to each other, alone, and at the rim; of every key."""
+    rng = np.random.default_rng(5)
+    keys = ("scene", *KEYS)
+    rows = [(key, 0.279, 0.3 + 0.02 * k, (100 + 4 * k) * 1e6) for k, key in enumerate(keys)]
+    rows[4] = ("tolerance", 0.279, rows[0][2], rows[0][3])
+    scattered = zip(rng.uniform(0.01, 0.1, 3), rng.uniform(0.2, 1.0, 3), rng.uniform(1e8, 1.7e8, 3), strict=True)
+    rows += [("coupling", *place) for place in scattered]
+    return studied(*rows)
+
+
+def test_every_number_of_the_picture_stands_beside_its_own_mark():
+    found = crowded()
+    figure = picture(found)
+    for axes, price in zip(figure.axes, ("seconds", "memory"), strict=True):
+        marks = {}
+        for k, one in enumerate(found.rows[1:], 1):
+            x = getattr(one, price) * (1e-6 if price == "memory" else 1.0)
+            marks[k] = axes.transData.transform((x, one.error))
+        low, high = axes.bbox.min, axes.bbox.max
+        assert all(np.all((low < place) & (place < high)) for place in marks.values())
+        told = {}
+        for note in axes.texts:
+            box = note.get_window_extent()
+            middle = 0.5 * (box.min + box.max)
+            nearest = min(marks, key=lambda k: np.hypot(*(marks[k] - middle)))
+            numbers = [int(part) for part in note.get_text().split(", ")]
+            told |= dict.fromkeys(numbers, note)
+            assert nearest in numbers
+            # what shares a text is in one place
+            assert max(np.hypot(*(marks[k] - marks[numbers[0]])) for k in numbers) < 7.0 / 72.0 * figure.dpi
+        assert sorted(told) == sorted(marks)
+        boxes = [note.get_window_extent() for note in dict.fromkeys(told.values())]
+        assert not any(one.overlaps(two) for k, one in enumerate(boxes) for two in boxes[:k])
+
+
+def test_the_legend_names_the_mark_that_stands_at_the_place_of_its_row():
+    found = crowded()
+    figure = picture(found)
+    (legend,) = figure.legends
+    shown = {text.get_text(): handle for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True)}
+    looks = {}
+    for k, one in enumerate(found.rows[1:], 1):
+        label = f"{k}  {one.variant.words}" + (" (scene)" if one.variant.key == "scene" else "")
+        handle = shown.pop(label)
+        for axes, x in zip(figure.axes, (one.seconds, 1e-6 * one.memory), strict=True):
+            (line,) = [line for line in axes.lines if line.get_label() == label]
+            assert [line.get_xdata()[0], line.get_ydata()[0]] == close([x, one.error])
+            assert (line.get_marker(), line.get_color()) == (handle.get_marker(), handle.get_color())
+        looks.setdefault((handle.get_marker(), handle.get_color()), set()).add(one.variant.key)
+    assert list(shown) == ["front"]
+    assert all(len(keys) == 1 for keys in looks.values())
 
 
 # --- a study ----------------------------------------------------------------------------------------------------------

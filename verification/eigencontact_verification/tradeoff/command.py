@@ -53,7 +53,8 @@ def tradeoff(
     """Solve a scene at several fidelities: error, time and memory of each, and which are worth it.
 
     What is varied follows from the scene: grid, precision and tolerance of a contact, coupling with friction, treatment
-    of the half-space and cells of inclusions. Each is solved in a process of its own, one after the other, and compared
+    of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
+    layers that are exact or cells. Each is solved in a process of its own, one after the other, and compared
     with a reference that has the finest of everything; what the reference itself is wrong by is not seen.
 
     Exit codes: 0 done (read what failed), 1 nothing to compare, 2 wrong input, 130 interrupted.
@@ -103,7 +104,7 @@ def tradeoff(
         typer.echo(files["json" if as_json else "md"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
         console.print(report.study_table(found, console.width))
-        for line in report.troubles(found):
+        for line in report.remarks(found):
             typer.echo(line)
         typer.echo(f"\nin {files['png'].parent.resolve()}: {', '.join(file.name for file in files.values())}")
     raise typer.Exit(0 if any(row.error is not None for row in found.rows) else 1)

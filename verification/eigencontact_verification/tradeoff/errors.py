@@ -1,4 +1,4 @@
-"""Errors of one solution against the reference; all relative [-], over every load step that both have."""
+"""Errors of one solution against the reference; all relative [-], over every load step that both have solved."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["HEADLINES", "errors", "field_error"]
 
@@ -21,12 +21,15 @@ _SCALARS: dict[str, tuple[str, ...]] = {
     "loads": ("normal_load", "tangential_load_x", "tangential_load_y"),
     "motions": ("shift_x", "shift_y"),
     "max von Mises": ("max_von_mises",),
+    "plastic strain": ("max_plastic_strain",),
+    "worn volume": ("worn_volume",),
 }
 _FIELDS: dict[str, tuple[str, ...]] = {
     "pressure field": ("pressure",),
     "shear field": ("shear_x", "shear_y"),
     "traction field": ("pressure", "shear_x", "shear_y"),
     "displacement field": ("residual_displacement_x", "residual_displacement_y", "residual_displacement_z"),
+    "worn depth": ("worn_depth",),
 }
 #: The error that stands for all, in the table and in the picture: the first of these that a scene has.
 HEADLINES = ("traction field", "pressure field", "displacement field", "max von Mises")
@@ -41,9 +44,9 @@ def errors(
     Parameters
     ----------
     found, reference : mapping
-        Numbers of the two solutions; ``history`` holds the scalars of each step.
+        Numbers of the two solutions; ``history`` holds the scalars of each step, and its ``time``.
     fields, wanted : mapping
-        Their fields, ``(step, y, x)``, with ``x`` and ``y``.
+        Their fields, ``(step, y, x)``, with ``time``, ``y`` and ``x``.
 
     Notes
     -----
@@ -84,19 +87,26 @@ def field_error(
         np.clip(wanted["y"][rows], y[0], y[-1]), np.clip(wanted["x"][columns], x[0], x[-1]), indexing="ij"
     )
     difference = size = 0.0
+    steps = _common(fields["time"], wanted["time"])
     for name in components:
         if name not in wanted:
             continue
-        steps = min(len(wanted[name]), len(fields.get(name, wanted[name])))
-        for step in range(1, steps + 1):
-            target = wanted[name][-step][np.ix_(rows, columns)]
+        for mine, theirs in steps:
+            target = wanted[name][theirs][np.ix_(rows, columns)]
             # a displacement or shear that a fidelity leaves out is zero
             value: FloatArray = np.zeros_like(target)
             if name in fields:
-                value = RegularGridInterpolator((y, x), fields[name][-step])((at_y, at_x))
+                value = RegularGridInterpolator((y, x), fields[name][mine])((at_y, at_x))
             difference += float(((value - target) ** 2).sum())
             size += float((target**2).sum())
     return float(np.sqrt(difference / size)) if size > 0.0 else None
+
+
+def _common(found: ArrayLike, reference: ArrayLike) -> list[tuple[int, int]]:
+    """Steps of both at the same time: cycles that wear are not solved one by one, and not the same ones."""
+    times = np.round(np.asarray(found, dtype=float), 9), np.round(np.asarray(reference, dtype=float), 9)
+    _, mine, theirs = np.intersect1d(*times, return_indices=True)
+    return list(zip(mine.tolist(), theirs.tolist(), strict=True))
 
 
 def _scalar_error(
@@ -105,8 +115,8 @@ def _scalar_error(
     scale = deviation = 0.0
     common = False
     for name in names:
-        # from the end, which both have reached
-        for mine, theirs in zip(reversed(found), reversed(reference), strict=False):
+        for k, n in _common([step["time"] for step in found], [step["time"] for step in reference]):
+            mine, theirs = found[k], reference[n]
             if theirs.get(name) is None or mine.get(name) is None:
                 continue
             common = True

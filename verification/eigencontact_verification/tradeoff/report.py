@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from eigencontact_verification.tradeoff.study import standing
+
 if TYPE_CHECKING:
     from rich.table import Table
 
     from eigencontact_verification.tradeoff.study import Prediction, Row, Study
 
-__all__ = ["as_data", "as_markdown", "plan_data", "plan_table", "study_table", "troubles"]
+__all__ = ["as_data", "as_markdown", "plan_data", "plan_table", "remarks", "study_table"]
 
 #: Errors that have a column of their own beside the headline, where a scene has them.
 _COLUMNS = (
@@ -22,6 +24,9 @@ _COLUMNS = (
     "approach",
     "loads",
     "max von Mises",
+    "plastic strain",
+    "worn depth",
+    "worn volume",
 )
 #: Characters that the whole table takes.
 _WIDE = 170
@@ -52,7 +57,7 @@ def as_markdown(study: Study) -> str:
     text += [f"| {' | '.join(line)} |" for line in lines]
     how = f"Error: {study.headline} against the reference (first line), relative. "
     how += "Front: T, no other variant is as accurate, within 2 %, in less time; M, in less memory."
-    return "\n".join([f"# {study.name}", "", *text, "", how, "", *(f"- {line}" for line in troubles(study))]) + "\n"
+    return "\n".join([f"# {study.name}", "", *text, "", how, "", *(f"- {line}" for line in remarks(study))]) + "\n"
 
 
 def as_data(study: Study, machine: dict[str, Any]) -> dict[str, Any]:
@@ -61,6 +66,7 @@ def as_data(study: Study, machine: dict[str, Any]) -> dict[str, Any]:
         "scene": study.name,
         "headline": study.headline,
         "note": study.note,
+        "standing": standing(study),
         "machine": machine,
         "rows": [
             {
@@ -112,10 +118,10 @@ def plan_data(predictions: Sequence[Prediction]) -> list[dict[str, Any]]:
     ]
 
 
-def troubles(study: Study) -> list[str]:
-    """What was not solved and why, and whether the reference is another."""
+def remarks(study: Study) -> list[str]:
+    """Where the scene stands, what was not solved and why, and whether the reference is another."""
     lines = [study.note] if study.note else []
-    return lines + [
+    return lines + standing(study) + [
         f"{k} ({row.variant.words}) {row.status}: {row.reason}"
         for k, row in enumerate(study.rows)
         if row.status != "ok"

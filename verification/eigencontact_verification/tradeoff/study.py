@@ -11,8 +11,10 @@ from eigencontact_verification.tradeoff.errors import HEADLINES, errors
 from eigencontact_verification.tradeoff.process import Solved, solve_fresh
 from eigencontact_verification.tradeoff.variant import Variant, tables_of
 
-__all__ = ["Prediction", "Row", "Study", "fronts", "predict", "study"]
+__all__ = ["Prediction", "Row", "Study", "fronts", "predict", "standing", "study"]
 
+#: Prices by name, and their attributes of a row.
+_PRICES = {"time": "seconds", "memory": "memory"}
 _SAME = 1.02
 
 
@@ -78,18 +80,17 @@ def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Pr
     from eigencontact.errors import EigencontactError
 
     found = []
-    cuts = None
+    scene = None
     for variant in variants:
         try:
             plan = app.plan(tables_of(resolved, variant))
         except EigencontactError as problem:
             found.append(Prediction(variant=variant, reason=" ".join(str(problem).split())))
             continue
-        # the numbers of cells that a setting asks for are bounds where other cells are finer
-        lattices = [source.lattice for source in plan.sources]
-        cuts = lattices if variant.key == "scene" else cuts
-        if variant.key == "inclusion-cells" and lattices == cuts:
-            found.append(Prediction(variant=variant, reason="the regions are cut into the same cells as in the scene"))
+        scene = plan if variant.key == "scene" else scene
+        seen = None if variant.fidelity is None else variant.fidelity.seen
+        if seen is not None and scene is not None and seen(plan) == seen(scene):
+            found.append(Prediction(variant=variant, reason="the plan is that of the scene"))
             continue
         memory = resident_bytes() + plan.cost.peak
         cells = (plan.grid.nx, plan.grid.ny)
@@ -166,13 +167,37 @@ def study(
     return Study(name=name, headline=headline, rows=tuple(judged), note=note)
 
 
+def standing(study: Study) -> list[str]:
+    """Where the scene as it stands is on each front, or what is as accurate at a lower price."""
+    scene = next((row for row in study.rows if row.variant.key == "scene" and row.error is not None), None)
+    if scene is None:
+        return []
+    found = []
+    for word, name in _PRICES.items():
+        front = sorted((row for row in study.rows if word in row.fronts), key=lambda row: getattr(row, name))
+        if scene in front:
+            place = f"point {front.index(scene) + 1} of {len(front)} from the cheapest"
+            found.append(f"front of {word}: the scene stands on it, {place}")
+            continue
+        point = scene.error, getattr(scene, name)
+        better = [
+            (getattr(row, name) / getattr(scene, name), number, row.variant.words)
+            for number, row in enumerate(study.rows)
+            if row.error is not None and _beats((row.error, getattr(row, name)), point)
+        ]
+        for share, number, words in sorted(better)[:1]:
+            cheaper = f"{number} ({words}) is as accurate at {share:.2g} of its {word}"
+            found.append(f"front of {word}: the scene is not on it; {cheaper}")
+    return found
+
+
 def fronts(rows: Sequence[Row]) -> list[tuple[str, ...]]:
     """For each row, in which of time and memory no other row beats it: a lower price at an error as small.
 
     Errors within `_SAME` of each other count as the same, so that rounding puts nothing on the front.
     """
     found: dict[str, list[bool]] = {}
-    for word, name in (("time", "seconds"), ("memory", "memory")):
+    for word, name in _PRICES.items():
         points = [(row.error, getattr(row, name)) for row in rows]
         whole = [(error, price) for error, price in points if error is not None and price is not None]
         found[word] = [point in whole and not any(_beats(other, point) for other in whole) for point in points]

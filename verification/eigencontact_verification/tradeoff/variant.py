@@ -9,19 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from eigencontact_verification.tradeoff.fidelity import FIDELITIES, Changes, Fidelity
+
 if TYPE_CHECKING:
     from eigencontact.planning.plan import Plan
 
 __all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "tables_of", "variants"]
 
 #: What can be varied, in the order of the table.
-KEYS = ("grid", "precision", "tolerance", "coupling", "half-space", "inclusion-cells", "inclusion-resolution")
-
-_HALF_SPACES = ("exact", "image-pressure", "periodic")
-_COUPLINGS = ("full", "one-way", "partial", "none")
-_TOLERANCES = (1e-4, 1e-2)
-#: The reference is solved to the scene's tolerance times this, and no further than the second number.
-_TIGHTER, _TIGHTEST = 0.1, 1e-10
+KEYS = ("grid", *(one.key for one in FIDELITIES))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -53,11 +49,14 @@ class Variant:
         Its value in words.
     changes : mapping
         Tables of the scene by name, with the values that change.
+    fidelity : Fidelity, optional
+        What is changed, where it is not the grid.
     """
 
     key: str
     words: str
-    changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    changes: Changes = field(default_factory=dict)
+    fidelity: Fidelity | None = None
 
 
 def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
@@ -65,30 +64,17 @@ def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
     out = {**resolved, "output": {**resolved.get("output", {}), "pictures": False, "vtk": False}}
     for name, changes in variant.changes.items():
         # a grid that is given is given anew as a whole
-        out[name] = dict(changes) if name == "grid" else {**out.get(name, {}), **changes}
+        if name == "grid" or not isinstance(changes, Mapping):
+            out[name] = changes
+            continue
+        merged = {**out.get(name, {}), **changes}
+        out[name] = {key: value for key, value in merged.items() if value is not None}
     return out
 
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
     """What can be varied in a scene."""
-    from eigencontact.model.sources import Patch
-
-    scene, numerics = plan.scene, plan.scene.numerics
-    contact, strained, half_space = bool(plan.geometries), bool(plan.sources), numerics.half_space
-    cut = [source for source in plan.sources if source.lattice is not None]
-    foreign = any(_material(table) is not None for table in scene.inclusions)
-    wanted = {
-        "grid": True,
-        "precision": (contact or bool(cut)) and numerics.precision == "double",
-        "tolerance": (contact or foreign) and numerics.tolerance < max(_TOLERANCES),
-        "coupling": plan.friction is not None,
-        # an inhomogeneity and a periodic contact take one treatment alone
-        "half-space": strained and not foreign and numerics.boundary != "periodic" and half_space in _HALF_SPACES,
-        # a patch has layers of its own, inhomogeneities share the columns of the grid
-        "inclusion-cells": any(not isinstance(source.shape, Patch) and source.material is None for source in cut),
-        "inclusion-resolution": foreign and "inclusion_resolution" in type(numerics).model_fields,
-    }
-    return tuple(key for key in KEYS if wanted[key])
+    return ("grid", *(one.key for one in FIDELITIES if one.has(plan)))
 
 
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
@@ -103,23 +89,27 @@ def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tu
     only : sequence of str
         Keys to vary, of `keys_of`; by default all.
     """
-    keys = keys_of(plan)
-    finest: dict[str, Any] = {}
-    found: list[Variant] = []
     base_grid, base_words = _grid(plan, fidelities.base)
-    for key in keys:
-        tried: list[Variant] = _grids(plan, fidelities) if key == "grid" else _values(plan, key)
-        if key != "grid":
-            finest |= _finest(plan, key)
-            tried = [Variant(key=key, words=v.words, changes={**v.changes, "grid": base_grid}) for v in tried]
-        if not only or key in only:
-            found += tried
     fine_grid, fine_words = _grid(plan, fidelities.reference)
-    reference = Variant(
-        key="reference",
-        words=", ".join([fine_words, *(f"{name} {_text(value)}" for name, value in finest.items())]),
-        changes={"grid": fine_grid, "numerics": finest},
-    )
+    found = _grids(plan, fidelities) if not only or "grid" in only else []
+    finest: dict[str, Any] = {}
+    words = [fine_words]
+    for one in FIDELITIES:
+        if not one.has(plan):
+            continue
+        value = one.finest(plan)
+        if value is not None:
+            words.append(one.words(value))
+            for name, changes in one.of(plan, value).items():
+                finest[name] = {**finest.get(name, {}), **changes}
+        if only and one.key not in only:
+            continue
+        grid = _window(plan, fidelities.base)[0] if one.keeps_window else base_grid
+        found += [
+            Variant(key=one.key, words=one.words(other), changes={**one.of(plan, other), "grid": grid}, fidelity=one)
+            for other in one.others(plan)
+        ]
+    reference = Variant(key="reference", words=", ".join(words), changes={**finest, "grid": fine_grid})
     return (reference, Variant(key="scene", words=base_words, changes={"grid": base_grid}), *found)
 
 
@@ -134,52 +124,19 @@ def _grids(plan: Plan, fidelities: Fidelities) -> list[Variant]:
 
 def _grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
     """Table of a grid with so many times the cells each way, and its resolution in words."""
-    spec, grid = plan.scene.grid, plan.grid
-    center = list(spec.center)
+    spec = plan.scene.grid
     if spec.automatic and plan.geometries:
         cells = factor * spec.cells_per_contact_radius
+        center = list(spec.center)
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}
         return table, f"{cells:g} cells per contact radius"
+    return _window(plan, factor)
+
+
+def _window(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
+    """Table of a grid of the window of a plan, and its resolution in words."""
+    grid = plan.grid
     nx, ny = (max(1, round(factor * count)) for count in (grid.nx, grid.ny))
-    size = [grid.nx * grid.dx, grid.ny * grid.dy]
+    size = [float(grid.nx * grid.dx), float(grid.ny * grid.dy)]
     # the centre of the plan: an automatic window around inclusions has its own
     return {"cells": [nx, ny], "size": size, "center": list(grid.center)}, f"{nx} x {ny} cells"
-
-
-def _values(plan: Plan, key: str) -> list[Variant]:
-    """Other values of a setting of the numerics."""
-    numerics = plan.scene.numerics
-    values: dict[str, list[Any]] = {
-        "precision": ["single"],
-        "tolerance": [value for value in _TOLERANCES if value > numerics.tolerance],
-        "coupling": [value for value in _COUPLINGS if value != numerics.coupling],
-        "half-space": [value for value in _HALF_SPACES if value != numerics.half_space],
-        "inclusion-cells": sorted({max(1, numerics.inclusion_cells // 4), max(1, numerics.inclusion_cells // 2)}),
-        "inclusion-resolution": [
-            value for value in ("cells", "whole") if value != getattr(numerics, "inclusion_resolution", value)
-        ],
-    }
-    return [
-        Variant(key=key, words=f"{key} {_text(value)}", changes={"numerics": {key: value}}) for value in values[key]
-    ]
-
-
-def _finest(plan: Plan, key: str) -> dict[str, Any]:
-    numerics = plan.scene.numerics
-    values: dict[str, Any] = {
-        "precision": "double",
-        "tolerance": max(_TIGHTER * numerics.tolerance, min(_TIGHTEST, numerics.tolerance)),
-        "coupling": "full",
-        "half-space": "exact",
-        "inclusion-cells": 2 * numerics.inclusion_cells,
-        "inclusion-resolution": "cells",
-    }
-    return {key: values[key]}
-
-
-def _material(inclusion: Any) -> Any:
-    return getattr(inclusion, "material", None) or (inclusion.model_extra or {}).get("material")
-
-
-def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -20,6 +20,7 @@ FIELDS = (
     "residual_displacement_x",
     "residual_displacement_y",
     "residual_displacement_z",
+    "worn_depth",
 )
 
 
@@ -37,7 +38,7 @@ def solve(tables: dict[str, Any], fields: Path) -> dict[str, Any]:
     except Exception as problem:  # noqa: BLE001 - any fault of one variant is a line of the table
         return {"status": "failed", "reason": f"{type(problem).__name__}: {' '.join(str(problem).split())}"}
     whole, dataset = perf_counter() - began, result.dataset
-    arrays: dict[str, Any] = {name: dataset[name].to_numpy() for name in ("x", "y", *FIELDS) if name in dataset}
+    arrays: dict[str, Any] = {name: dataset[name].to_numpy() for name in ("time", "x", "y", *FIELDS) if name in dataset}
     np.savez(fields, **arrays)
     summary = result.summary
     return {

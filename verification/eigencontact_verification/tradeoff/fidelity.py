@@ -1,0 +1,244 @@
+"""What a scene can be solved more cheaply by: one entry for each fidelity, with everything that is known of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["FIDELITIES", "Changes", "Fidelity"]
+
+#: Tables of a scene by name, with the values that change (None takes one out); a list takes the place of the table's.
+Changes = Mapping[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Fidelity:
+    """One setting that costs accuracy or time.
+
+    Attributes
+    ----------
+    key : str
+        What it goes by; that of the scene where it is a setting of one table.
+    has : callable
+        Whether it makes a difference in the scene of a plan.
+    others : callable
+        Values worth comparing with that of the scene.
+    finest : callable
+        Value of the reference; None where the scene has it.
+    table : str
+        Table of the scene that the setting stands in.
+    unit : str
+        Of its value.
+    changes : callable, optional
+        Changes of the scene by a value, where it is not one setting.
+    seen : callable, optional
+        What of a plan it changes: where this is as in the scene there is nothing to solve.
+    keeps_window : bool
+        Whether the window must be that of the scene, as an automatic one would follow the change.
+    """
+
+    key: str
+    has: Callable[[Plan], bool]
+    others: Callable[[Plan], Sequence[Any]]
+    finest: Callable[[Plan], Any]
+    table: str = "numerics"
+    unit: str = ""
+    changes: Callable[[Plan, Any], Changes] | None = None
+    seen: Callable[[Plan], object] | None = None
+    keeps_window: bool = False
+
+    def of(self, plan: Plan, value: Any) -> Changes:
+        """Changes that set a value."""
+        return {self.table: {self.key: value}} if self.changes is None else self.changes(plan, value)
+
+    def words(self, value: Any) -> str:
+        """Setting and value in words."""
+        if value is None:
+            return f"no {self.key}"
+        return f"{self.key} {f'{value:.3g}' if isinstance(value, float) else value}{self.unit and f' {self.unit}'}"
+
+
+def _but(setting: str, choices: Sequence[str]) -> Callable[[Plan], list[str]]:
+    """Choices of a setting of the numerics other than that of the scene."""
+    return lambda plan: [choice for choice in choices if choice != getattr(plan.numerics, setting)]
+
+
+def _above(value: float | None, *others: float) -> list[float]:
+    """Others that are coarser."""
+    return [other for other in others if value is None or other > value]
+
+
+def _foreign(plan: Plan) -> bool:
+    return bool(plan.inhomogeneities)
+
+
+def _flows(plan: Plan) -> bool:
+    """Whether a law remembers what it went through."""
+    return any(law.variables for law in plan.laws)
+
+
+def _cut(plan: Plan) -> list[Any]:
+    """Sources in cells."""
+    return [source for source in plan.sources if source.lattice is not None]
+
+
+def _lattices(plan: Plan) -> list[Any]:
+    return [source.lattice for source in plan.sources]
+
+
+def _cut_apart(plan: Plan) -> bool:
+    """Whether a region has cells of its own: a patch has layers, inhomogeneities share the columns of the grid."""
+    from eigencontact.model.sources import Patch
+
+    return any(not isinstance(source.shape, Patch) and source.material is None for source in _cut(plan))
+
+
+def _height(plan: Plan) -> float:
+    """Height of the cells of inhomogeneities, the lowest [m]."""
+    return min(float(source.lattice.edges[0]) for source in _cut(plan) if source.material is not None)
+
+
+def _treated(plan: Plan) -> bool:
+    """Whether the treatment of the half-space can be chosen: an inhomogeneity and a periodic contact take one alone."""
+    return bool(plan.sources) and not _foreign(plan) and not plan.periodic and plan.numerics.half_space in _SPACES
+
+
+def _repeats(plan: Plan) -> bool:
+    """Whether cycles that wear are left out."""
+    return plan.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
+
+
+def _worn_layers(plan: Plan) -> bool:
+    wear = plan.scene.wear
+    return wear is not None and any(getattr(plan.bodies[body - 1], "interfaces", ()) for body in wear.parts)
+
+
+def _jump(value: float | None) -> Changes:
+    return {"wear": {"jump-error": value, "cycles-per-update": None}}
+
+
+def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:
+    """Layered bodies, with their numbers, whose constants are those of uniform layers."""
+    from eigencontact.plugin import LayeredMedium
+
+    found = []
+    for number, body in enumerate(plan.bodies, 1):
+        if not isinstance(body, LayeredMedium) or not body.interfaces:
+            continue
+        tops, bottoms = (0.0, *body.interfaces), body.interfaces
+        within = [body.material_at(top) for top in tops]
+        ends = [*(body.material_at(bottom, side="above") for bottom in bottoms), body.deep_material]
+        if within == ends:
+            found.append((number, body))
+    return found
+
+
+def _in_cells(plan: Plan, value: str) -> Changes:
+    """Layers of uniform constants as inclusions that fill the window."""
+    if value != "cells":
+        return {}
+    resolved = plan.scene.resolved()
+    inclusions: list[Any] = list(resolved.get("inclusions", []))
+    changes: dict[str, Any] = {"inclusions": inclusions}
+    for number, medium in _uniform_layers(plan):
+        changes[f"body{number}"] = {"medium": None, **_constants(medium.deep_material)}
+        tops = (0.0, *medium.interfaces[:-1])
+        for name, top, bottom in zip(medium.layer_names, tops, medium.interfaces, strict=True):
+            inclusions.append(
+                {
+                    "name": name.replace(" ", "-"),
+                    "type": "cuboid",
+                    "body": number,
+                    "center": [*plan.grid.center, 0.5 * (top + bottom)],
+                    "edges": [*plan.grid.size, bottom - top],
+                    "material": _constants(medium.material_at(top)),
+                }
+            )
+    return changes
+
+
+def _constants(material: Any) -> dict[str, float]:
+    return {"young-modulus": material.young_modulus, "poisson-ratio": material.poisson_ratio}
+
+
+_SPACES = ("exact", "image-pressure", "periodic")
+_COUPLINGS = ("full", "one-way", "partial", "none")
+
+#: In the order of the table.
+FIDELITIES: tuple[Fidelity, ...] = (
+    Fidelity(
+        key="precision",
+        has=lambda plan: (bool(plan.geometries) or bool(_cut(plan))) and plan.numerics.precision == "double",
+        others=lambda _: ["single"],
+        finest=lambda _: "double",
+    ),
+    Fidelity(
+        key="tolerance",
+        has=lambda plan: (bool(plan.geometries) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
+        others=lambda plan: _above(plan.numerics.tolerance, 1e-4, 1e-2),
+        finest=lambda plan: max(0.1 * plan.numerics.tolerance, min(1e-10, plan.numerics.tolerance)),
+    ),
+    Fidelity(
+        key="coupling",
+        has=lambda plan: plan.friction is not None,
+        others=_but("coupling", _COUPLINGS),
+        finest=lambda _: "full",
+    ),
+    Fidelity(
+        key="half-space", has=_treated, others=_but("half_space", _SPACES), finest=lambda _: "exact"
+    ),
+    Fidelity(
+        key="layers",
+        has=lambda plan: bool(_uniform_layers(plan)) and not plan.periodic,
+        others=lambda _: ["cells"],
+        finest=lambda _: None,
+        changes=_in_cells,
+        keeps_window=True,
+    ),
+    Fidelity(
+        key="inclusion-cells",
+        has=_cut_apart,
+        others=lambda plan: sorted({max(1, plan.numerics.inclusion_cells // parts) for parts in (4, 2)}),
+        finest=lambda plan: 2 * plan.numerics.inclusion_cells,
+        seen=_lattices,
+    ),
+    Fidelity(
+        key="inclusion-resolution",
+        has=lambda plan: _foreign(plan) and not _flows(plan),
+        others=_but("inclusion_resolution", ("cells", "whole")),
+        finest=lambda _: "cells",
+    ),
+    Fidelity(
+        key="inclusion-pitch",
+        unit="m",
+        has=lambda plan: any(source.material is not None for source in _cut(plan)),
+        others=lambda plan: [2.0 * _height(plan)],
+        finest=lambda plan: 0.5 * _height(plan),
+        seen=_lattices,
+    ),
+    Fidelity(
+        key="plastic-error",
+        has=_flows,
+        others=lambda plan: _above(None, 0.03, 0.1) if plan.numerics.plastic_error is None else [None],
+        finest=lambda plan: min(0.01, plan.numerics.plastic_error or 0.01),
+    ),
+    Fidelity(
+        key="jump-error",
+        table="wear",
+        has=_repeats,
+        others=lambda plan: _above(plan.scene.wear.error if plan.scene.wear else None, 0.03, 0.1),
+        finest=lambda plan: 0.3 * ((plan.scene.wear.error if plan.scene.wear else None) or 0.01),
+        changes=lambda _, value: _jump(value),
+    ),
+    Fidelity(
+        key="layer-error",
+        table="wear",
+        has=_worn_layers,
+        others=lambda plan: _above(plan.scene.wear.layer_error if plan.scene.wear else None, 0.2),
+        finest=lambda plan: 0.2 * plan.scene.wear.layer_error if plan.scene.wear else None,
+    ),
+)
