@@ -13,6 +13,8 @@ import pytest
 # Several test processes share the cores; threads of BLAS that spin in each of them would stand in each other's way.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# A test computes its own tables, whatever the user or another test has kept; those of the cache name a folder.
+os.environ["EIGENCONTACT_CACHE"] = "off"
 
 #: A package of its own: `test_third_party` installs it and runs its tests.
 collect_ignore = ["sample_package"]

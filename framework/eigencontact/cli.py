@@ -1,4 +1,4 @@
-"""The command line: run, explain, plugins, gallery, plot, new-plugin; other packages add commands of their own.
+"""The command line: run, explain, plugins, gallery, plot, cache, new-plugin; other packages add commands of their own.
 
 A package adds one with an entry point of the group ``eigencontact.commands``: its name is that of the command, its
 value a function that Typer reads, in a module that imports little, because ``--help`` loads it. See `_Commands`.
@@ -282,6 +282,28 @@ def plot(
     elif not quiet:
         for path, text in files.items():
             typer.echo(f"{path}  {text}")
+
+
+@app.command("cache")
+def _cache(
+    *,
+    clear: Annotated[bool, typer.Option("--clear", help="Remove all tables.")] = False,
+    limit: Annotated[
+        str | None, typer.Option("--limit", metavar="SIZE", help='Bound the size from now on: `--limit "2 GB"`.')
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Show, clear or bound the tables that runs keep on disk for each other; all of them can be computed again.
+
+    The variable EIGENCONTACT_CACHE names another folder, or turns it off (`EIGENCONTACT_CACHE=off`).
+    """
+    from eigencontact.listing import cache_data, cache_text
+
+    try:
+        data = cache_data(clear=clear, limit=limit)
+    except EigencontactError as problem:
+        _fail(problem)
+    typer.echo(json.dumps(data, indent=2) if as_json else cache_text(data))
 
 
 @app.command("new-plugin")

@@ -1,4 +1,4 @@
-"""What is installed and what is bundled, as data and as text."""
+"""What is installed, what is bundled and what is kept on disk, as data and as text."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from dataclasses import MISSING, fields
 from typing import Any, get_args, get_type_hints
 
 from eigencontact.core.quantities import Unit
-from eigencontact.errors import PluginError
+from eigencontact.errors import PluginError, ResultsError, SceneError
 from eigencontact.hooks.registry import Entry, Registry
 
-__all__ = ["gallery_data", "plugin_data", "plugin_text"]
+__all__ = ["cache_data", "cache_text", "gallery_data", "plugin_data", "plugin_text"]
 
 
 def gallery_data() -> dict[str, str]:
@@ -19,6 +19,55 @@ def gallery_data() -> dict[str, str]:
     from eigencontact.scene.loader import bundled_names, bundled_text
 
     return {name: str(tomllib.loads(bundled_text(name)).get("title", "")) for name in bundled_names()}
+
+
+def cache_data(*, clear: bool = False, limit: str | None = None) -> dict[str, Any]:
+    """Tables on disk, after what is to be done with them.
+
+    Parameters
+    ----------
+    clear : bool
+        Remove them all.
+    limit : str, optional
+        Size to bound them by: ``"2 GB"``.
+
+    Raises
+    ------
+    SceneError
+        A limit that is no size, or none to set as tables are turned off.
+    ResultsError
+        The folder cannot be written.
+    """
+    from eigencontact.core.table_cache import VARIABLE, table_cache
+    from eigencontact.core.units import parse_quantity
+
+    tables = table_cache()
+    if tables is None:
+        if limit is not None:
+            raise SceneError(f"{VARIABLE} must name a folder for a limit to be set (got 'off'); unset it")
+        return {"folder": None, "entries": 0, "bytes": 0, "limit": 0}
+    if clear:
+        tables.clear()
+    if limit is not None:
+        try:
+            tables.set_limit(int(parse_quantity(limit, "B", "a size")))
+        except ValueError as problem:
+            raise SceneError(f"--limit must be {problem} (got {limit!r})") from None
+        except OSError as problem:
+            raise ResultsError(f"the cache in {tables.folder} must be writable (got {problem})") from problem
+    entries = tables.entries()
+    size = sum(entry.size for entry in entries)
+    return {"folder": str(tables.folder), "entries": len(entries), "bytes": size, "limit": tables.limit}
+
+
+def cache_text(data: dict[str, Any]) -> str:
+    """The answer of `cache_data` in one line."""
+    from eigencontact.core.units import readable
+
+    if data["folder"] is None:
+        return "tables are not kept on disk"
+    size, limit = readable(data["bytes"], "B"), readable(data["limit"], "B")
+    return f"{data['entries']} tables, {size} of at most {limit}, in {data['folder']}"
 
 
 def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:

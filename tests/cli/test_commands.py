@@ -4,12 +4,14 @@ import json
 import re
 import tomllib
 
+import numpy as np
 import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.core.table_cache import TableCache
 
-VERBS = ("run", "explain", "plugins", "gallery", "plot")
+VERBS = ("run", "explain", "plugins", "gallery", "plot", "cache")
 
 
 def test_help_lists_the_commands_and_exit_codes(command):
@@ -27,6 +29,7 @@ def test_help_lists_the_commands_and_exit_codes(command):
         ("explain", ("--set", "--json", "SCENE")),
         ("plugins", ("--json", "Show one plugin")),
         ("gallery", ("show", "--json")),
+        ("cache", ("--clear", "--limit", "--json")),
         ("plot", ("--output", "--vtk", "--quiet", "--json", "RESULTS")),
     ],
 )
@@ -230,3 +233,50 @@ def test_plugins_lists_kinds_packages_and_parameters(command):
     assert data["broken"] == []
     sphere = next(entry for entry in data["plugins"] if entry["key"] == "sphere")
     assert sphere["parameters"][0] == {"name": "radius", "unit": "m", "required": True, "default": None}
+
+
+# --- cache --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def tables(tmp_path, monkeypatch):
+    """Two tables in a folder of their own."""
+    folder = tmp_path / "tables"
+    monkeypatch.setenv("EIGENCONTACT_CACHE", str(folder))
+    found = TableCache(folder)
+    for name in "ab":
+        found.keep(name, {"values": np.zeros(1000)})
+    return found
+
+
+def test_cache_tells_clears_and_bounds_the_tables_on_disk(command, tables):
+    size = sum(entry.size for entry in tables.entries())
+    expected = {"folder": str(tables.folder), "entries": 2, "bytes": size, "limit": 1_000_000_000}
+    assert json.loads(command("cache", "--json").out) == expected
+    assert command("cache").out.startswith("2 tables, 16.5")
+    assert "of at most 2.5 GB" in command("cache", "--limit", "2.5 GB").out
+    assert command("cache", "--limit", "10 kB").out.startswith("1 tables, 8.2")
+    assert command("cache", "--clear").out.startswith("0 tables, 0 B of at most 10 kB")
+    assert tables.entries() == []
+
+
+@pytest.mark.parametrize(
+    ("limit", "words"),
+    [
+        ("2", "give a plain number or a unit, like \"2 GB\" (got '2')"),
+        ("2 m", "has the dimension [length]"),
+        ("0 B", "cache.limit must be positive [bytes]"),
+    ],
+)
+def test_cache_refuses_what_is_no_size(command, tables, limit, words):
+    outcome = command("cache", "--limit", limit)
+    assert outcome.code == 2
+    assert words in outcome.err
+    assert tables.limit == 1_000_000_000
+
+
+def test_cache_that_is_turned_off_has_no_limit(command):
+    assert command("cache").out == "tables are not kept on disk\n"
+    outcome = command("cache", "--limit", "1 GB")
+    assert outcome.code == 2
+    assert "EIGENCONTACT_CACHE must name a folder" in outcome.err

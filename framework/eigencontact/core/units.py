@@ -106,7 +106,7 @@ def _factors(symbol: str) -> dict[str, float]:
         }
     if symbol == "rad":
         return {"": 1.0, "rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": math.pi / 180.0}
-    if symbol in ("m", "Pa", "N"):
+    if symbol in ("m", "Pa", "N", "B"):
         return {prefix + symbol: float(f"1e{power}") for prefix, power in _PREFIXES.items()}
     return {}
 
@@ -123,8 +123,8 @@ def _unknown_unit(problem: Any, symbol: str) -> str:
 
 
 #: Units that a misspelt one is compared with.
-_SPELLINGS = {"m": ("m",), "Pa": ("Pa",), "N": ("N",), "rad": ("rad", "deg"), "N*m": ("N*m", "N*mm")}
-_EXAMPLES = {"m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N*m": "2 N*mm"}
+_SPELLINGS = {"m": ("m",), "Pa": ("Pa",), "N": ("N",), "rad": ("rad", "deg"), "N*m": ("N*m", "N*mm"), "B": ("B",)}
+_EXAMPLES = {"m": "105 um", "Pa": "210 GPa", "N": "0.65 N", "rad": "0.1 deg", "N*m": "2 N*mm", "B": "2 GB"}
 
 
 def readable(value: float, unit: str) -> str:

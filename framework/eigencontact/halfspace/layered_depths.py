@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from eigencontact.core.material import Material
 from eigencontact.core.products import product
 from eigencontact.core.symmetry import parity
+from eigencontact.core.table_cache import address, table_cache
 from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.layered_remainder import RESOLUTIONS, NodalField, SmoothField
 from eigencontact.halfspace.layered_split import DEEP, OWN, Band
 from eigencontact.halfspace.layered_waves import DIRECTIONS, NAMES
-from eigencontact.halfspace.media import HomogeneousInfluence
+from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side
 
 __all__ = ["LayeredDepths"]
 
@@ -57,7 +58,8 @@ class LayeredDepths:
     components: tuple[str, ...]
     half_widths: tuple[float, float]
     reach: float
-    medium: str
+    medium: Medium
+    side: Side
     fields: tuple[tuple[Band, SmoothField], ...]
     bounds: FloatArray = field(init=False)
     _places: dict[int, tuple[_Resolved, int]] = field(init=False, repr=False)
@@ -111,7 +113,28 @@ class LayeredDepths:
         return evaluate(components, x, y, depth, self.half_widths, solid)
 
     def _resolve(self, band: Band, smooth: SmoothField) -> _Resolved:
-        """Raise the resolution of a band until all its depths agree, and note the bounds of their errors."""
+        """Field of a band as it is kept on disk, or found now."""
+        parts = (self.quantity, self.components, self.half_widths, self.reach, self.side, band, smooth.extent)
+        tables, code = table_cache(), ("eigencontact.core.products", __name__, self.base, self.medium)
+        key = address(self.base, self.medium, *parts, code=code) if tables else None
+        kept = tables.find(key, "resolution", "bounds", "radial") if tables and key else None
+        if kept is None:
+            resolution, bounds = self._resolution(band, smooth)
+            field = smooth.at(resolution)
+            kept = {"resolution": np.array(resolution), "bounds": bounds, "radial": smooth.radial(resolution)}
+            deep = self._deep(band, field.nodes.x)
+            kept |= {"deep": deep} if deep is not None else {}
+            if tables and key:
+                tables.keep(key, kept)
+        else:
+            field = smooth.of(kept["radial"], float(kept["resolution"]))
+        self.bounds[list(band.numbers)] = kept["bounds"]
+        limit = DEEP * max(self.half_widths)
+        shallow = [[kernel for kernel in kernels if kernel[2] <= limit] for kernels in band.kernels]
+        return _Resolved(band, field, kept.get("deep"), shallow)
+
+    def _resolution(self, band: Band, smooth: SmoothField) -> tuple[float, FloatArray]:
+        """Raise the resolution of a band until all its depths agree; that resolution, and bounds of their errors."""
         own = OWN[self.base.traction][self.quantity]
         watched = (*self.components, *(() if own in self.components else (own,)))
         rows = [NAMES[self.quantity].index(name) for name in watched]
@@ -134,21 +157,18 @@ class LayeredDepths:
         bound = 2 * change + self._rounding(band) / largest
         if not bound.max() < ACCEPTED:
             raise NotConverged(
-                f"influence coefficients of medium {self.medium!r} ({self.quantity} at z = "
+                f"influence coefficients of medium {self.medium.key!r} ({self.quantity} at z = "
                 f"{band.depths[int(bound.argmax())]:.3g} m) must agree to {ACCEPTED:.0e} between two resolutions (got "
                 f"{bound.max():.1e}); join layers that are much thinner than the others, or bring the moduli nearer "
                 "together"
             )
-        self.bounds[list(band.numbers)] = bound
-        return self._with_kernels(band, found)
+        return resolution, bound
 
-    def _with_kernels(self, band: Band, smooth: NodalField) -> _Resolved:
-        """Closed kernels apart, those of deep half-spaces on the nodes."""
+    def _deep(self, band: Band, x: FloatArray) -> FloatArray | None:
+        """Closed kernels of deep half-spaces on nodes, ``(len(components), nz, n, n)``, if there are any."""
         limit = DEEP * max(self.half_widths)
-        shallow = [[kernel for kernel in kernels if kernel[2] <= limit] for kernels in band.kernels]
         deep: FloatArray | None = None
         known: dict[tuple[Material, float], FloatArray] = {}
-        x = smooth.nodes.x
         for row, kernels in enumerate(band.kernels):
             for weight, solid, depth in kernels:
                 if depth <= limit:
@@ -158,7 +178,7 @@ class LayeredDepths:
                 if (solid, depth) not in known:
                     known[solid, depth] = self._closed(self.components, x[None, :], x[:, None], depth, solid)
                 deep[:, row] += weight * known[solid, depth]
-        return _Resolved(band, smooth, deep, shallow)
+        return deep
 
     def _probes(self, half_width: float) -> FloatArray:
         """Offsets at which two resolutions are compared: 0 and whole cells, near and far."""

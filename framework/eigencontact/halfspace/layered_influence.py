@@ -182,7 +182,9 @@ class LayeredInfluence:
         for band in bands(self.base, quantity, np.asarray(depths, dtype=float), max(half_widths), medium, self.side):
             extent = 2.0 ** (float(np.ceil(OCTAVE * np.log2(np.arcsinh(edge / band.scale)))) / OCTAVE)
             fields.append((band, self._field(quantity, band, medium, extent)))
-        found = LayeredDepths(self.base, quantity, tuple(components), half_widths, reach, medium.key, tuple(fields))
+        found = LayeredDepths(
+            self.base, quantity, tuple(components), half_widths, reach, medium, self.side, tuple(fields)
+        )
         with self._lock:
             while sum(kept.nbytes for kept in self._fields.values()) > KEPT:
                 self._fields.popitem(last=False)

@@ -92,22 +92,26 @@ class SmoothField:
     scale: float
     longest: float
     extent: float
-    _known: dict[float, NodalField] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _known: dict[float, FloatArray] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
     def nbytes(self) -> int:
         """Memory of what was found so far."""
-        return sum(known.values.nbytes for known in list(self._known.values()))
+        return sum(known.nbytes for known in list(self._known.values()))
 
     def at(self, resolution: float) -> NodalField:
-        """Field on nodes; found once.
+        """Field on nodes."""
+        return self.of(self.radial(resolution), resolution)
 
-        The density of all grids rises with `resolution`, and the range of wavenumbers widens with it, so that two
-        resolutions that agree vouch for the range too.
+    def radial(self, resolution: float) -> FloatArray:
+        """Functions of the distance that make up the field, ``(functions, nz, m)``; found once.
+
+        The m distances are those of the nodes in half a quadrant: x and y have the same nodes. The density of all grids
+        rises with `resolution`, and the range of wavenumbers widens with it, so that two resolutions that agree vouch
+        for the range too.
         """
         if resolution not in self._known:
-            nodes = StretchedNodes.enough(self.scale, self.extent, DIGITS * resolution)
-            reach = self.scale * np.sinh(self.extent)
+            nodes, reach = self._nodes(resolution), self.scale * np.sinh(self.extent)
             grid = LogGrid(
                 scale=self.scale,
                 distance=max(1.5 * reach, self.longest),
@@ -116,12 +120,18 @@ class SmoothField:
                 highest=HIGHEST * resolution,
             )
             functions, orders = radial_functions(self.response, self.traction, self.quantity, grid.wavenumbers)
-            # The nodes are the same in x and y: half of the distances are enough.
             row, column = np.triu_indices(nodes.count)
-            radial = []
-            for values in grid.fields(functions, orders, np.hypot(nodes.x[row], nodes.x[column])):
-                whole = np.empty((len(values), nodes.count, nodes.count))
-                whole[:, row, column] = whole[:, column, row] = values
-                radial.append(whole)
-            self._known[resolution] = NodalField(nodes, *turned(radial, self.traction, self.quantity, nodes.x))
+            distances = np.hypot(nodes.x[row], nodes.x[column])
+            self._known[resolution] = np.array(grid.fields(functions, orders, distances))
         return self._known[resolution]
+
+    def of(self, radial: FloatArray, resolution: float) -> NodalField:
+        """Field on nodes from its functions of the distance at this resolution."""
+        nodes = self._nodes(resolution)
+        row, column = np.triu_indices(nodes.count)
+        whole = np.empty((*radial.shape[:2], nodes.count, nodes.count))
+        whole[:, :, row, column] = whole[:, :, column, row] = radial
+        return NodalField(nodes, *turned(whole, self.traction, self.quantity, nodes.x))
+
+    def _nodes(self, resolution: float) -> StretchedNodes:
+        return StretchedNodes.enough(self.scale, self.extent, DIGITS * resolution)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,8 @@ class Band:
         Closed kernels that are taken out, and added again.
     scale, longest : float
         Shortest and longest length [m] in what is left, see `SmoothField`.
+    answer : bytes
+        Hash of the response at some waves: it tells media apart whose fields do not say all, as that of a file.
     """
 
     numbers: tuple[int, ...] = field(compare=False)
@@ -55,6 +58,7 @@ class Band:
     kernels: tuple[tuple[tuple[float, Material, float], ...], ...]
     scale: float
     longest: float
+    answer: bytes
 
 
 def bands(
@@ -82,14 +86,14 @@ def bands(
     for numbers in _alike(near, scale):
         chosen = depths[numbers]
         least = float(scale[numbers].min())
-        slowest = _depth_of_substrate(base, quantity, chosen, float(scale[numbers].max()), medium, side)
+        slowest, answer = _depth_of_substrate(base, quantity, chosen, float(scale[numbers].max()), medium, side)
         far = ((1.0, medium.deep_material, slowest),) if moves else ()
         kernels = []
         for z, image in zip(chosen.tolist(), scale[numbers].tolist(), strict=True):
             closed = ((1.0, top, z), (-1.0, top, image)) if moves else ((1.0, top, z),)
             kernels.append((*(closed if near[numbers[0]] else ()), *far))
         longest = max(slowest, medium.interfaces[-1])
-        found.append(Band(tuple(numbers.tolist()), tuple(chosen.tolist()), tuple(kernels), least, longest))
+        found.append(Band(tuple(numbers.tolist()), tuple(chosen.tolist()), tuple(kernels), least, longest, answer))
     return found
 
 
@@ -106,16 +110,18 @@ def _alike(near: NDArray[np.bool_], scale: FloatArray) -> Iterator[NDArray[np.in
 
 def _depth_of_substrate(
     base: HomogeneousInfluence, quantity: str, depths: FloatArray, least: float, medium: Medium, side: Side
-) -> float:
-    """Depth [m], at least `least`, at which the kernel of the substrate nowhere exceeds twice the response."""
+) -> tuple[float, bytes]:
+    """Depth [m], at least `least`, at which the kernel of the substrate nowhere exceeds twice the response; a hash."""
     k = np.geomspace(1e-12, 1.0, 97) / least
     nil = np.zeros_like(k)
     own = [OWN[base.traction][quantity]]
-    depth = least
+    depth, answer = least, sha256()
     for waves in ((k, nil), (nil, k)):
         fields = response_at_depths(medium, quantity, own, base.traction, waves, depths, side)[0]
         alone = base.wavenumber_response(quantity, own, *waves, least, medium.deep_material)[0]
+        answer.update(np.ascontiguousarray(fields))
+        answer.update(np.ascontiguousarray(alone))
         small = np.flatnonzero((np.abs(fields) < 0.5 * np.abs(alone)).any(axis=0))
         if small.size:
             depth = max(depth, 1.0 / float(k[small[0]]))
-    return depth
+    return depth, answer.digest()

@@ -126,12 +126,10 @@ def radial_functions(
     return functions, orders
 
 
-def turned(
-    radial: Sequence[FloatArray], traction: str, quantity: str, x: FloatArray
-) -> tuple[FloatArray, list[tuple[int, int]]]:
+def turned(radial: FloatArray, traction: str, quantity: str, x: FloatArray) -> tuple[FloatArray, list[tuple[int, int]]]:
     """Components ``(len(NAMES), nz, n, n)``, Mandel, on the square lattice of coordinates x ``(n,)``; their parities.
 
-    `radial` are the transforms of the functions, ``(nz, n, n)`` each.
+    `radial` are the transforms of the functions, ``(functions, nz, n, n)``.
     """
     angle = np.arctan2(x[:, None], x[None, :])
     turning = _turning(traction, quantity)

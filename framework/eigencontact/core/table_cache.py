@@ -1,0 +1,241 @@
+"""Tables that are kept on disk between runs, each found by what determines it.
+
+A table is a few arrays in one ``.npz`` file, named by a hash of all that determines them: numbers, names, and the code
+that computed them (`address`). The folder is bounded; tables used longest ago go first. Files are written under another
+name and renamed, so that processes may share the folder; a file that is damaged counts as absent. Nothing depends on
+the folder: where it cannot be read or written, tables are computed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+import struct
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from functools import cache
+from hashlib import sha256
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.errors import require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["DEFAULT_LIMIT", "VARIABLE", "Entry", "TableCache", "address", "table_cache"]
+
+FloatArray = NDArray[np.float64]
+
+#: Names the folder; empty or "off" for none.
+VARIABLE = "EIGENCONTACT_CACHE"
+#: Bytes that the folder may hold if nobody says otherwise.
+DEFAULT_LIMIT = 1_000_000_000
+#: A full folder is emptied down to this part of its limit, so that it need not be searched for each new table.
+_KEPT = 0.8
+#: Unfinished files older than this are left over from processes that were killed [s].
+_ABANDONED = 3600.0
+_TABLE, _UNFINISHED, _LIMIT = ".npz", ".unfinished", "limit"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Entry:
+    """A file of the folder: its size [bytes] and when it was last used [s since 1970]."""
+
+    path: Path
+    size: int
+    used: float
+
+
+class TableCache:
+    """Tables in one folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first table is kept.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._size: int | None = None
+
+    def find(self, key: str, *names: str) -> dict[str, FloatArray] | None:
+        """Arrays kept under a key, these names among them; None where there are none, or where they are damaged."""
+        path = self._path(key)
+        try:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+                found = {name: stored[name] for name in stored.files}
+            os.utime(path)
+        except Exception:  # noqa: BLE001 - there is none, or a damaged one, which raises what it likes
+            return None
+        return found if found.keys() >= set(names) else None
+
+    def keep(self, key: str, arrays: Mapping[str, FloatArray]) -> None:
+        """Keep arrays under a key; where the disk refuses, they are not kept."""
+        with contextlib.suppress(OSError):
+            path = self._path(key)
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(suffix=_UNFINISHED, dir=self.folder)
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    np.savez(file, **arrays)  # type: ignore[arg-type]
+                Path(name).replace(path)
+            finally:
+                Path(name).unlink(missing_ok=True)
+            self._count(path.stat().st_size)
+
+    @property
+    def limit(self) -> int:
+        """Bytes that the tables may take together."""
+        try:
+            return int((self.folder / _LIMIT).read_text(encoding="ascii"))
+        except (OSError, ValueError):
+            return DEFAULT_LIMIT
+
+    def set_limit(self, limit: int) -> None:
+        """Bound the size from now on, for every process [bytes].
+
+        Raises
+        ------
+        SceneError
+            Not positive.
+        OSError
+            The folder cannot be written.
+        """
+        require(limit > 0, "cache", "limit", limit, f"positive [bytes]; to keep nothing set {VARIABLE}=off")
+        self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", suffix=_UNFINISHED, dir=self.folder, delete=False) as file:
+            file.write(str(limit))
+        Path(file.name).replace(self.folder / _LIMIT)
+        self._evict(limit, limit)
+
+    def entries(self) -> list[Entry]:
+        """All tables, those used longest ago first."""
+        return sorted((entry for entry in self._files() if entry.path.suffix == _TABLE), key=lambda entry: entry.used)
+
+    def clear(self) -> None:
+        """Remove all tables, and what was left unfinished."""
+        for entry in self._files():
+            with contextlib.suppress(OSError):
+                entry.path.unlink(missing_ok=True)
+        self._size = None
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}{_TABLE}"
+
+    def _files(self) -> Iterator[Entry]:
+        """Tables and unfinished files; those that another process removes meanwhile are left out."""
+        with contextlib.suppress(OSError), os.scandir(self.folder) as found:
+            for file in found:
+                if file.name.endswith((_TABLE, _UNFINISHED)):
+                    with contextlib.suppress(OSError):
+                        about = file.stat()
+                        yield Entry(Path(file.path), about.st_size, about.st_mtime)
+
+    def _count(self, added: int) -> None:
+        """Note what a new table takes; the folder is searched at the first one, and where it may be full."""
+        self._size = None if self._size is None else self._size + added
+        limit = self.limit
+        if self._size is None or self._size > limit:
+            self._evict(limit, int(_KEPT * limit))
+
+    def _evict(self, limit: int, target: int) -> None:
+        """Where tables exceed the limit, remove those used longest ago until they are within the target."""
+        for file in self._files():
+            if file.path.suffix == _UNFINISHED and file.used < time.time() - _ABANDONED:
+                file.path.unlink(missing_ok=True)
+        entries = self.entries()
+        size = sum(entry.size for entry in entries)
+        if size > limit:
+            for entry in entries:
+                if size <= target:
+                    break
+                entry.path.unlink(missing_ok=True)
+                size -= entry.size
+        self._size = size
+
+
+def table_cache() -> TableCache | None:
+    """Tables of this user, where the platform keeps such files; None where they are turned off."""
+    named = os.environ.get(VARIABLE)
+    if named is not None:
+        return None if named.strip().lower() in ("", "off") else _of_folder(Path(named).expanduser())
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    try:
+        folder = Path(base) if base and Path(base).is_absolute() else _usual_folder()
+    except RuntimeError:  # a user without a home
+        return None
+    return _of_folder(folder / "eigencontact")
+
+
+def _usual_folder() -> Path:
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    return Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
+
+
+@cache
+def _of_folder(folder: Path) -> TableCache:
+    """One object of a folder: it remembers what the folder holds."""
+    return TableCache(folder)
+
+
+def address(*parts: Any, code: tuple[object, ...] = ()) -> str | None:
+    """Key of a table: a hash of all that determines it, or None where that cannot be told.
+
+    Parameters
+    ----------
+    parts
+        Text, numbers, None, arrays, sequences of these, and dataclasses with fields of these.
+    code : tuple of (str or object)
+        Whose source determines the table: modules by name, and objects for the modules of their classes. Modules of a
+        package count with those beside them.
+    """
+    sources = {item if isinstance(item, str) else type(item).__module__ for item in code}
+    try:
+        told = _told((np.__version__, sorted(_source(name) for name in sources), parts))
+    except TypeError:
+        return None
+    return sha256(told).hexdigest()
+
+
+def _told(part: Any) -> bytes:
+    """Bytes that differ where parts differ."""
+    match part:
+        case bool() | int() | None:
+            kind, body = "whole", repr(part).encode()
+        case str():
+            kind, body = "text", part.encode()
+        case bytes():
+            kind, body = "bytes", part
+        case float():
+            kind, body = "number", struct.pack("<d", part)
+        case np.ndarray() | np.generic() if part.dtype != object:
+            kind, body = f"array {part.dtype.str} {part.shape}", np.ascontiguousarray(part).tobytes()
+        case tuple() | list():
+            kind, body = "sequence", b"".join(map(_told, part))
+        case _ if dataclasses.is_dataclass(part) and not isinstance(part, type):
+            values = [getattr(part, field.name) for field in dataclasses.fields(part) if field.compare]
+            kind, body = f"{type(part).__module__}.{type(part).__qualname__}", _told(values)
+        case _:
+            raise TypeError(f"a part of an address must be text, numbers or dataclasses (got {type(part).__name__})")
+    return f"{kind}, {len(body)}: ".encode() + body
+
+
+@cache
+def _source(name: str) -> bytes:
+    """Hash of the source of a module, and of those beside it in its package."""
+    module = import_module(name)
+    file = getattr(module, "__file__", None)
+    if not file or not Path(file).suffix == ".py":
+        raise TypeError(f"module {name!r} must have a source file")
+    files = sorted(Path(file).parent.glob("*.py")) if module.__package__ else [Path(file)]
+    return sha256(b"".join(_told([path.name, path.read_bytes()]) for path in files)).digest()
