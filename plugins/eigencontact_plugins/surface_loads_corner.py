@@ -5,7 +5,7 @@ built from derivatives of W, written so that nothing cancels and nothing is 0/0 
 
 ==========  ==========================================================================================
 A           W_zzz = -A, A = arctan(xy / (zR)); at z = 0 its limit from inside the body
-T           W_zxx = T(x, y) = arctan(xy / (x² + z² + zR)); T' = T(y, x) = W_zyy
+T           W_zxx = T(x, y) = arctan(xy / (x² + z² + zR)); T' = T(y, x) = W_zyy = A - T, as W is harmonic
 L_y, L_x    W_zzx = L_y = arsinh(y / sqrt(x² + z²)); L_x likewise
 M           W_zx = M = y ln(R + z) + z L_y + x T; M' = W_zy likewise
 V           W_zz = V = x L_y + y L_x - z A
@@ -65,7 +65,7 @@ class Corner:
 
     @cached_property
     def T_swapped(self) -> FloatArray:
-        return np.arctan2(self.x * self.y, self.yz2 + self.z * self.R)
+        return self.A - self.T
 
     @cached_property
     def L_x(self) -> FloatArray:

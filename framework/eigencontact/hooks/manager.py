@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from importlib.metadata import EntryPoint, entry_points
+from functools import cache
+from importlib.metadata import Distribution, EntryPoint, entry_points
 from typing import Any
 
 import pluggy
@@ -38,11 +39,12 @@ def load_plugins(
     manager = pluggy.PluginManager(hookspecs.NAMESPACE)
     manager.add_hookspecs(hookspecs.specifications())
     points = entry_points(group=hookspecs.NAMESPACE) if discovered is None else discovered
+    named = cache(_named)  # each question to a distribution reads its metadata again
     for point in sorted(points, key=lambda point: (point.name, point.value)):
         package, version = point.value, ""
         try:
             if point.dist:
-                package, version = point.dist.name, point.dist.version
+                package, version = named(point.dist)
             _register(registry, manager, point.load(), package, version)
         except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
             registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), _reason(problem)))
@@ -80,6 +82,12 @@ def _classes(manager: pluggy.PluginManager, module: Any) -> list[type]:
     if not found:
         raise PluginError(f"it registers nothing: implement {hookspecs.HOOK} and return its classes")
     return found
+
+
+def _named(dist: Distribution) -> tuple[str, str]:
+    """Name and version of an installed package."""
+    metadata = dist.metadata
+    return metadata["Name"], metadata["Version"]
 
 
 def _reason(problem: BaseException) -> str:

@@ -91,6 +91,20 @@ def _responses(
     return (kernel.response(names, kx, ky, float(z)) for z in depths)
 
 
+def _mirrored(offsets: FloatArray) -> int:
+    """How many of ascending offsets are mirror images of others: half of them where they are symmetric about 0."""
+    symmetric = offsets.size > 1 and np.abs(offsets + offsets[::-1]).max() <= 1e-12 * offsets[-1]
+    return offsets.size // 2 if symmetric else 0
+
+
+def _whole(part: FloatArray, mirrored: int, axis: int, sign: int) -> FloatArray:
+    """Table with the mirror images of its last values, by their parity, before it."""
+    if not mirrored:
+        return part
+    images = sign * np.flip(part.take(range(-mirrored, 0), axis), axis)
+    return np.concatenate([images, part], axis)
+
+
 class SubsurfaceStress:
     """Stress on a lattice of target points at several depths, as a convolution whose spectra are made once.
 
@@ -169,13 +183,16 @@ class SubsurfaceStress:
         """Tasks that fill in the spectra of one depth each from tables of coefficients."""
         dx, dy = self.grid.dx, self.grid.dy
         x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
+        below, left = _mirrored(y), _mirrored(x)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
         prepared = _all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)
 
         def fill(k: int) -> None:
             for kernel, tables in zip(kernels, prepared, strict=True):
-                for row, (name, table) in enumerate(zip(COMPONENTS, tables(k, x, y), strict=True)):
-                    spectrum = self._layout.spectrum(table, kernel.parity(name), precision=self._precision)
+                for row, (name, part) in enumerate(zip(COMPONENTS, tables(k, x[left:], y[below:]), strict=True)):
+                    parity = kernel.parity(name)
+                    table = _whole(_whole(part, below, 0, parity[0]), left, 1, parity[1])
+                    spectrum = self._layout.spectrum(table, parity, precision=self._precision)
                     self._spectra[k][row].append(spectrum)
 
         return [partial(fill, k) for k in range(self.depths.size)]
