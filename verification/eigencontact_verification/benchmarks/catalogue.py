@@ -10,6 +10,7 @@ from eigencontact_verification.benchmarks import (
     inhomogeneity,
     layers,
     plasticity,
+    rough,
     stress,
     tangential,
     trade,
@@ -19,5 +20,18 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark
 
 __all__ = ["BENCHMARKS"]
 
-_MODULES = (hertz, stress, fidelity, eigenstrain, cloud, trade, tangential, inhomogeneity, layers, plasticity, wear)
+_MODULES = (
+    hertz,
+    stress,
+    fidelity,
+    eigenstrain,
+    cloud,
+    trade,
+    tangential,
+    inhomogeneity,
+    layers,
+    plasticity,
+    wear,
+    rough,
+)
 BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}

@@ -20,7 +20,7 @@ class Task:
     ----------
     benchmark : str
         ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"``,
-        ``"tangential"``, ``"inhomogeneity"``, ``"layers"``, ``"plasticity"`` or
+        ``"tangential"``, ``"inhomogeneity"``, ``"layers"``, ``"plasticity"``, ``"rough"`` or
         ``"wear"``.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
@@ -38,7 +38,7 @@ class Task:
         Number of depths (stress and layers).
     case : str
         Where the eigenstrain is (fidelity); what is computed of it (eigenstrain); shapes (cloud); Poisson's
-        ratio (tangential).
+        ratio (tangential); boundary and share of the area in contact (rough).
     """
 
     benchmark: str
