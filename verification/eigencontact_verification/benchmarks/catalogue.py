@@ -10,6 +10,7 @@ from eigencontact_verification.benchmarks import (
     inhomogeneity,
     layers,
     plasticity,
+    predictions,
     rough,
     stress,
     tangential,
@@ -33,5 +34,6 @@ _MODULES = (
     plasticity,
     wear,
     rough,
+    predictions,
 )
 BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}

@@ -19,9 +19,7 @@ class Task:
     Parameters
     ----------
     benchmark : str
-        ``"hertz"``, ``"stress"``, ``"fidelity"``, ``"eigenstrain"``, ``"cloud"``, ``"trade"``,
-        ``"tangential"``, ``"inhomogeneity"``, ``"layers"``, ``"plasticity"``, ``"rough"`` or
-        ``"wear"``.
+        Name of one of those in `eigencontact_verification.benchmarks.catalogue`.
     code : str
         A name for `eigencontact_verification.benchmarks.codes.find_code`.
     n : int

@@ -1,0 +1,94 @@
+"""What `explain` predicts of every bundled scene, against what the scene then takes: time, and time of each block.
+
+Each scene is planned and run in a process of its own, in memory, without pictures. A prediction times a few
+convolutions and kernels where it is made and counts them: on a busy machine neither side is worth much.
+"""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.table import Column, Row
+
+if TYPE_CHECKING:
+    from eigencontact_verification.benchmarks.task import Sample, Task
+
+__all__ = ["BENCHMARK", "FACTOR", "measure"]
+
+#: By what a prediction may be wrong, either way.
+FACTOR = 2.0
+
+_CODE = Code(
+    name="eigencontact",
+    distribution="eigencontact",
+    modules=("eigencontact.app", "eigencontact.planning.planner", "eigencontact.results.memory", "scipy.fft"),
+    settings="bundled scenes as they are, in memory, without pictures",
+)
+_PLAIN = [f"output.{name}=false" for name in ("pictures", "vtk", "animation")]
+
+
+def _bundled() -> tuple[str, ...]:
+    """Names of the bundled scenes, found without importing the package: interpreters of peers do not have it."""
+    found = find_spec("eigencontact")
+    roots = [] if found is None else found.submodule_search_locations or []
+    return tuple(sorted(path.stem for root in roots for path in Path(root, "gallery").glob("*.toml")))
+
+
+def measure(code: Code, task: Task) -> Sample:
+    """Plan and run one scene in this process, which is a fresh one."""
+    code.load()
+    import eigencontact as ec
+
+    plan: Any = ec.plan(ec.load_scene(task.case, [*_PLAIN, f"numerics.threads={task.threads}"]))
+
+    def judge(result: Any) -> dict[str, Any]:
+        numbers = result.summary
+        took: dict[str, float] = numbers["seconds_by_block"]
+        predicted = {
+            block.name: block.cost.seconds_once + plan.steps * block.cost.seconds_per_step for block in plan.blocks
+        }
+        worst = max(predicted, key=lambda name: abs(predicted[name] - took.get(name, 0.0)))
+        return {
+            "planned_s": plan.seconds_planned,
+            "predicted_s": numbers["predicted_seconds"],
+            "took_s": numbers["compute_seconds"],
+            "factor": numbers["predicted_seconds"] / numbers["compute_seconds"],
+            "memory": numbers["predicted_memory_bytes"] / numbers["peak_memory_bytes"],
+            "worst": worst,
+            "worst_predicted_s": predicted[worst],
+            "worst_took_s": took.get(worst, 0.0),
+            "blocks": {name: [predicted.get(name, 0.0), seconds] for name, seconds in took.items()},
+        }
+
+    return Trial(call=lambda: ec.run(plan), judge=judge).run(task, warm=0)
+
+
+def _remarks(rows: list[Row]) -> list[str]:
+    good = sum(1 / FACTOR <= row["factor"] <= FACTOR for row in rows)
+    return [f"predicted within a factor of {FACTOR:.0f}: {good} of {len(rows)} scenes"]
+
+
+BENCHMARK = Benchmark(
+    name="predictions",
+    help="time that is predicted of the bundled scenes, and time that they take",
+    measure=measure,
+    medians=("factor",),
+    remarks=_remarks,
+    methods={_CODE.name: _CODE},
+    cases=_bundled(),
+    columns=(
+        Column("scene", "case"),
+        Column("predicted [s]", "predicted_s", ".2f"),
+        Column("took [s]", "took_s", ".2f"),
+        Column("predicted / took", "factor", ".2f"),
+        Column("most wrong in block", "worst"),
+        Column("predicted [s]", "worst_predicted_s", ".2f"),
+        Column("took [s]", "worst_took_s", ".2f"),
+        Column("planned in [s]", "planned_s", ".2f", brief=False),
+        Column("memory predicted / peak", "memory", ".2f"),
+    ),
+)
