@@ -48,9 +48,9 @@ def explain(plan: Plan) -> str:
     for block in plan.blocks:
         for part in block.parts:
             seconds = part.cost.seconds_once + plan.steps * part.cost.seconds_per_step
-            price = f"{_bytes(part.cost.peak)}, {_time(seconds)}"
+            price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
-            lines.append(f"  {part.name}{together}: {part.why}" + (f"  [{price}]" if part.cost.peak else ""))
+            lines.append(f"  {part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
     lines += ["", f"kernels, {len(plan.kernels)} in all"]
     lines += [f"  {kernel}" for kernel in plan.kernels]
     base = resident_bytes()
@@ -222,4 +222,4 @@ def _bytes(value: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    return f"{seconds:.2g} s" if seconds >= 1 else f"{1e3 * seconds:.2g} ms"
+    return f"{seconds:.2g} s" if seconds >= 1 else f"{float(f'{1e3 * seconds:.2g}'):g} ms"

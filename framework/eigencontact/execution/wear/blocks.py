@@ -5,15 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from eigencontact.execution.beside_contact import Separation
-from eigencontact.execution.block import Block
+from eigencontact.execution.block import Block, Cost
 from eigencontact.execution.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics import Mechanics
+from eigencontact.execution.normal_contact import normal_cost
 from eigencontact.execution.step import Step
 from eigencontact.execution.wear.layers import layers_that_wear
 from eigencontact.execution.wear.surface import WornSurface
 from eigencontact.model.model import Model
+from eigencontact.scene.holding import TRAVEL
 
 __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
+
+
+#: Pressures under moved surfaces that a step needs, as the bundled scenes do: where the contact travels a cell at a
+#: time, where it slides, where it slides in cycles of which most are jumped over, and where it slips.
+_TRAVELLING, _SLIDING, _JUMPING, _SLIPPING = 3, 9, 15, 1
+#: Time of one of them by that of a contact, as most start from a pressure near by.
+_NEAR = 0.6
 
 
 class WornSeparation(Separation):
@@ -23,6 +32,10 @@ class WornSeparation(Separation):
         super().__init__(model)
         self._surface = surface
         self.why += ", and what has worn"
+        if any(ramp.slides for ramp in model.scene.ramps):
+            travels = any(getattr(ramp, name) is not None for ramp in model.scene.ramps for name in TRAVEL)
+            jumps = any(step.repeat > 1 for step in model.scene.steps)
+            self.cost = _moving(model, _TRAVELLING if travels else _JUMPING if jumps else _SLIDING)
 
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
@@ -51,6 +64,8 @@ class Wear(Block):
         self.requires = frozenset({"pressure", *slips})
         self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in bodies)), "[wear]")
         self.provides = frozenset(self.wanted)
+        if not any(ramp.slides for ramp in model.scene.ramps):
+            self.cost = _moving(model, _SLIPPING)
 
     def start(self) -> None:
         """See `Block.start`."""
@@ -59,6 +74,12 @@ class Wear(Block):
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
         self._surface.end(step)
+
+
+def _moving(model: Model, solves: float) -> Cost:
+    """Price of so many pressures a step; their memory is that of the contact."""
+    contact = normal_cost(model.grid.shape, model.contact_box, model.numerics)
+    return Cost(seconds_per_step=_NEAR * solves * contact.seconds_per_step)
 
 
 def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
