@@ -119,8 +119,8 @@ def _depth_of_substrate(
     for waves in ((k, nil), (nil, k)):
         fields = response_at_depths(medium, quantity, own, base.traction, waves, depths, side)[0]
         alone = base.wavenumber_response(quantity, own, *waves, least, medium.deep_material)[0]
-        answer.update(np.ascontiguousarray(fields))
-        answer.update(np.ascontiguousarray(alone))
+        answer.update(fields.tobytes())
+        answer.update(alone.tobytes())
         small = np.flatnonzero((np.abs(fields) < 0.5 * np.abs(alone)).any(axis=0))
         if small.size:
             depth = max(depth, 1.0 / float(k[small[0]]))
