@@ -24,7 +24,7 @@ def sampling_seconds(influence: SurfaceInfluence, body: Solid, *, periodic: bool
     if isinstance(body, LayeredMedium):
         from eigencontact.execution.layered_cost import layered_sampling_seconds
 
-        return layered_sampling_seconds(influence, body, periodic=periodic)
+        return layered_sampling_seconds(body, periodic=periodic)
     return _homogeneous_point(influence, body)
 
 

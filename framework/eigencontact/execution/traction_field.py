@@ -81,7 +81,7 @@ class TractionField:
             from eigencontact.execution.layered_cost import layered_stress_cost
 
             anew = lattice.points is not None
-            self.cost += layered_stress_cost(pressure, self._body, tables * count, numerics, anew=anew)
+            self.cost += layered_stress_cost(self._body, tables * count, numerics, anew=anew)
         self.kernels = tuple(
             KernelUse(
                 "stress (6 components)", item.words, kernel_key(model.influences[item.name], [self._body]), text,
