@@ -89,3 +89,32 @@ def test_a_run_with_wear_loads_it():
 def test_plugins_are_listed_without_scipy():
     modules = loaded("from eigencontact.app import installed_plugins; installed_plugins()")
     assert not modules & {"scipy", "matplotlib", "vtk", "pyvista", "skfem", "xarray"}
+
+
+COMMAND = """
+import sys
+from eigencontact.cli import app
+changes = ["--set", "grid.cells-per-contact-radius=8"]
+try:
+    app(args=[{words}, "hertz", *changes], prog_name="eigencontact")
+except SystemExit:
+    print()
+"""
+SLOW = {"xarray", "pandas", "pint", "pyvista", "vtkmodules", "vtk", "matplotlib", "numba", "skfem", "meshio", "dask"}
+
+
+def test_explain_loads_nothing_that_runs_or_draws():
+    modules = loaded(COMMAND.format(words="'explain'"))
+    assert "eigencontact.planning.planner" in modules
+    assert not modules & (SLOW | {"h5py", "h5netcdf", "scipy.sparse", "scipy.optimize", "scipy.ndimage"})
+    assert not [name for name in modules if name.startswith("eigencontact.viz")]
+
+
+def test_a_run_with_pictures_loads_what_draws_in_another_process_only(tmp_path):
+    """With a second core; the files of VTK are written without it."""
+    words = f"'run', '-q', '-o', {str(tmp_path)!r}"
+    code = "import eigencontact.viz.painter as painter; painter.available_threads = lambda: 2\n"
+    modules = loaded(code + COMMAND.format(words=words))
+    assert {path.suffix for path in tmp_path.iterdir()} >= {".png", ".vti", ".nc", ".json"}
+    assert "h5py" in modules
+    assert not modules & (SLOW | {"h5netcdf", "scipy.sparse", "scipy.optimize", "scipy.ndimage"})

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from eigencontact.results.store import ResultStore
     from eigencontact.results.stored import Results
     from eigencontact.scene.schema import Scene
+    from eigencontact.viz.painter import Painter
 
     Store = ResultStore | MemoryStore
 
@@ -143,6 +144,7 @@ def run(
     overwrite: bool = False,
     watcher: Watcher | None = None,
     registry: Registry | None = None,
+    painter: Painter | None = None,
 ) -> RunResult:
     """Solve a scene.
 
@@ -161,6 +163,8 @@ def run(
         Told of the course, for progress bars.
     registry : Registry, optional
         Plugins to use; by default all that are installed.
+    painter : Painter, optional
+        Process that draws the pictures (`eigencontact.viz.painter`); by default they are drawn in this one.
 
     Raises
     ------
@@ -186,7 +190,16 @@ def run(
     stopwatch = Stopwatch()
     stopwatch.add("set-up", perf_counter() - began)
     if folder is not None:
-        return _run_in(planned, Path(folder), began, stopwatch, resume=resume, overwrite=overwrite, watcher=watcher)
+        return _run_in(
+            planned,
+            Path(folder),
+            began,
+            stopwatch,
+            resume=resume,
+            overwrite=overwrite,
+            watcher=watcher,
+            painter=painter,
+        )
     if resume:
         raise ResultsError(
             "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
@@ -209,6 +222,7 @@ def _run_in(
     resume: bool,
     overwrite: bool,
     watcher: Watcher | None,
+    painter: Painter | None,
 ) -> RunResult:
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
@@ -237,7 +251,7 @@ def _run_in(
     with stopwatch.on("storing"):
         results = store.finish()
     files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}
-    files |= _draw(planned, results, folder, stopwatch)
+    files |= _draw(planned, results, folder, stopwatch, painter)
     files["summary.json"] = "the numbers of this run, in SI units"
     summary = _summary(planned, store, solved, files, stopwatch, began)
     write_summary(folder, summary)
@@ -304,32 +318,35 @@ def _summary(
     return summary_of(store.info, solved.last, history, extra)
 
 
-def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch) -> dict[str, str]:
+def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch, painter: Painter | None) -> dict[str, str]:
     """Pictures, animation and VTK files of a finished run, as far as the scene wants them."""
     files: dict[str, str] = {}
     wanted = planned.scene.output
     if not (wanted.pictures or wanted.vtk or wanted.animation):
         return files
-    with stopwatch.on("pictures"):
-        from eigencontact.results.stored import open_stored
+    from eigencontact.results.stored import open_stored
 
-        opened = open_stored(results)
-    with opened as dataset:
-        if wanted.pictures:
-            with stopwatch.on("pictures"):
-                from eigencontact.viz.figures import draw_all
-
-                files |= draw_all(dataset, folder, solid=wanted.vtk)
-        if wanted.animation:
-            with stopwatch.on("animation"):
-                from eigencontact.viz.animation import animate, subject_of
-
-                files |= animate(dataset, folder, wanted.animation) if subject_of(dataset) else {}
+    if painter is not None and wanted.pictures:
+        painter.begin(results, folder, solid=wanted.vtk)
+    with open_stored(results) as dataset:
         if wanted.vtk:
             with stopwatch.on("files for ParaView"):
                 from eigencontact.viz.vtk import write_vtk
 
                 files |= {path.name: "fields for ParaView" for path in write_vtk(dataset, folder)}
+        if wanted.animation:
+            with stopwatch.on("animation"):
+                from eigencontact.viz.animation import animate, subject_of
+
+                files = (animate(dataset, folder, wanted.animation) if subject_of(dataset) else {}) | files
+        if wanted.pictures:
+            with stopwatch.on("pictures"):
+                drawn = None if painter is None else painter.finish()
+                if drawn is None:
+                    from eigencontact.viz.figures import draw_all
+
+                    drawn = draw_all(dataset, folder, solid=wanted.vtk)
+                files = drawn | files
     return files
 
 

@@ -114,13 +114,17 @@ def run(
     """
     from eigencontact import app as calls
     from eigencontact.progress import progress
+    from eigencontact.viz.painter import painter_of
 
     try:
         loaded = calls.load_scene(scene, changes or [])
-        planned = calls.plan(loaded)
-        folder = output if output is not None else Path(planned.name)
-        with progress(enabled=not (quiet or as_json)) as watcher:
-            result = calls.run(planned, folder, resume=resume, overwrite=overwrite, watcher=watcher)
+        with painter_of(loaded) as painter:
+            planned = calls.plan(loaded)
+            folder = output if output is not None else Path(planned.name)
+            with progress(enabled=not (quiet or as_json)) as watcher:
+                result = calls.run(
+                    planned, folder, resume=resume, overwrite=overwrite, watcher=watcher, painter=painter
+                )
     except EigencontactError as problem:
         _fail(problem)
     except KeyboardInterrupt:

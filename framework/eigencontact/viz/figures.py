@@ -41,7 +41,9 @@ LOOP_STEPS = 3
 CONSTANT = 1e-6
 
 
-def draw_all(dataset: Results, folder: Path, step: int | None = None, *, solid: bool = False) -> dict[str, str]:
+def draw_all(
+    dataset: Results, folder: Path, step: int | None = None, *, solid: bool = False, part: tuple[int, int] = (0, 1)
+) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
 
     Parameters
@@ -56,11 +58,13 @@ def draw_all(dataset: Results, folder: Path, step: int | None = None, *, solid: 
         the last leaves no pressure, that and the shear are those of the largest load, and sections are drawn at both.
     solid : bool
         Whether to draw surfaces in space, which takes VTK.
+    part : (int, int)
+        Of several processes that share the work, which one this is, from 0, and how many they are.
 
     Returns
     -------
     dict of str to str
-        File name and one sentence on what it shows.
+        File name and one sentence on what it shows, of all pictures.
 
     Raises
     ------
@@ -128,11 +132,9 @@ def draw_all(dataset: Results, folder: Path, step: int | None = None, *, solid: 
     if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
         sentence = "Normal load against approach, and contact area against normal load."
         wanted.append(("history.png", sentence, lambda: load_history(dataset)))
-    described = {}
-    for name, sentence, draw in wanted:
+    for name, _, draw in wanted[part[0] :: part[1]]:
         save(draw(), folder / name)
-        described[name] = sentence
-    return described
+    return {name: sentence for name, sentence, _ in wanted}
 
 
 def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
