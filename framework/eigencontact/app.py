@@ -471,7 +471,7 @@ def region(
 
     wanted = region_table(table) if isinstance(table, str) else table
     info, record = revisit(results_file(results), wanted, installed_plugins(), step)
-    part = step_part(info, record)
+    part = step_part(info, record, copied=False)
     if folder is None:
         return dataset_of([part])
     target = Path(folder) / _region_file(next(iter(record.regions)))

@@ -11,7 +11,7 @@ from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 RADIUS, E_STAR, LOAD = 105e-6, 230.77e9, 0.65
 
 
-def info(nx=24, ny=20, size_x=16e-6, size_y=16e-6, steps=1, scene_hash="a" * 64, name="synthetic", title="Sphere"):
+def info(nx=24, ny=20, size_x=16e-6, size_y=16e-6, steps=2, scene_hash="a" * 64, name="synthetic", title="Sphere"):
     return RunInfo(
         title=title,
         name=name,

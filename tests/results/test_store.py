@@ -171,6 +171,28 @@ def test_kill_while_results_are_joined_keeps_the_steps(tmp_path, monkeypatch):
     assert ResultStore.create(tmp_path, info, resume=True).finish().exists()
 
 
+def test_the_only_step_of_a_run_is_stored_as_results_at_once(tmp_path, monkeypatch):
+    info = synthetic.info(steps=1)
+    record = synthetic.step(info)
+    store = ResultStore.create(tmp_path, info)
+    with monkeypatch.context() as patch:  # killed before the rename, or the disk is full
+        patch.setattr(Path, "replace", broken_rename)
+        with pytest.raises(ResultsError, match=r"^results must be stored in"):
+            store.write_step(record)
+    assert names(tmp_path) == ["steps"]
+    assert names(tmp_path / "steps") == ["run.json"]
+    (tmp_path / ".results.nc.partial").write_bytes(b"half")  # killed while it was written
+    again = ResultStore.create(tmp_path, info, resume=True)
+    assert again.accepted() == []
+    again.write_step(record)
+    assert names(tmp_path) == ["results.nc"]
+    assert again.finish() == tmp_path / "results.nc"
+    resumed = ResultStore.create(tmp_path, info, resume=True)
+    assert resumed.accepted() == [1]
+    same_record(record, resumed.load_step(1))
+    assert resumed.history(record) == [record.row()]
+
+
 def test_interrupt_while_writing_is_passed_on_and_leaves_nothing(tmp_path, monkeypatch):
     info = synthetic.info()
     store = filled(tmp_path, info, [])

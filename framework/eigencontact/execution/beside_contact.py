@@ -23,6 +23,9 @@ __all__ = ["ReferencePressure", "Separation", "TangentialDisplacement", "blocks_
 
 FloatArray = NDArray[np.float64]
 
+#: Cells of which a closed form is evaluated at a time: what it needs besides its result stays in the cache.
+_BAND = 2**17
+
 
 class Separation(Block):
     """The initial gap; where the geometry rolls, at the place that it has reached, which is stored."""
@@ -122,8 +125,12 @@ class ReferencePressure(Block):
             return
         y, x = self._grid.axes()
         x, y = x - step.travel[0], y - step.travel[1]
-        field = self._geometry.reference_pressure(x, y, step.scalars["normal_load"], self._modulus)
-        step.fields[self._field] = np.broadcast_to(field, self._grid.shape)
+        field = np.empty(self._grid.shape)
+        rows = max(1, _BAND // self._grid.nx)
+        for at in range(0, self._grid.ny, rows):
+            band = slice(at, at + rows)
+            field[band] = self._geometry.reference_pressure(x, y[band], step.scalars["normal_load"], self._modulus)
+        step.fields[self._field] = field
 
 
 def blocks_beside_contact(model: Model) -> Iterator[Block]:

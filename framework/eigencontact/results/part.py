@@ -63,11 +63,11 @@ class Part(dict[str, Stored]):
         self.attrs = dict(attrs)
 
 
-def part_of(attrs: Mapping[str, Any], variables: Sequence[Variable]) -> Part:
-    """Part in memory; it holds copies."""
+def part_of(attrs: Mapping[str, Any], variables: Sequence[Variable], *, copied: bool = True) -> Part:
+    """Part in memory; it holds copies, or the arrays themselves, which then must not change as long as it is used."""
 
     def held(variable: Variable) -> Stored:
-        values = np.array(variable.values)
+        values = np.array(variable.values) if copied else variable.values
         return Stored(attrs=_described(variable), shape=values.shape, dtype=values.dtype, read=values.view)
 
     return Part(attrs, {variable.name: held(variable) for variable in variables})

@@ -32,14 +32,14 @@ __all__ = [
 ]
 
 
-def step_part(info: RunInfo, record: StepRecord) -> Part:
+def step_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part:
     """Build a step as it will be joined, in memory; `ResultsError` as of `eigencontact.results.layout.variables`."""
-    return part_of(attributes(info, record), variables(info, record))
+    return part_of(attributes(info, record), variables(info, record), copied=copied)
 
 
-def history_part(info: RunInfo, record: StepRecord) -> Part:
+def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part:
     """What the bodies remember after a step, in memory."""
-    return part_of(_marked(info), list(history_variables(record)))
+    return part_of(_marked(info), list(history_variables(record)), copied=copied)
 
 
 def write_step(path: Path, info: RunInfo, record: StepRecord, *, lasting: bool = True) -> None:

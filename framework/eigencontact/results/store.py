@@ -17,10 +17,12 @@ from eigencontact.results.join import join_steps
 from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, listed_files
 from eigencontact.results.reader import open_results
 from eigencontact.results.stepfile import (
+    history_part,
     names_remembered,
     read_attributes,
     read_history,
     read_step,
+    step_part,
     stored_rows,
     stored_steps,
     write_step,
@@ -54,7 +56,7 @@ class ResultStore:
     While a run is under way the folder holds ``steps/0001.step ...``, and where bodies remember something
     ``0001.history.step ...`` of the last two steps (of all, if the scene wants that); `finish` joins them into
     ``results.nc``. A run killed at any moment leaves complete steps only, and a store created with ``resume=True``
-    continues them.
+    continues them. The step of a run that has no other becomes ``results.nc`` at once.
 
     Attributes
     ----------
@@ -153,11 +155,20 @@ class ResultStore:
         ResultsError
             When it cannot be stored (full disk, folder gone); earlier steps stay, nothing torn is left behind.
         """
+        if self.info.steps == 1:
+            self._write_all(record)
+            return
         lasting = monotonic() - self._lasting > _LASTING
         write_step(self.folder / STEPS / f"{record.index:04d}.step", self.info, record, lasting=lasting)
         self._lasting = monotonic() if lasting else self._lasting
         if record.history and not self.info.every_history:
             history_name(self.folder / STEPS / f"{record.index - _KEPT:04d}.step").unlink(missing_ok=True)
+
+    def _write_all(self, record: StepRecord) -> None:
+        """Store the only step of a run as its results at once: a file of its own would be written, read and removed."""
+        histories = [history_part(self.info, record, copied=False)] if record.history else []
+        join_steps(self.folder / RESULTS, [step_part(self.info, record, copied=False)], histories)
+        _remove_steps(self.folder)
 
     def accepted(self) -> list[int]:
         """Indices 1, 2, ... n of the stored steps from which the run can continue.
