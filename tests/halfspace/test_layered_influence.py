@@ -1,6 +1,6 @@
 """Influence coefficients of bonded layers: against direct Fourier integrals, the half-space, limits and symmetries."""
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -236,6 +236,21 @@ def test_depths_together_are_depths_alone(quantity, traction):
         assert np.abs(together - alone).max() < 1e-10 * np.abs(alone).max()
         points = field.about_points(number, x[:3], y[:3])
         assert np.abs(points - alone[:, range(3), range(3)]).max() < 1e-10 * np.abs(alone).max()
+
+
+@pytest.mark.parametrize("traction", ["p", "q_x", "q_y"])
+@pytest.mark.parametrize(("quantity", "half_widths"), [("stress", (0.03, 0.025)), ("displacement", (0.003, 0.0025))])
+def test_sums_of_a_load_are_those_of_tables(quantity, half_widths, traction):
+    """On lattices about one place, which share what the load does to the nodes, and about others."""
+    body, depths = STACKS["soft-on-stiff"], [0.0, 0.02, 0.3, 0.7, 1.5]
+    x, y = (np.arange(-6, 6) * 2 * half for half in half_widths)
+    field = at_depths(traction, quantity, body, depths, np.array([1.0]), half_widths)
+    load = np.random.default_rng(1).standard_normal((y.size, x.size))
+    sums = field.superposing(load)
+    for number, (right, down) in product(range(len(depths)), [(0.0, 0.0), (0.1, -0.2)]):
+        table = field.on_lattice(number, x + right, y + down)
+        expected = (table * load).sum(axis=(1, 2))
+        assert np.abs(sums(number, x + right, y + down) - expected).max() < 1e-13 * (np.abs(table * load)).sum()
 
 
 @pytest.mark.parametrize("z", [0.3, 0.499, 0.7])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -88,6 +89,37 @@ class LayeredDepths:
                 in_y, in_x = parity(name, DIRECTIONS[self.base.traction])
                 total[n] += product(product(along[in_y], resolved.deep[n, row]), across[in_x].T)
         return total
+
+    def superposing(self, load: FloatArray) -> Callable[[int, FloatArray, FloatArray], FloatArray]:
+        """Sums of a load over a lattice, ``f(number, x, y) -> (len(components),)``: of the products with `on_lattice`.
+
+        No table of the smooth part is made: its load is brought to the nodes, once for all depths that see it alike.
+
+        Parameters
+        ----------
+        load : (ny, nx) float64
+            On the lattices that will be asked for.
+        """
+        known: dict[tuple[int, bytes, bytes], dict[tuple[int, int], FloatArray]] = {}
+
+        def superposed(number: int, x: FloatArray, y: FloatArray) -> FloatArray:
+            resolved, row = self._places[number]
+            if resolved.deep is not None:
+                return _sum(self.on_lattice(number, x, y), load)
+            self._check(x, y)
+            seen = id(resolved), x.tobytes(), y.tobytes()
+            if seen not in known:
+                known[seen] = resolved.smooth.moments(x, y, self.half_widths, load)
+            smooth = resolved.smooth
+            total = np.array(
+                [np.vdot(smooth.values[name, row], known[seen][smooth.parities[name]]) for name in self._rows]
+            )
+            for weight, solid, depth in resolved.shallow[row]:
+                closed = self.base.sample(self.quantity, self.components, x, y, depth, self.half_widths, solid)
+                total += weight * _sum(closed, load)
+            return total
+
+        return superposed
 
     def about_points(self, number: int, x: FloatArray, y: FloatArray) -> FloatArray:
         """Coefficients at depth `number` and offsets x, y ``(m,)`` [m] of any place, ``(len(components), m)``."""
@@ -194,3 +226,7 @@ class LayeredDepths:
         shallow = [solid for _, solid, depth in band.kernels[0] if depth <= limit]
         sums = sum(float(np.abs(self._closed(own, origin, origin, 0.0, solid)).max()) for solid in shallow)
         return EPSILON * sums * (self.reach + max(self.half_widths)) / min(self.half_widths)
+
+
+def _sum(table: FloatArray, load: FloatArray) -> FloatArray:
+    return np.asarray(np.einsum("kij,ij->k", table, load))

@@ -52,6 +52,17 @@ class NodalField:
             target[:] = product(product(along[in_y], self.values[row, number]), across[in_x].T)
         return out
 
+    def moments(
+        self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float], load: FloatArray
+    ) -> dict[tuple[int, int], FloatArray]:
+        """Load ``(ny, nx)`` on the rectangles of `on_cells`, brought to the nodes: ``(n, n)`` for each parity.
+
+        The sum of its products with nodal values is that with `on_cells`, at any depth, for any component.
+        """
+        across, along = self.nodes.integrals(x, half_widths[0]), self.nodes.integrals(y, half_widths[1])
+        halves = {in_x: product(load, weights) for in_x, weights in across.items()}
+        return {(in_y, in_x): product(along[in_y].T, halves[in_x]) for in_y, in_x in set(self.parities)}
+
     def about_points(
         self, rows: list[int], number: int, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]
     ) -> FloatArray:

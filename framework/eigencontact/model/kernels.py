@@ -114,6 +114,22 @@ class StressCoefficients:
         table = layered.at_depths("stress", components, depths, half_widths, reach, self.body).on_lattice
         return table
 
+    def sums_at(
+        self,
+        components: list[str],
+        depths: FloatArray,
+        half_widths: tuple[float, float],
+        reach: float,
+        load: FloatArray,
+    ) -> Callable[[int, FloatArray, FloatArray], FloatArray] | None:
+        """Sums of a load at several depths without tables, in a layered body; see `HasSums`."""
+        if isinstance(self.body, Material):
+            return None
+        layered: Any = self.influence
+        sums: Callable[[int, FloatArray, FloatArray], FloatArray]
+        sums = layered.at_depths("stress", components, depths, half_widths, reach, self.body).superposing(load)
+        return sums
+
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
         return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,14 @@ from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.tensors import COMPONENTS
 
-__all__ = ["HasDepths", "StressKernel", "SubsurfaceStress", "TableAt", "stress_at_points", "tables_at"]
+__all__ = ["HasDepths", "HasSums", "StressKernel", "SubsurfaceStress", "TableAt", "stress_at_points", "tables_at"]
 
 FloatArray = NDArray[np.float64]
+Made = TypeVar("Made")
 #: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
 TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]
+#: Sum of a load over such a lattice, ``(n,)``.
+SumAt = Callable[[int, FloatArray, FloatArray], FloatArray]
 
 # Points, and depths of waves, that are prepared together: enough that they share work, few enough to be small. Waves
 # at 8 depths of one coating take a sixth of the time of 8 times one depth, and more depths save little.
@@ -60,6 +63,22 @@ class HasDepths(Protocol):
         ...
 
 
+@runtime_checkable
+class HasSums(Protocol):
+    """Optional ability of a kernel that need not make a table to sum a load over it."""
+
+    def sums_at(
+        self,
+        components: list[str],
+        depths: FloatArray,
+        half_widths: tuple[float, float],
+        reach: float,
+        load: FloatArray,
+    ) -> SumAt | None:
+        """Prepare sums of a load ``(ny, nx)``, else as `HasDepths.at_depths`; None where tables are as good."""
+        ...
+
+
 def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
     """Tables of all components at depths ``(nz,)`` for offsets up to `reach` [m]."""
     names = list(COMPONENTS)
@@ -68,17 +87,26 @@ def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float
     return lambda number, x, y: kernel.table(names, x, y, float(depths[number]), half_widths)
 
 
-def _all_tables(
-    kernels: Sequence[StressKernel], depths: FloatArray, half_widths: tuple[float, float], reach: float, threads: int
-) -> list[TableAt]:
-    """Tables of each kernel, prepared side by side."""
-    found: dict[int, TableAt] = {}
+def _sums_at(
+    kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float, load: FloatArray
+) -> SumAt:
+    """Sums of a load over tables of all components at depths ``(nz,)``."""
+    found = kernel.sums_at(list(COMPONENTS), depths, half_widths, reach, load) if isinstance(kernel, HasSums) else None
+    if found is not None:
+        return found
+    table = tables_at(kernel, depths, half_widths, reach)
+    return lambda number, x, y: np.asarray(np.einsum("kij,ij->k", table(number, x, y), load))
 
-    def prepare(number: int, kernel: StressKernel) -> None:
-        found[number] = tables_at(kernel, depths, half_widths, reach)
 
-    in_parallel(threads, [partial(prepare, number, kernel) for number, kernel in enumerate(kernels)])
-    return [found[number] for number in range(len(kernels))]
+def _side_by_side(threads: int, makers: Sequence[Callable[[], Made]]) -> list[Made]:
+    """What each of these makes, in their order."""
+    found: dict[int, Made] = {}
+
+    def make(number: int) -> None:
+        found[number] = makers[number]()
+
+    in_parallel(threads, [partial(make, number) for number in range(len(makers))])
+    return [found[number] for number in range(len(makers))]
 
 
 def _responses(
@@ -185,7 +213,9 @@ class SubsurfaceStress:
         x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
         below, left = _mirrored(y), _mirrored(x)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
-        prepared = _all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)
+        half_widths = (0.5 * dx, 0.5 * dy)
+        makers = [partial(tables_at, kernel, self.depths, half_widths, reach) for kernel in kernels]
+        prepared = _side_by_side(self._threads, makers)
 
         def fill(k: int) -> None:
             for kernel, tables in zip(kernels, prepared, strict=True):
@@ -270,14 +300,16 @@ def stress_at_points(
         some = points[begin : begin + _POINTS]
         depths, place = np.unique(some[:, 2], return_inverse=True)
         reach = max(float(np.abs(some[:, 0, None] - x).max()), float(np.abs(some[:, 1, None] - y).max()))
-        tables = _all_tables(kernels, depths, half_widths, reach, workers)
+        pairs = zip(kernels, loads, strict=True)
+        sums = _side_by_side(
+            workers, [partial(_sums_at, item, depths, half_widths, reach, load) for item, load in pairs]
+        )
 
         def superpose(numbers: range) -> None:
             for number in numbers:
                 px, py, _ = some[number]  # noqa: B023
-                for table, load in zip(tables, loads, strict=True):  # noqa: B023
-                    values = table(int(place[number]), px - x, py - y)  # noqa: B023
-                    out[:, begin + number] += np.einsum("kij,ij->k", values, load)  # noqa: B023
+                for sum_at in sums:  # noqa: B023
+                    out[:, begin + number] += sum_at(int(place[number]), px - x, py - y)  # noqa: B023
 
         in_parallel(workers, [partial(superpose, range(k, len(some), workers)) for k in range(workers)])
     return out
