@@ -316,8 +316,9 @@ class _Worker:
             n = columns.stop - columns.start
             padded[:n, y.source_start : y.source_start + y.sources] = source[: y.sources, columns].T
             forward()
-            squares = spectrum[:n].real ** 2
-            squares += spectrum[:n].imag ** 2
+            waves = spectrum[:n]
+            squares = np.square(waves.real, out=waves.real)
+            squares += np.square(waves.imag, out=waves.imag)
             mirrored = y.length - y.half
             squares[:, 1 : mirrored + 1] += squares[:, : y.half - 1 : -1]
             by_column = np.einsum("ij,ij->i", squares[:, : y.half], kernel.values[columns])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from os import cpu_count, sched_getaffinity
 from threading import current_thread
@@ -48,5 +48,10 @@ def in_parallel(threads: int, tasks: Iterable[Callable[[], Any]]) -> None:
         for task in tasks:
             task()
         return
-    for future in [_pool(threads).submit(task) for task in tasks]:
+    futures = [_pool(threads).submit(task) for task in tasks[1:]]
+    try:
+        tasks[0]()  # this thread need not wait idly
+    finally:
+        wait(futures)
+    for future in futures:
         future.result()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
+from eigencontact.core.parallel import available_threads
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
 from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, solve_box
 from eigencontact.solvers.control import Control, mode_field
@@ -198,6 +199,7 @@ class CoarseToFine:
             forces=forces / (scale * grid.cell_area),
             least_deflection=self._least_deflection(compliance) / length,
             energy=energy,
+            threads=compliance.threads or available_threads(),
         )
         if grid in self._springs:
             springs = self._springs[grid][box.slices] / unit

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.solvers.rigid import RigidModes, dot
+from eigencontact.solvers.sweeps import Sweeps
 
 __all__ = ["BoxProblem", "BoxState", "relative", "solve_box", "without_forces"]
 
@@ -53,6 +54,8 @@ class BoxProblem:
     energy : callable, optional
         Sum of a pressure times its displacement, roughly: it tells the cells to release before the displacement of a
         step is computed, which is then computed once and not twice.
+    threads : int
+        Cores for the fields; they do not change the answer.
     """
 
     apply: Callable[[Array], Array]
@@ -63,6 +66,7 @@ class BoxProblem:
     share: Array | None = None
     least_deflection: float = 0.0
     energy: Callable[[Array], float] | None = None
+    threads: int = 1
 
 
 @dataclass(slots=True)
@@ -101,125 +105,242 @@ def solve_box(
     BoxState
         ``residual`` tells whether it got there; of moments that no pressure on the box carries it is the part missed.
     """
-    modes, dtype, share = problem.modes, pressure.dtype, problem.share
-    p = modes.carry(pressure, problem.forces) if len(modes) else pressure.copy()
-    c = loaded.astype(dtype)
-    if not modes.carries(p, problem.forces):  # these cells cannot: start with all of the box
-        p, c = modes.carry(np.ones_like(p), problem.forces), np.ones_like(p)
-    g = problem.apply(p)
-    deflection = float((g * c).max())
-    g += problem.separation
-    direction = r_old = np.zeros_like(p)
-    slope_old = 0.0
-    work = np.empty_like(p)
-    careful, releasing = False, problem.energy is not None
-    best, since = np.inf, 0
-    state = BoxState(p, np.zeros(len(modes)), np.inf)
-    for _ in range(max_iterations):
-        state.pressure = p
-        weight = c if share is None else c * share
-        state.rigid = modes.fit(np.multiply(g, weight, out=work), weight) if len(modes) else state.rigid
-        outside = np.subtract(modes.combine(state.rigid, dtype), g, out=work)  # overlap positive
-        r = outside * c
-        outside -= r
-        overlap = float(outside.max())
-        inside = max(float(r.max()), -float(r.min()))
-        state.residual = relative(max(inside, overlap), max(deflection, problem.least_deflection))
-        on_iteration(state.residual)
-        if state.residual <= tolerance:
-            short = modes.shortage(p, problem.forces)
-            if short > tolerance:  # no pressure on this box carries the moments: its gaps are closed for other forces
-                state.residual = short
-            break
-        best, since = (state.residual, 0) if state.residual < 0.5 * best else (best, since + 1)
-        if since >= _STALLED:
-            break
-        if overlap > (10 * inside if careful else 0):  # take in the cells that overlap
-            taken = outside >= overlap if careful else outside > 0
-            c[taken] = 1
-            np.copyto(r, outside, where=taken)
-            if share is None:
-                modes.remove(r, c)
+    return _Iteration(problem, pressure, loaded).run(tolerance, max_iterations, on_iteration)
+
+
+class _Iteration:
+    """Fields of one solve, touched once in each of a few sweeps over blocks of rows that stay in cache."""
+
+    def __init__(self, problem: BoxProblem, pressure: Array, loaded: Array) -> None:
+        self.problem, self.modes, self.dtype = problem, problem.modes, pressure.dtype
+        self.sweep = Sweeps(pressure.shape, problem.threads, self.dtype)
+        self.parts = [self.modes.of_rows(rows) for rows in self.sweep.blocks]
+        self.p = self.modes.carry(pressure, problem.forces) if len(self.modes) else pressure.copy()
+        self.c = loaded.astype(bool)
+        if not self.modes.carries(self.p, problem.forces):  # these cells cannot: start with all of the box
+            self.p, self.c = self.modes.carry(np.ones_like(pressure), problem.forces), np.ones_like(self.c)
+        self.rest = np.empty_like(self.p)
+        self.r, self.r_old = np.empty_like(self.p), np.zeros_like(self.p)
+        self.direction = np.empty_like(self.p)
+        self.z = self.r  # of the preconditioner, then what a step adds to the pressure
+        self.g = problem.apply(self.p)
+        self.deflection, self.gram, self.projection = 0.0, np.zeros((0, 0)), np.zeros(0)
+        self.gauge(problem.separation)
+
+    def weight(self, rows: slice, out: Array) -> Array:
+        """What each cell of some rows takes part in a rigid motion."""
+        out[:] = self.c[rows]
+        if self.problem.share is not None:
+            out *= self.problem.share[rows]
+        return out
+
+    def gauge(self, more: Array, factor: float = 1.0) -> None:
+        """Add to the gap; find the largest deflection of loaded cells, and the sums for the rigid displacements."""
+
+        def one(k: int, rows: slice) -> tuple[float, Array, Array]:
+            gap, part, (work, weight) = self.g[rows], self.parts[k], self.sweep.scratch(k)
+            gap += more[rows] if factor == 1.0 else np.multiply(more[rows], self.dtype.type(factor), out=work)
+            np.subtract(gap, self.problem.separation[rows], out=work)
+            work *= self.c[rows]
+            largest = float(work.max())
+            self.weight(rows, weight)
+            return largest, part.project(np.multiply(gap, weight, out=work)), part.gram(weight)
+
+        largest, projections, grams = zip(*self.sweep(one), strict=True)
+        self.deflection, self.projection, self.gram = max(largest), sum(projections), sum(grams)
+
+    def judge(self, rigid: Array, least: float) -> tuple[float, float]:
+        """Gaps of the loaded cells, and of the others that overlap by at least so much, which are taken in.
+
+        Returns the largest overlap of cells not loaded, and the largest gap of loaded ones.
+        """
+
+        def one(k: int, rows: slice) -> tuple[float, float, Array, Array]:
+            part, loaded, r, (outside, weight) = self.parts[k], self.c[rows], self.r[rows], self.sweep.scratch(k)
+            np.subtract(part.combine(rigid, self.dtype), self.g[rows], out=outside)  # overlap positive
+            np.multiply(outside, loaded, out=r)
+            outside -= r
+            overlap, inside = float(outside.max()), max(float(r.max()), -float(r.min()))
+            if overlap > 0 and overlap >= least:
+                np.maximum(outside, 0, out=outside)
+                if least > 0:
+                    outside[outside < least] = 0
+                r += outside
+                loaded |= outside > 0
+            self.weight(rows, weight)
+            weighed = r if self.problem.share is None else np.multiply(r, weight, out=outside)
+            return overlap, inside, part.project(weighed), part.gram(weight)
+
+        overlaps, insides, projections, grams = zip(*self.sweep(one), strict=True)
+        self.projection, self.gram = sum(projections), sum(grams)
+        return max(overlaps), max(insides)
+
+    def level(self) -> None:
+        """Take the rigid part out of the gaps of the loaded cells."""
+        if len(self.modes):
+            amounts = self.modes.amounts(self.gram, self.projection)
+
+            def one(k: int, rows: slice) -> None:
+                r = self.r[rows]
+                r -= self.parts[k].combine(amounts, self.dtype)
+                r *= self.c[rows]
+
+            self.sweep(one)
+
+    def products(self) -> tuple[float, float]:
+        """Keep the correction to the loaded cells; its products with the gaps now and before."""
+
+        def one(_: int, rows: slice) -> tuple[float, float]:
+            z = self.z[rows]
+            z *= self.c[rows]
+            return dot(self.r[rows], z), dot(self.r_old[rows], z)
+
+        new, old = zip(*self.sweep(one), strict=True)
+        return sum(new), sum(old)
+
+    def turn(self, beta: float) -> float:
+        """Next search direction, without forces; its product with the gaps."""
+
+        def one(k: int, rows: slice) -> Array:
+            d = self.direction[rows]
+            if beta > 0:
+                d *= self.dtype.type(beta)
+                d *= self.c[rows]
+                d += self.z[rows]
             else:
-                modes.level(r, c, c * share)
-        # r carries no force on the loaded cells, so the rigid part of z does not enter the products with it.
-        z = problem.precondition(r)
-        z *= c
-        slope = dot(r, z)
-        beta = max(0.0, (slope - dot(r_old, z)) / slope_old) if slope_old > 0 else 0.0
-        r_old, slope_old = r, slope
-        if beta > 0:
-            direction *= dtype.type(beta)
-            direction *= c
-            direction += z
-        else:
-            direction = z
-        without_forces(modes, direction, c, share)
-        descent = dot(r, direction)
-        if careful and descent <= 0:  # the loaded cells have changed; the old direction leads uphill on these
-            direction = z
-            without_forces(modes, direction, c, share)
-            descent = dot(r, direction)
-        rest = _released(problem, p, direction, descent) if releasing and not careful else None
-        releasing = rest is not None
-        if rest is not None:  # the cells that pull are known before the product
-            response = problem.apply(np.subtract(rest, p, out=work))
-            if dot(r, work) >= 0.5 * dot(work, response):
-                p, c = rest, (rest > 0).astype(dtype)
-                g += response
-                deflection = _deflection(g, problem.separation, c, work)
-                continue
-        response = problem.apply(direction)
-        curvature = dot(direction, response)
+                d[:] = self.z[rows]
+            return self.parts[k].project(d)
+
+        projection = np.sum(self.sweep(one), axis=0)
+        amounts = self.modes.amounts(self.gram, projection) if len(self.modes) else projection
+
+        def other(k: int, rows: slice) -> float:
+            d, (work, weight) = self.direction[rows], self.sweep.scratch(k)
+            if len(self.modes):
+                self.weight(rows, weight)
+                d -= np.multiply(self.parts[k].combine(amounts, self.dtype), weight, out=work)
+            return dot(self.r[rows], d)
+
+        return sum(self.sweep(other))
+
+    def go(self, step: float) -> tuple[float, Array]:
+        """Pressure after a step, to `rest`, zero where it would pull; its smallest value before, and its forces."""
+
+        def one(k: int, rows: slice) -> tuple[float, Array]:
+            rest = np.multiply(self.direction[rows], self.dtype.type(step), out=self.rest[rows])
+            rest += self.p[rows]
+            least = float(rest.min())
+            if least < 0:
+                np.maximum(rest, 0, out=rest)
+            return least, self.parts[k].project(rest)
+
+        least, forces = zip(*self.sweep(one), strict=True)
+        return min(least), sum(forces)
+
+    def release(self, descent: float) -> bool | None:
+        """Take a step without the cells that would pull, found before the displacement of the step is computed.
+
+        None if none would pull; False if the others cannot carry, or if the energy was far off.
+        """
+        problem = self.problem
+        assert problem.energy is not None
+        curvature = problem.energy(self.direction)
         if not curvature > 0:
-            break
-        step = dtype.type(descent / curvature)
-        p = p + np.multiply(direction, step, out=work)
-        if float(p.min()) < 0:  # release the cells that pull; the gap is then computed anew
-            pulls, releasing = p < 0, problem.energy is not None
-            np.maximum(p, 0, out=p)
+            return None
+        least, forces = self.go(descent / curvature)
+        if least >= 0:
+            return None
+        factor = self.modes.factor(forces, problem.forces)
+        if factor is None:
+            factor, self.rest = 1.0, self.modes.carry(self.rest, problem.forces)
+            if not self.modes.carries(self.rest, problem.forces):
+                return False
+
+        def moved(_: int, rows: slice) -> None:
+            rest = self.rest[rows]
+            rest *= self.dtype.type(factor)
+            np.subtract(rest, self.p[rows], out=self.z[rows])
+
+        self.sweep(moved)
+        response = problem.apply(self.z)
+        sums = self.sweep(lambda _, rows: (dot(self.r[rows], self.z[rows]), dot(self.z[rows], response[rows])))
+        if sum(gain for gain, _ in sums) < 0.5 * sum(cost for _, cost in sums):
+            return False
+        self.p, self.rest = self.rest, self.p
+        self.hold()
+        self.gauge(response)
+        return True
+
+    def hold(self) -> None:
+        """Loaded are the cells under pressure."""
+        np.greater(self.p, 0, out=self.c)
+
+    def run(self, tolerance: float, max_iterations: int, on_iteration: Callable[[float], None]) -> BoxState:
+        """See `solve_box`."""
+        problem, modes = self.problem, self.modes
+        careful, releasing = False, problem.energy is not None
+        best, since, slope_old = np.inf, 0, 0.0
+        state = BoxState(self.p, np.zeros(len(modes)), np.inf)
+        for _ in range(max_iterations):
+            state.pressure = self.p
+            state.rigid = modes.amounts(self.gram, self.projection) if len(modes) else state.rigid
+            self.r, self.r_old = self.r_old, self.r
+            overlap, inside = self.judge(state.rigid, np.inf if careful else 0.0)
+            state.residual = relative(max(inside, overlap), max(self.deflection, problem.least_deflection))
+            on_iteration(state.residual)
+            if state.residual <= tolerance:
+                short = modes.shortage(self.p, problem.forces)
+                if short > tolerance:  # no pressure on this box carries the moments: its gaps close for other forces
+                    state.residual = short
+                break
+            best, since = (state.residual, 0) if state.residual < 0.5 * best else (best, since + 1)
+            if since >= _STALLED:
+                break
+            if careful and overlap > 10 * inside:
+                self.judge(state.rigid, overlap)
+            # The gaps then carry no force on the loaded cells, so the rigid part of z is not in the products with it.
+            self.level()
+            self.z = problem.precondition(self.r)
+            slope, crossed = self.products()
+            beta = max(0.0, (slope - crossed) / slope_old) if slope_old > 0 else 0.0
+            slope_old = slope
+            descent = self.turn(beta)
+            if careful and descent <= 0:  # the loaded cells have changed; the old direction leads uphill on these
+                descent = self.turn(0.0)
+            if releasing and not careful:
+                released = self.release(descent)
+                releasing = released is not None
+                if released:
+                    continue
+            response = problem.apply(self.direction)
+            curvature = dot(self.direction, response)
+            if not curvature > 0:
+                break
+            step = descent / curvature
+            least, _ = self.go(step)
+            if least >= 0:
+                self.p, self.rest = self.rest, self.p
+                self.gauge(response, step)
+                continue
+            # The cells that pull are released and the gap is computed anew.
+            releasing = problem.energy is not None
             if len(modes):
-                p = modes.carry(p, problem.forces)
-            if not modes.carries(p, problem.forces):
-                # Too few cells are left for the moments: go only to the first that would pull, and release that one.
+                self.rest = modes.carry(self.rest, problem.forces)
+            if modes.carries(self.rest, problem.forces):
+                self.p, self.rest = self.rest, self.p
+                self.hold()
+            else:  # too few cells are left for the moments: go to the first that would pull, and release that one
                 careful = True
-                room = np.where(pulls, state.pressure / np.where(pulls, -direction, 1), np.inf)
-                p = np.maximum(state.pressure + room.min() * direction, 0)
+                pulls = self.p + self.dtype.type(step) * self.direction < 0
+                room = np.where(pulls, self.p / np.where(pulls, -self.direction, 1), np.inf)
+                self.p = np.maximum(self.p + room.min() * self.direction, 0)
                 first = room <= room.min()
-                p[first] = c[first] = 0
+                self.p[first] = 0
+                self.c[first] = False
                 slope_old = 0.0
-            else:
-                c = (p > 0).astype(dtype)
-            g = problem.apply(p)
-            deflection = float(np.multiply(g, c, out=work).max())
-            g += problem.separation
-        else:
-            response *= step
-            g += response
-            deflection = _deflection(g, problem.separation, c, work)
-    return state
-
-
-def _released(problem: BoxProblem, p: Array, direction: Array, descent: float) -> Array | None:
-    """Pressure after a step without the cells that would pull; None if none would, or the others cannot carry."""
-    assert problem.energy is not None
-    curvature = problem.energy(direction)
-    if not curvature > 0:
-        return None
-    rest = p + direction * p.dtype.type(descent / curvature)
-    if float(rest.min()) >= 0:
-        return None
-    np.maximum(rest, 0, out=rest)
-    if len(problem.modes):
-        rest = problem.modes.carry(rest, problem.forces)
-    return rest if problem.modes.carries(rest, problem.forces) else None
-
-
-def _deflection(gap: Array, separation: Array, loaded: Array, work: Array) -> float:
-    """Largest deflection of the loaded cells."""
-    np.subtract(gap, separation, out=work)
-    work *= loaded
-    return float(work.max())
+            self.g = problem.apply(self.p)
+            self.gauge(problem.separation)
+        return state
 
 
 def without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:

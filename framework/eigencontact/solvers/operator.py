@@ -16,6 +16,8 @@ FloatArray = NDArray[np.float64]
 
 # Operators kept for each grid: the box of the iteration and the check on the whole window, now and one box ago.
 _KEPT = 4
+# Points of a transform from which threads repay their start where there is one source and one target.
+_WORTH_THREADS = 200_000
 
 
 class Coefficients(Protocol):
@@ -135,7 +137,12 @@ class Compliance:
             self.table(int(y.max()) + 1, int(x.max()) + 1)
 
     def _operator(self, layout: Layout, spectrum: Spectrum) -> BoxOperator:
-        return BoxOperator(Convolver(layout, precision=self.precision, threads=self.threads), spectrum)
+        return BoxOperator(self.convolver(layout), spectrum)
+
+    def convolver(self, layout: Layout) -> Convolver:
+        """Convolver of one spectrum, in threads where that pays."""
+        threads = self.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
+        return Convolver(layout, precision=self.precision, threads=threads)
 
     def _sample_periodic(self) -> None:
         """Spectrum of the whole window, and the coefficients of one period from it."""

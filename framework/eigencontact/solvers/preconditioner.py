@@ -71,7 +71,7 @@ class Circulant:
         layout = Layout(box.shape, box.shape, periodic=True, lengths=lengths)
         self._precision = compliance.precision
         self._cells = lengths[0] * lengths[1]
-        self._convolver = Convolver(layout, precision=compliance.precision, threads=compliance.threads)
+        self._convolver = compliance.convolver(layout)
 
     @cached_property
     def inverse(self) -> Preconditioner:

@@ -51,6 +51,8 @@ class RigidModes:
 
     def gram(self, weight: Array) -> Array:
         """Matrix of the sums ``mode_i mode_j weight``, (m, m); one pass over the weight for the product of y and x."""
+        if self._only_uniform:
+            return np.array([[float(np.sum(weight, dtype=float)) * float(self.fields[0][0, 0]) ** 2]])
         rows, columns = _margins(weight)
         out = np.empty((len(self), len(self)))
         for i, one in enumerate(self.fields):
@@ -68,12 +70,25 @@ class RigidModes:
 
         The field must be zero at cells that are not loaded.
         """
+        return self.amounts(self.gram(loaded), self.project(field))
+
+    def amounts(self, gram: Array, projection: Array) -> Array:
+        """Amounts of the modes whose `project` over cells of this `gram` is given, (m,); none without such cells."""
+        if len(projection) == 1:
+            return projection / gram[0, 0] if gram[0, 0] else np.zeros(1)
+        return np.asarray(np.linalg.lstsq(gram, projection, rcond=1e-13)[0])
+
+    def of_rows(self, rows: slice) -> RigidModes:
+        """The modes on some rows of the box; what `project` and `gram` find on all rows is the sum over such parts."""
+        return RigidModes([field[rows] if field.shape[0] > 1 else field for field in self.fields])
+
+    def factor(self, carried: Array, forces: Array) -> float | None:
+        """Factor with which a pressure that carries so much carries the forces; None where a factor will not do."""
         if not self.fields:
-            return np.zeros(0)
-        if self._only_uniform:
-            count = float(np.sum(loaded, dtype=float))
-            return self.project(field) / (count * float(self.fields[0][0, 0]) ** 2) if count else np.zeros(1)
-        return np.asarray(np.linalg.lstsq(self.gram(loaded), self.project(field), rcond=1e-13)[0])
+            return 1.0
+        if not self._only_uniform:
+            return None
+        return float(forces[0] / carried[0]) if carried[0] > 0 else 1.0
 
     def remove(self, field: Array, loaded: Array) -> None:
         """Take the rigid part out of a field that is zero at cells not loaded, in place."""
