@@ -16,7 +16,7 @@ from eigencontact.model.kernels import Solid
 from eigencontact.plugin import LayeredMedium, SurfaceInfluence
 from eigencontact.scene.schema import Numerics
 
-__all__ = ["sampling_seconds", "spectra_cost"]
+__all__ = ["sampling_seconds", "section_cost", "spectra_cost"]
 
 
 def sampling_seconds(influence: SurfaceInfluence, body: Solid, *, periodic: bool = False) -> float:
@@ -61,4 +61,22 @@ def spectra_cost(
     step = outputs * (pace.convolution(y.length, x.length) - pace.per_call) * share + outputs * 8e-5 + 1e-8 * values
     step += (tractions - 1) * outputs * stored * 4e-9  # products of spectra
     memory = tractions * outputs * stored * real + 4.0 * values + workers * lattice * 8.0 * 3 * kernels
+    return Cost(memory=memory, seconds_once=once, seconds_per_step=step)
+
+
+def section_cost(layout: Layout, depths: int, sampling: float, numerics: Numerics, *, tractions: int = 1) -> Cost:
+    """Six components on one row of points at so many depths; see `spectra_cost`.
+
+    The factors were measured on sections through contacts of 64 to 512 cells (`eigencontact.solvers.section_stress`).
+    """
+    real = 8 if numerics.precision == "double" else 4
+    axes = (layout.y, layout.x)
+    across, row = axes if layout.target[0] == 1 else axes[::-1]
+    midway = abs(2.0 * across.origin - (across.sources - 1)) < 1e-9  # half of the rows are images of the others
+    rows = across.sources // 2 + 1 if midway else across.sources
+    outputs, stored = 6 * depths, rows * row.half * (1 if row.symmetric else 2)
+    workers = working_threads(min(numerics.threads or available_threads(), max(1, depths)))
+    once = tractions * (depths * sampling * rows * row.lattice.size + outputs * (stored * 5e-9 + 3e-5)) / workers
+    step = outputs * (tractions * stored * 2e-9 + 3e-5) / workers
+    memory = tractions * (outputs * stored * real + 6.0 * stored * 48) + 16.0 * outputs * row.targets
     return Cost(memory=memory, seconds_once=once, seconds_per_step=step)

@@ -13,7 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.block import Cost
 from eigencontact.execution.interiors.interior import loads
-from eigencontact.execution.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.sampling import sampling_seconds, section_cost, spectra_cost
 from eigencontact.execution.step import Step
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.kernels import KernelUse, Solid, StressCoefficients
@@ -70,7 +70,8 @@ class TractionField:
         else:
             tables = int(np.where(self._near, _TABLES, lattice.finer[0] * lattice.finer[1]).sum())
             text = lattice.words
-            cost = spectra_cost(self._layout(model), tables, sampling, numerics, tractions=count)
+            price = section_cost if self._in_section else spectra_cost
+            cost = price(self._layout(model), tables, sampling, numerics, tractions=count)
             if lattice.finer != (1, 1):  # made anew in each step, few depths at a time
                 cost = Cost(
                     seconds_per_step=cost.seconds_once + cost.seconds_per_step,
@@ -89,6 +90,12 @@ class TractionField:
             )
             for item in self._tractions
         )  # fmt: skip
+
+    @property
+    def _in_section(self) -> bool:
+        """Whether the points are one row at each depth, of the pitch of the cells."""
+        lattice = self._lattice
+        return 1 in lattice.target and lattice.finer == (1, 1) and not self._periodic
 
     def _layout(self, model: Model) -> Layout:
         """Transform from a contact in the middle of the window to the lattice."""
@@ -155,7 +162,6 @@ class TractionField:
         return operator
 
     def _operator(self, source: Box, *, near: bool) -> Any:
-        from eigencontact.solvers.subsurface import SubsurfaceStress
         from eigencontact.solvers.surface_means import MeansOnLattice
 
         lattice, numerics = self._lattice, self._numerics
@@ -166,10 +172,16 @@ class TractionField:
                 self._grid, self._kernels, source=source, x=lattice.x, y=lattice.y, depths=depths,
                 precision=precision, threads=threads,
             )  # fmt: skip
+        where = {"source": source, "target": lattice.target, "origin": lattice.origin, "depths": depths}
+        if self._in_section:
+            from eigencontact.solvers.section_stress import SectionStress
+
+            return SectionStress(self._grid, self._kernels, **where, precision=precision, threads=threads)
+        from eigencontact.solvers.subsurface import SubsurfaceStress
+
         return SubsurfaceStress(
-            self._grid, self._kernels, source=source, target=lattice.target, origin=lattice.origin, depths=depths,
-            periodic=self._periodic, precision=precision, threads=threads,
-        )  # fmt: skip
+            self._grid, self._kernels, **where, periodic=self._periodic, precision=precision, threads=threads
+        )
 
     def _close_up(self, tractions: list[FloatArray], box: Box, out: FloatArray) -> None:
         """Stress on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""

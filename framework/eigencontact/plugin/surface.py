@@ -142,8 +142,11 @@ class CornerInfluence(SurfaceInfluence):
         nodes_x = np.append(x - a, x[-1] + a)
         nodes_y = np.append(y - b, y[-1] + b)
         values = corner(components, nodes_x[None, :], nodes_y[:, None], z, material)
-        rows = np.subtract(values[:, 1:], values[:, :-1])
-        return np.subtract(rows[:, :, 1:], rows[:, :, :-1])
+        out = np.empty((len(values), y.size, x.size))
+        for table, component in zip(out, values, strict=True):
+            rows = component[1:] - component[:-1]
+            np.subtract(rows[:, 1:], rows[:, :-1], out=table)
+        return out
 
 
 def _corner_sum(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,18 @@ from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.tensors import COMPONENTS
 
-__all__ = ["HasDepths", "HasSums", "StressKernel", "SubsurfaceStress", "TableAt", "stress_at_points", "tables_at"]
+__all__ = [
+    "HasDepths",
+    "HasSums",
+    "StressKernel",
+    "SubsurfaceStress",
+    "TableAt",
+    "all_tables",
+    "folded",
+    "mirrored",
+    "stress_at_points",
+    "tables_at",
+]
 
 FloatArray = NDArray[np.float64]
 Made = TypeVar("Made")
@@ -95,7 +106,22 @@ def _sums_at(
     if found is not None:
         return found
     table = tables_at(kernel, depths, half_widths, reach)
-    return lambda number, x, y: np.asarray(np.einsum("kij,ij->k", table(number, x, y), load))
+    parities = [kernel.parity(name) for name in COMPONENTS]
+
+    def sum_at(number: int, x: FloatArray, y: FloatArray) -> FloatArray:
+        left, below = mirrored(x), mirrored(y)
+        parts = {p: folded(folded(load, below, 0, p[0]), left, 1, p[1]) for p in parities}
+        values = table(number, x[left:], y[below:])
+        return np.array([np.einsum("ij,ij", value, parts[p]) for value, p in zip(values, parities, strict=True)])
+
+    return sum_at
+
+
+def all_tables(
+    kernels: Sequence[StressKernel], depths: FloatArray, half_widths: tuple[float, float], reach: float, threads: int
+) -> list[TableAt]:
+    """Tables of each kernel, prepared side by side."""
+    return _side_by_side(threads, [partial(tables_at, kernel, depths, half_widths, reach) for kernel in kernels])
 
 
 def _side_by_side(threads: int, makers: Sequence[Callable[[], Made]]) -> list[Made]:
@@ -119,18 +145,27 @@ def _responses(
     return (kernel.response(names, kx, ky, float(z)) for z in depths)
 
 
-def _mirrored(offsets: FloatArray) -> int:
+def mirrored(offsets: FloatArray) -> int:
     """How many of ascending offsets are mirror images of others: half of them where they are symmetric about 0."""
     symmetric = offsets.size > 1 and np.abs(offsets + offsets[::-1]).max() <= 1e-12 * offsets[-1]
     return offsets.size // 2 if symmetric else 0
 
 
-def _whole(part: FloatArray, mirrored: int, axis: int, sign: int) -> FloatArray:
+def _whole(part: FloatArray, images: int, axis: int, sign: int) -> FloatArray:
     """Table with the mirror images of its last values, by their parity, before it."""
-    if not mirrored:
+    if not images:
         return part
-    images = sign * np.flip(part.take(range(-mirrored, 0), axis), axis)
-    return np.concatenate([images, part], axis)
+    return np.concatenate([sign * np.flip(part.take(range(-images, 0), axis), axis), part], axis)
+
+
+def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[Any]:
+    """Values at the offsets that are left when those of the first, mirror images, are added by their parity."""
+    if not images:
+        return values
+    along = np.moveaxis(values, axis, 0)
+    kept = along[images:].copy()
+    kept[-images:] += sign * along[:images][::-1]
+    return np.moveaxis(kept, 0, axis)
 
 
 class SubsurfaceStress:
@@ -211,11 +246,9 @@ class SubsurfaceStress:
         """Tasks that fill in the spectra of one depth each from tables of coefficients."""
         dx, dy = self.grid.dx, self.grid.dy
         x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
-        below, left = _mirrored(y), _mirrored(x)
+        below, left = mirrored(y), mirrored(x)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
-        half_widths = (0.5 * dx, 0.5 * dy)
-        makers = [partial(tables_at, kernel, self.depths, half_widths, reach) for kernel in kernels]
-        prepared = _side_by_side(self._threads, makers)
+        prepared = all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)
 
         def fill(k: int) -> None:
             for kernel, tables in zip(kernels, prepared, strict=True):

@@ -1,0 +1,121 @@
+"""Stress on a section along x or y: one row of target points at each depth.
+
+Transforms run along the row alone; across it the rows of the source are summed as they are. Against transforms in both
+directions (`eigencontact.solvers.subsurface`) that is exact in the same sense, keeps half of the numbers, or a quarter
+where the row lies midway between cells, and transforms each table in one direction only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.convolution.backends import available_threads, in_parallel
+from eigencontact.convolution.layout import Axis
+from eigencontact.convolution.spectrum import parity_transform
+from eigencontact.core.grid import Box, Grid
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.solvers.subsurface import StressKernel, TableAt, all_tables, folded, mirrored
+
+__all__ = ["SectionStress"]
+
+FloatArray = NDArray[np.float64]
+
+
+class SectionStress:
+    """Stress on one row of target points at several depths, from kernels that are sampled and transformed once.
+
+    Parameters
+    ----------
+    grid, kernels, source, origin, depths, precision, threads
+        As of `eigencontact.solvers.subsurface.SubsurfaceStress`; the window is not periodic.
+    target : (int, int)
+        Target points along (y, x); one of the two is 1.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        kernels: Sequence[StressKernel],
+        *,
+        source: Box,
+        target: tuple[int, int],
+        origin: tuple[float, float] = (0.0, 0.0),
+        depths: FloatArray,
+        precision: str = "double",
+        threads: int | None = None,
+    ) -> None:
+        self.grid, self.source, self.depths = grid, source, np.asarray(depths, dtype=float)
+        self._across = 0 if target[0] == 1 else 1
+        row = 1 - self._across
+        axes = [
+            Axis.plan(n, t, o - first, periodic=False)
+            for n, t, o, first in zip(source.shape, target, origin, (source.y0, source.x0), strict=True)
+        ]
+        self._row = axes[row]
+        self._offsets = axes[self._across].origin + np.arange(1.0 - axes[self._across].sources, 1.0)
+        self._images = mirrored(self._offsets)
+        self._threads = threads or available_threads()
+        self._precision = precision
+        self._parities = [[kernel.parity(name) for name in COMPONENTS] for kernel in kernels]
+        x, y = (self._offsets, self._row.lattice) if self._across else (self._row.lattice, self._offsets)
+        reach = max(float(np.abs(x).max()) * grid.dx, float(np.abs(y).max()) * grid.dy)
+        prepared = all_tables(kernels, self.depths, (0.5 * grid.dx, 0.5 * grid.dy), reach, self._threads)
+        #: Transformed kernels ``(6, tractions, rows across, wavenumbers)`` at each depth.
+        self._kernels: list[NDArray[Any]] = [np.empty(0)] * self.depths.size
+        in_parallel(self._threads, [partial(self._fill, k, prepared) for k in range(self.depths.size)])
+
+    def _fill(self, k: int, prepared: Sequence[TableAt]) -> None:
+        """Sample and transform all components at one depth."""
+        grid, row, kept = self.grid, self._row, self._offsets[self._images :]
+        x, y = (kept, row.lattice) if self._across else (row.lattice, kept)
+        shape = (len(COMPONENTS), len(prepared), kept.size, row.half)
+        real, whole = ("f4", "c8") if self._precision == "single" else ("f8", "c16")
+        out = np.empty(shape, real if row.symmetric else whole)
+        for t, tables in enumerate(prepared):
+            for c, table in enumerate(tables(k, x * grid.dx, y * grid.dy)):
+                values = table.T if self._across else table
+                if row.symmetric:
+                    out[c, t] = parity_transform(values, 1, self._parities[t][c][1 - self._across], 1)
+                else:
+                    out[c, t] = np.fft.rfft(row.scatter(values, 1), axis=1)
+        self._kernels[k] = out
+
+    def covers(self, box: Box) -> bool:
+        """Whether tractions on `box` can be handed to `apply`."""
+        return self.source.covers(box)
+
+    def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
+        """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]."""
+        waves = self._waves(tractions)
+        parts = [np.ascontiguousarray(part) for part in (waves.real, waves.imag)]
+        row = self._row
+        out = np.empty((len(COMPONENTS), self.depths.size, row.targets))
+
+        def superpose(k: int) -> None:
+            real, imaginary = (np.einsum("ctrk,ctrk->ck", self._kernels[k], part) for part in parts)
+            values = np.fft.irfft(real + 1j * imaginary, n=row.length, axis=1)
+            out[:, k] = values[:, row.target_start : row.target_start + row.targets]
+
+        in_parallel(self._threads, [partial(superpose, k) for k in range(self.depths.size)])
+        return np.expand_dims(out, 2 + self._across)
+
+    def _waves(self, tractions: Sequence[FloatArray]) -> NDArray[np.complex128]:
+        """Transformed tractions ``(6, tractions, rows across, wavenumbers)``, as each component feels them."""
+        row, images = self._row, self._images
+        loads = np.array([np.moveaxis(traction[self.source.slices], self._across, 0) for traction in tractions])
+        loads = loads[:, ::-1]  # offsets (target minus source) ascend
+        padded = np.zeros((*loads.shape[:2], row.length))
+        padded[..., row.source_start : row.source_start + row.sources] = loads
+        waves = np.fft.rfft(padded, axis=2)
+        out = np.empty((len(COMPONENTS), waves.shape[0], waves.shape[1] - images, waves.shape[2]), complex)
+        for t, parities in enumerate(self._parities):
+            for c, parity in enumerate(parities):
+                out[c, t] = folded(waves[t], images, 0, parity[self._across])
+                if row.symmetric and parity[1 - self._across] < 0:  # an odd sequence: -1j times its sine transform
+                    out[c, t] *= -1j
+        return out
