@@ -62,7 +62,7 @@ def test_kept_tables_are_fresh_ones_to_the_last_bit(folder, monkeypatch, tractio
     asked = Counting.asked
     again = tables(traction, quantity, half_widths=half_widths)
     bands = len(TableCache(folder).entries())
-    assert Counting.asked == asked + 2 * bands  # the address itself: waves along x and y
+    assert Counting.asked == asked + bands  # for the address itself
     monkeypatch.setenv("EIGENCONTACT_CACHE", "off")
     fresh = tables(traction, quantity, half_widths=half_widths)
     assert alike(kept, again)
@@ -110,7 +110,7 @@ def test_damaged_tables_are_computed_again(folder):
     assert alike(tables(), before)
     asked = Counting.asked
     assert alike(tables(), before)
-    assert Counting.asked == asked + 2 * len(TableCache(folder).entries())  # they are whole again
+    assert Counting.asked == asked + len(TableCache(folder).entries())  # they are whole again
 
 
 @dataclass(frozen=True, kw_only=True)

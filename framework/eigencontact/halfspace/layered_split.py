@@ -114,14 +114,9 @@ def _depth_of_substrate(
     """Depth [m], at least `least`, at which the kernel of the substrate nowhere exceeds twice the response; a hash."""
     k = np.geomspace(1e-12, 1.0, 97) / least
     nil = np.zeros_like(k)
-    own = [OWN[base.traction][quantity]]
-    depth, answer = least, sha256()
-    for waves in ((k, nil), (nil, k)):
-        fields = response_at_depths(medium, quantity, own, base.traction, waves, depths, side)[0]
-        alone = base.wavenumber_response(quantity, own, *waves, least, medium.deep_material)[0]
-        answer.update(fields.tobytes())
-        answer.update(alone.tobytes())
-        small = np.flatnonzero((np.abs(fields) < 0.5 * np.abs(alone)).any(axis=0))
-        if small.size:
-            depth = max(depth, 1.0 / float(k[small[0]]))
-    return depth, answer.digest()
+    own, waves = [OWN[base.traction][quantity]], (np.append(k, nil), np.append(nil, k))  # along x and along y
+    fields = response_at_depths(medium, quantity, own, base.traction, waves, depths, side)[0]
+    alone = base.wavenumber_response(quantity, own, *waves, least, medium.deep_material)[0]
+    small = np.append(k, k)[(np.abs(fields) < 0.5 * np.abs(alone)).any(axis=0)]
+    answer = sha256(fields.tobytes() + alone.tobytes()).digest()
+    return max(least, 1.0 / float(small.min(initial=np.inf))), answer
