@@ -281,7 +281,8 @@ class TangentialSolver:
         if report.certificate is None or not report.certificate.holds:
             raise NotConverged(
                 f"friction did not converge in {report.iterations} iterations on {grid.nx} x {grid.ny} cells: "
-                f"{report.certificate}; take smaller increments, raise max-iterations or loosen the tolerance",
+                f"{report.certificate}; take smaller increments, raise max-iterations or loosen the tolerance"
+                + (" or use double precision" if options.precision == "single" else ""),
                 report,
             )
         return solution

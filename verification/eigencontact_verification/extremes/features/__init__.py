@@ -1,0 +1,1 @@
+"""Features: one file each, with its corners, references and bounds."""

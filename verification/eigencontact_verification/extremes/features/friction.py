@@ -1,0 +1,96 @@
+"""Friction from 1e-6 to 10, from the first slip to gross sliding."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+
+from eigencontact_verification.extremes.common import NU, apart, ball, hertz_load, off, run, steel
+from eigencontact_verification.extremes.feature import Corner, Feature, refusal
+from eigencontact_verification.oracles import cattaneo
+
+__all__ = ["FEATURE"]
+
+CONTACT = 1e-5
+
+
+@cache
+def sheared(friction: float, ratio: float, coupling: str = "none", cells: int = 24) -> Any:
+    """Pressed, then pulled to this part of what friction carries."""
+    load = hertz_load(CONTACT)
+    steps = [{"normal-load": load}, {"normal-load": load, "tangential-load-x": ratio * friction * load}]
+    return run(
+        ball(
+            cells=cells, friction={"type": "coulomb", "coefficient": friction}, steps=steps,
+            numerics={"coupling": coupling, "tolerance": 1e-8},
+        )
+    ).dataset  # fmt: skip
+
+
+def in_proportion(friction: float, ratio: float) -> float:
+    """Shear over μ beside that of μ = 1/2: with displacements apart the equations are the same."""
+    found, other = (sheared(mu, ratio)["shear_x"].values[-1] / mu for mu in (friction, 0.5))
+    return apart(found, other)
+
+
+def shift(friction: float, ratio: float, cells: int = 24) -> float:
+    """Shift beside Cattaneo and Mindlin."""
+    body = steel()
+    compliance = (2.0 - NU) / (body["young-modulus"] / (2 * (1 + NU)))
+    full = cattaneo.shift_of_sliding(friction, hertz_load(CONTACT), CONTACT, compliance)
+    found = float(sheared(friction, ratio, cells=cells)["shift_x"][-1])
+    return abs(found / (full * float(cattaneo.shift_of_load(ratio))) - 1.0)
+
+
+def limits(friction: float, ratio: float) -> float:
+    """Shear beyond what friction carries, or a force missed, with all displacements coupled."""
+    data = sheared(friction, ratio, "full")
+    shear = np.hypot(data["shear_x"].values[-1], data["shear_y"].values[-1])
+    pressure = data["pressure"].values[-1]
+    force = float(data["shear_x"].values[-1].sum()) * (2.6 * CONTACT / 24) ** 2
+    wanted = ratio * friction * hertz_load(CONTACT)
+    return max(float((shear - friction * pressure).max() / (friction * pressure.max())), off(force, wanted))
+
+
+CELLS = "second order in cells of a/9, and the edge of stick within a cell: (1/9)²/2"
+
+FEATURE = Feature(
+    key="friction",
+    title="Friction coefficients from 1e-6 to 10",
+    reference="Cattaneo and Mindlin, proportion to μ, Coulomb's bound and the prescribed force",
+    corners=(
+        *(
+            Corner(
+                name=f"shear over μ, μ = {mu:g}, {ratio:g} of sliding",
+                error=partial(in_proportion, mu, ratio),
+                bound=1e-6,
+                reason="scaled equations: a hundred times the tolerance of 1e-8, as edge cells change sides",
+                quick=(mu, ratio) == (1e-6, 0.5),
+            )
+            for mu in (1e-6, 10.0)
+            for ratio in (1e-3, 0.5, 0.999)
+        ),
+        *(
+            Corner(
+                name=f"shift, μ = {mu:g}, {ratio:g} of sliding",
+                error=partial(shift, mu, ratio),
+                bound=6e-3,
+                reason=CELLS,
+            )
+            for mu in (1e-6, 10.0)
+            for ratio in (0.5, 0.999)
+        ),
+        *(
+            Corner(
+                name=f"Coulomb's bound and force, full coupling, μ = {mu:g}, {ratio:g} of sliding",
+                error=partial(limits, mu, ratio),
+                bound=1e-7,
+                reason="certified to the tolerance of 1e-8, tenfold",
+            )
+            for mu, ratio in ((1e-6, 0.5), (1e-6, 0.999), (1e-2, 0.999), (10.0, 0.02))
+        ),
+        refusal("force beyond friction", lambda: sheared(0.5, 1.001), "friction", quick=True),
+    ),
+)

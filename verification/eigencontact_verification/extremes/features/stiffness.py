@@ -1,0 +1,125 @@
+"""Stiffness ratios from 0 to 1e6 and beyond: partners, inclusions and layers, from nothing to rigid."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from eigencontact_verification.extremes.common import MODULUS, NU, apart, ball, off, run, steel
+from eigencontact_verification.extremes.feature import Corner, Feature
+from eigencontact_verification.oracles.eshelby_sphere import isotropic_stiffness, sphere_in_body
+
+__all__ = ["FEATURE"]
+
+
+def partner(ratio: float) -> float:
+    """Two elastic bodies beside one of their joint contact modulus."""
+    first, second = MODULUS * (1.0 + ratio), MODULUS * (1.0 + 1.0 / ratio)
+    two = run(ball(body=steel(modulus=first), body2=steel(0.2, second))).dataset["pressure"].values
+    return apart(two, run(ball()).dataset["pressure"].values)
+
+
+def alone(ratio: float, *, whole: bool) -> float:
+    """Stress in a ball with a prestrain in a body without a surface, beside Eshelby."""
+    young, prestrain = MODULUS, np.diag([1e-3, 0.0, -5e-4])
+    material: dict[str, Any] = {"young-modulus": ratio * young, "poisson-ratio": 0.25} if ratio else {"void": True}
+    region = {
+        "type": "sphere", "center": [0.0, 0.0, 1e-3], "radius": 1e-4, "material": material,
+        **({"eigenstrain": prestrain.tolist()} if ratio else {}),
+    }  # fmt: skip
+    numerics = {"half-space": "full-space", "inclusion-resolution": "whole" if whole else "cells"}
+    points = {"name": "at", "shape": "points", "points": [[0.0, 0.0, 1e-3], [2e-5, -3e-5, 9.6e-4]]}
+    scene = {
+        "body1": {"young-modulus": young, "poisson-ratio": NU}, "inclusions": [region],
+        "grid": {"cells": 24, "size": [4e-4, 4e-4]}, "numerics": numerics, "output": {"pictures": False},
+        "stress": [points],
+    }  # fmt: skip
+    data = run(scene).dataset
+    expected, _ = sphere_in_body(isotropic_stiffness(ratio * young, 0.25), young, NU, np.zeros((3, 3)), prestrain)
+    found = data["at_stress"].values[-1][:3]
+    return float(np.abs(found - np.diag(expected)[:, None]).max() / np.abs(expected).max())
+
+
+def same_material(cells: int) -> float:
+    """A region of the body's own constants under a contact beside none."""
+    region = {"type": "sphere", "center": [0.0, 0.0, 6e-6], "radius": 4e-6, "material": steel()}
+    tight: dict[str, Any] = {"numerics": {"tolerance": 1e-10}}
+    found = run(ball(cells=cells, inclusions=[region], **tight)).dataset["pressure"].values
+    return apart(found, run(ball(cells=cells, **tight)).dataset["pressure"].values)
+
+
+def rigid_limit() -> float:
+    """A ball of 1e6 times the stiffness beside one of 1e4: what is left falls with 1/ratio."""
+
+    def pressure(ratio: float) -> Any:
+        material = {"young-modulus": ratio * MODULUS * (1 - NU**2), "poisson-ratio": NU}
+        region = {"type": "sphere", "center": [0.0, 0.0, 6e-6], "radius": 4e-6, "material": material}
+        return run(ball(inclusions=[region])).dataset["pressure"].values
+
+    return apart(pressure(1e6), pressure(1e4))
+
+
+def balance(ratio: float) -> float:
+    """Load that the pressure carries over a void or a rigid ball, beside the one prescribed."""
+    material = {"young-modulus": ratio * MODULUS, "poisson-ratio": NU} if ratio else {"void": True}
+    region = {"type": "sphere", "center": [0.0, 0.0, 6e-6], "radius": 4e-6, "material": material}
+    result = run(ball(inclusions=[region]))
+    summary = result.summary
+    carried = float(result.dataset["pressure"].values[-1].sum()) * (2.6e-5 / 16) ** 2
+    residuals = (float(summary[name]) for name in ("coupling_residual", "inclusion_residual"))
+    return max(off(carried, ball()["steps"]["normal-load"]), *residuals)
+
+
+MIRROR = "the same equation with the compliances summed in another order: round-off"
+ESHELBY = "one eigenstrain is exact for a ball: the tolerance of the iteration, 1e-6"
+
+FEATURE = Feature(
+    key="stiffness",
+    title="Stiffness ratios from 0 to 1e6",
+    reference="the joint contact modulus, Eshelby's ball, a region of the body's own constants, equilibrium",
+    corners=(
+        *(
+            Corner(
+                name=f"elastic partner, ratio {ratio:g}",
+                error=partial(partner, ratio),
+                bound=1e-9,
+                reason=MIRROR,
+                quick=ratio == 1e6,
+            )
+            for ratio in (1e-6, 1e6, 1e12)
+        ),
+        *(
+            Corner(
+                name=f"ball in full space, whole, ratio {ratio:g}",
+                error=partial(alone, ratio, whole=True),
+                bound=2e-6,
+                reason=ESHELBY,
+                quick=ratio == 1e6,
+            )
+            for ratio in (1e-6, 1e6)
+        ),
+        Corner(
+            name="region like the body under contact",
+            error=partial(same_material, 16),
+            bound=1e-9,
+            reason="nothing to solve for: the tolerance 1e-10 of the contact",
+        ),
+        *(
+            Corner(
+                name=f"ball below a contact, ratio {ratio:g}",
+                error=partial(balance, ratio),
+                bound=1e-6,
+                reason="equilibrium and the certified residuals of cells and coupling: the tolerance",
+            )
+            for ratio in (0.0, 1e-6, 1e6)
+        ),
+        Corner(
+            name="ball of ratio 1e6 beside 1e4",
+            error=rigid_limit,
+            bound=1e-3,
+            reason="the strain of a ball falls with 1/ratio: some 1e-4 of what the ball changes, twice",
+        ),
+    ),
+)

@@ -1,0 +1,127 @@
+"""Corners computed and judged: within the bound, refused where that is right, or a fault."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from time import perf_counter
+
+from eigencontact.errors import EigencontactError
+from eigencontact_verification.extremes.feature import Corner, Feature
+
+__all__ = ["Found", "FoundFeature", "judge", "run"]
+
+# A refusal longer than this is no clear message [characters].
+_LONGEST = 400
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """What one corner gave.
+
+    Attributes
+    ----------
+    corner : Corner
+    word : "holds", "refused" or "fails"
+    error : float or None
+        Largest error; None where there was no answer.
+    message : str
+        Of a refusal, or why the corner fails.
+    seconds : float
+        Wall time.
+    """
+
+    corner: Corner
+    word: str
+    error: float | None
+    message: str
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FoundFeature:
+    """What the corners of one feature gave."""
+
+    feature: Feature
+    corners: tuple[Found, ...]
+
+    @property
+    def word(self) -> str:
+        """``"fails"`` where any corner does."""
+        return "fails" if any(found.word == "fails" for found in self.corners) else "holds"
+
+    @property
+    def worst(self) -> Found | None:
+        """Corner whose error is the largest part of its bound; None where no corner answered."""
+        answered = [found for found in self.corners if found.error is not None and not found.corner.refused]
+        return max(answered, key=_share, default=None)
+
+    @property
+    def seconds(self) -> float:
+        """Wall time."""
+        return sum(found.seconds for found in self.corners)
+
+
+def _share(found: Found) -> float:
+    error = float("inf") if found.error is None or not isfinite(found.error) else found.error
+    return error / found.corner.bound
+
+
+def judge(corner: Corner) -> Found:
+    """Compute one corner.
+
+    Any exception that is not one of eigencontact's own is a fault, and so is a refusal that was not declared, a message
+    of several lines, an answer where a refusal was, and an error that is not finite.
+    """
+    began = perf_counter()
+    error: float | None = None
+    try:
+        error = float(corner.error())
+    except EigencontactError as problem:
+        word, message = _refused(corner, str(problem))
+    except Exception as problem:  # noqa: BLE001 - whatever breaks at a corner is what the campaign looks for
+        word, message = "fails", f"{type(problem).__name__}: {problem}"
+    else:
+        word, message = _answered(corner, error)
+    return Found(corner=corner, word=word, error=error, message=message, seconds=perf_counter() - began)
+
+
+def _refused(corner: Corner, message: str) -> tuple[str, str]:
+    if not corner.refused:
+        return "fails", f"refused where an answer is due: {message}"
+    if corner.refused not in message:
+        return "fails", f"refused, but without the words {corner.refused!r}: {message}"
+    if len(message.splitlines()) != 1 or len(message) > _LONGEST:
+        return "fails", f"refused by more than one short sentence: {message}"
+    return "refused", message
+
+
+def _answered(corner: Corner, error: float) -> tuple[str, str]:
+    if corner.refused:
+        return "fails", f"answered where a refusal that says {corner.refused!r} is due"
+    if not isfinite(error):
+        return "fails", "the error is not a finite number"
+    if error > corner.bound:
+        return "fails", f"off by {error:.2g}, more than {corner.bound:.2g}"
+    return "holds", ""
+
+
+def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[tuple[Feature, Found | FoundFeature]]:
+    """Judge all corners; yields each as it is found, and each feature after its corners.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+    quick : bool
+        Only quick corners; a feature without any is left out.
+    """
+    for feature in features:
+        corners = [corner for corner in feature.corners if corner.quick or not quick]
+        if not corners:
+            continue
+        found = []
+        for corner in corners:
+            found.append(judge(corner))
+            yield feature, found[-1]
+        yield feature, FoundFeature(feature=feature, corners=tuple(found))

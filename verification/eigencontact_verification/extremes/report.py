@@ -1,0 +1,196 @@
+"""Report of the extremes: a table for the terminal, report.json with everything, Markdown and HTML to read."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eigencontact_verification.extremes.judge import Found, FoundFeature
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+__all__ = ["Report", "as_html", "as_markdown", "table", "write_report"]
+
+METHOD = (
+    "Each corner of the parameter space is computed and compared with a closed form, another method that shares no "
+    "code with it, or an invariant. Its bound follows from the discretisation, the tolerance or round-off, and stands "
+    "with its reason beside it. Where there is no answer, one clear message must say so: an answer where a refusal is "
+    "due, a refusal that nobody declared, any other exception, and a number that is not finite are faults."
+)
+_HEAD = ("feature", "corners", "largest error", "its bound", "where", "refused", "verdict")
+_CORNER_HEAD = ("corner", "error", "bound", "why this bound", "verdict")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """What a campaign found.
+
+    Attributes
+    ----------
+    features : tuple of FoundFeature
+    quick : bool
+        Whether only quick corners were computed.
+    """
+
+    features: tuple[FoundFeature, ...]
+    quick: bool = False
+
+    @property
+    def faults(self) -> tuple[tuple[str, Found], ...]:
+        """Corners that fail, with the key of their feature."""
+        return tuple((one.feature.key, c) for one in self.features for c in one.corners if c.word == "fails")
+
+    @property
+    def exit_code(self) -> int:
+        """0 unless a corner fails."""
+        return 1 if self.faults else 0
+
+    @property
+    def summary(self) -> str:
+        """The numbers of corners in a sentence."""
+        corners = [corner for feature in self.features for corner in feature.corners]
+        counts = {word: sum(corner.word == word for corner in corners) for word in ("holds", "refused", "fails")}
+        kind = "quick" if self.quick else "full"
+        return (
+            f"{len(self.features)} features, {len(corners)} corners ({kind}): {counts['holds']} within their bounds, "
+            f"{counts['refused']} refused as they must be, {counts['fails']} at fault."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, for JSON."""
+        from eigencontact_verification.benchmarks.machine import facts
+
+        return {
+            "made": datetime.now(UTC).isoformat(timespec="seconds"),
+            "machine": facts(),
+            "quick": self.quick,
+            "summary": self.summary,
+            "exit_code": self.exit_code,
+            "features": [
+                {
+                    "key": one.feature.key,
+                    "title": one.feature.title,
+                    "reference": one.feature.reference,
+                    "verdict": one.word,
+                    "seconds": one.seconds,
+                    "corners": [_corner_data(found) for found in one.corners],
+                }
+                for one in self.features
+            ],
+        }
+
+
+def _corner_data(found: Found) -> dict[str, Any]:
+    corner = found.corner
+    return {
+        "corner": corner.name,
+        "error": found.error,
+        "bound": None if corner.refused else corner.bound,
+        "reason": corner.reason,
+        "must_refuse_with": corner.refused or None,
+        "verdict": found.word,
+        "message": found.message,
+        "seconds": found.seconds,
+    }
+
+
+def _rows(report: Report) -> Iterator[tuple[str, ...]]:
+    """One row a feature."""
+    for one in report.features:
+        worst = one.worst
+        told = ("–", "–", "–")
+        if worst is not None and worst.error is not None:
+            told = (f"{worst.error:.1e}", f"{worst.corner.bound:.1e}", worst.corner.name)
+        refused = sum(found.word == "refused" for found in one.corners)
+        yield one.feature.key, str(len(one.corners)), *told, str(refused), one.word
+
+
+def _corner_rows(one: FoundFeature) -> Iterator[tuple[str, ...]]:
+    for found in one.corners:
+        error = "–" if found.error is None or found.corner.refused else f"{found.error:.1e}"
+        bound = "–" if found.corner.refused else f"{found.corner.bound:.1e}"
+        why = found.message if found.word == "refused" else found.corner.reason
+        yield found.corner.name, error, bound, why, f"fails: {found.message}" if found.word == "fails" else found.word
+
+
+def table(report: Report) -> Table:
+    """One row a feature, for a terminal."""
+    from rich.table import Table
+
+    found = Table(*_HEAD, box=None, pad_edge=False)
+    for row in _rows(report):
+        found.add_row(*row, style="bold red" if row[-1] == "fails" else None)
+    return found
+
+
+def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def as_markdown(report: Report) -> str:
+    """The whole report as one page."""
+    from eigencontact_verification.benchmarks.machine import describe, facts
+
+    parts = ["# Extremes", report.summary, METHOD]
+    parts.append("Written by `eigencontact extremes --markdown FILE`; errors are parts of the largest value.")
+    parts.append(_markdown_table(_HEAD, _rows(report)))
+    for one in report.features:
+        parts += [
+            f"## {one.feature.key}",
+            f"{one.feature.title}. Compared with: {one.feature.reference}.",
+            _markdown_table(_CORNER_HEAD, _corner_rows(one)),
+        ]
+    parts.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}.")
+    return "\n\n".join(parts) + "\n"
+
+
+_STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; }
+table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }
+th { border-bottom: 2px solid #888; }
+.fails { color: #b33c00; font-weight: 600; } .refused { color: #7a5200; }
+summary { cursor: pointer; padding: 0.2rem 0; }
+"""
+
+
+def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    def line(row: Sequence[str]) -> str:
+        mark = row[-1].partition(":")[0]
+        return f"<tr class='{mark}'>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n"
+
+    top = "".join(f"<th>{html.escape(text)}</th>" for text in head)
+    return f"<table><thead><tr>{top}</tr></thead><tbody>\n{''.join(map(line, rows))}</tbody></table>\n"
+
+
+def as_html(report: Report) -> str:
+    """The whole report as one page that needs no other file; features at fault are open."""
+    parts = [
+        "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>Extremes</title>",
+        f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body>",
+        f"<h1>Extremes</h1><p>{html.escape(report.summary)}</p><p>{html.escape(METHOD)}</p>",
+        _html_table(_HEAD, _rows(report)),
+    ]
+    for one in report.features:
+        opened = " open" if one.word == "fails" else ""
+        parts.append(f"<details{opened}><summary>{html.escape(f'{one.feature.key}: {one.feature.title}')}</summary>")
+        parts.append(f"<p>Compared with: {html.escape(one.feature.reference)}.</p>")
+        parts.append(_html_table(_CORNER_HEAD, _corner_rows(one)) + "</details>\n")
+    return "".join(parts) + "</body></html>\n"
+
+
+def write_report(report: Report, folder: Path) -> dict[str, Path]:
+    """Write report.json, report.md and report.html; files of an earlier report are replaced."""
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
+    files["json"].write_text(json.dumps(report.to_dict(), indent=2) + "\n", encoding="utf-8")
+    files["markdown"].write_text(as_markdown(report), encoding="utf-8")
+    files["html"].write_text(as_html(report), encoding="utf-8")
+    return files
