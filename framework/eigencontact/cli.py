@@ -218,6 +218,28 @@ def plugins(
         _fail(problem)
 
 
+@app.command()
+def schema(
+    table: Annotated[str | None, typer.Argument(help="Show one table: `numerics`, `steps.impacts`.")] = None,
+    *,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print JSON: of the whole scene a JSON Schema, which editors read.")
+    ] = False,
+) -> None:
+    """List every key that a scene may hold: meaning, unit, choices, default.
+
+    Example: `eigencontact schema --json > scene.schema.json`, and in the first line of a scene
+    `#:schema ./scene.schema.json` for an editor that completes.
+    """
+    from eigencontact.app import installed_plugins
+    from eigencontact.reference.command import schema_text
+
+    try:
+        typer.echo(schema_text(installed_plugins(), table, as_json=as_json))
+    except EigencontactError as problem:
+        _fail(problem)
+
+
 gallery = typer.Typer(help="List the bundled scenes, or print one to start from.", invoke_without_command=True)
 app.add_typer(gallery, name="gallery")
 

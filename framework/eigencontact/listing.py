@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import MISSING, fields
-from typing import Any, get_args, get_type_hints
+from collections.abc import Iterable
+from typing import Any
 
-from eigencontact.core.quantities import Unit
 from eigencontact.errors import PluginError, ResultsError, SceneError
 from eigencontact.hooks.registry import Entry, Registry
+from eigencontact.reference.keys import keys_of
+from eigencontact.reference.text import key_lines
 
 __all__ = ["cache_data", "cache_text", "gallery_data", "plugin_data", "plugin_text"]
 
@@ -94,19 +95,7 @@ def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:
 
 def _entry(entry: Entry, spelling: str) -> dict[str, Any]:
     cls = entry.component
-    hints = get_type_hints(cls, include_extras=True)
-    parameters = []
-    for item in fields(cls):
-        unit = next((part.symbol for part in get_args(hints[item.name]) if isinstance(part, Unit)), None)
-        required = item.default is MISSING and item.default_factory is MISSING
-        parameters.append(
-            {
-                "name": item.name.replace("_", "-"),
-                "unit": unit,
-                "required": required,
-                "default": None if required else repr(item.default),
-            }
-        )
+    keys = list(keys_of(cls))
     return {
         "kind": entry.kind,
         "key": entry.key,
@@ -115,7 +104,8 @@ def _entry(entry: Entry, spelling: str) -> dict[str, Any]:
         "version": entry.version,
         "summary": (cls.__doc__ or "").strip().split("\n")[0],
         "doc": cls.__doc__ or "",
-        "parameters": parameters,
+        "parameters": [key.to_dict() for key in keys],
+        "tables": {key.name: [part.to_dict() for part in keys_of(key.table)] for key in keys if key.table is not None},
         "references": [str(source) for source in getattr(cls, "references", ())],
     }
 
@@ -130,7 +120,9 @@ def plugin_text(data: dict[str, Any], *, detailed: bool) -> str:
             lines += ["", kind] if lines else [kind]
         lines.append(f"  {entry['type']:<16} {entry['summary']}  ({entry['package']} {entry['version']})")
         if detailed:
-            lines += [f"    {_parameter(item)}" for item in entry["parameters"]]
+            lines += _parameters(entry["parameters"], "    ")
+            for name, keys in entry["tables"].items():
+                lines += [f"    in each table of {name}:", *_parameters(keys, "      ")]
             lines += ["    sources:", *(f"      {source}" for source in entry["references"])]
     if data["broken"]:
         lines += ["", "broken, and why"]
@@ -138,6 +130,5 @@ def plugin_text(data: dict[str, Any], *, detailed: bool) -> str:
     return "\n".join(lines)
 
 
-def _parameter(item: dict[str, Any]) -> str:
-    unit = f" [{item['unit']}]" if item["unit"] else ""
-    return f"{item['name']}{unit}: " + ("required" if item["required"] else f"default {item['default']}")
+def _parameters(keys: Iterable[dict[str, Any]], indent: str) -> list[str]:
+    return [line for key in keys for line in key_lines(key, indent=indent)]

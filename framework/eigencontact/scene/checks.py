@@ -16,6 +16,7 @@ from eigencontact.errors import SceneError
 
 __all__ = [
     "at_least",
+    "both_alike",
     "finite",
     "folder_name",
     "in_range",
@@ -36,6 +37,12 @@ def _check(rule: str, holds: Callable[[float], bool]) -> Check:
             raise ValueError(rule)
         return value
 
+    return _told(validate, rule)
+
+
+def _told(validate: Check, rule: str) -> Check:
+    """Check that tells its rule, for the reference of the scene."""
+    validate.rule = rule  # type: ignore[attr-defined]
     return validate
 
 
@@ -60,7 +67,7 @@ def _sized(unit: str, check: Check, smallest: float = SMALLEST) -> Check:
             raise ValueError(f"of a size between {smallest:g} and {LARGEST:g} [{unit}]")
         return value
 
-    return validate
+    return _told(validate, check.rule)  # type: ignore[attr-defined]
 
 
 def at_least(low: float) -> Callable[[Any], Any]:
@@ -166,6 +173,11 @@ def refuse_deep(data: Any) -> None:
         if not level:
             return
     raise SceneError(f"scene must be of tables and arrays nested at most {_DEEPEST} deep (got more)")
+
+
+def both_alike(value: Any) -> Any:
+    """Let one value stand for both directions."""
+    return [value, value] if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
 def one_or_many(value: Any) -> Any:

@@ -60,7 +60,7 @@ def converted(
     """
     cls = entry.component
     known = {item.name: item for item in fields(cls)}
-    refuse_unknown(parameters, [*known, *beside], f"{where} ({entry.key})")
+    refuse_unknown(parameters, [*known, *beside], f"{where} ({entry.key})", f"plugins {registry.spelling(entry)}")
     given = {name.replace("-", "_"): value for name, value in parameters.items()}
     if len(given) < len(parameters):
         raise SceneError(f"{where} must give each key once (got {', '.join(parameters)}); '-' and '_' are one")

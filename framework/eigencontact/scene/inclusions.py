@@ -18,7 +18,15 @@ _Layers = Annotated[int, AfterValidator(at_least(1))]
 
 
 class _Component(ComponentTable):
-    """Table of what lies in a body."""
+    """Table of what lies in a body.
+
+    Parameters
+    ----------
+    name : str, optional
+        For pictures and `explain`; by default the shape or field and its number.
+    body : {1, 2}
+        The half-space it lies in.
+    """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]*$")] | None = None
     body: Literal[1, 2] = 1
@@ -45,16 +53,12 @@ class Inclusion(_Component):
     centers : list of (x, y, z), optional
         For many of a kind: an inclusion at each of these places [m], in place of the field of the shape that says where
         it is (``center``, of a polyhedron ``offset``).
-    name : str, optional
-        For pictures and `explain`; by default the shape and its number.
-    body : {1, 2}
-        The half-space it lies in.
     """
 
     kind: ClassVar[str] = "inclusion-shape"
 
     eigenstrain: Annotated[Any, OfKind("eigenstrain-field")] = None
-    material: Annotated[dict[str, Any] | None, OfKind("constitutive-law")] = None
+    material: Annotated[dict[str, Any] | None, OfKind("constitutive-law", default="isotropic")] = None
     centers: Annotated[list[tuple[FiniteLength, FiniteLength, FiniteLength]], Field(min_length=1)] | None = None
 
     def tables(self, shape: type, where: str) -> list[dict[str, Any]]:
@@ -122,8 +126,6 @@ class EigenstrainPatch(_Component):
         Extent of the patch along x and y [m]; the whole window by default. It is rounded to whole cells.
     center : (float, float), optional
         Middle of the patch [m]; of the window by default.
-    name, body
-        As of an `Inclusion`.
     """
 
     kind: ClassVar[str] = "eigenstrain-field"

@@ -51,12 +51,12 @@ def explain_error(error: Mapping[str, Any], where: str) -> str:
     return f"{place} must be {_RULES.get(kind, error['msg'])} (got {shown(got)})"
 
 
-def refuse_unknown(table: Iterable[str], known: Iterable[str], where: str) -> None:
-    """Refuse keys of a table that nothing reads; names the nearest known one."""
+def refuse_unknown(table: Iterable[str], known: Iterable[str], where: str, see: str = "") -> None:
+    """Refuse keys of a table that nothing reads; names the nearest known one, and the command that explains them."""
     known = [name.replace("_", "-") for name in known]
     for key in table:
         if key.replace("_", "-") not in known:
             raise SceneError(
                 f"unknown key {key!r} in {where or 'the scene'}; known: {', '.join(known)}"
-                f"{nearest(key.replace('_', '-'), known)}"
+                f"{nearest(key.replace('_', '-'), known)}" + (f"; `eigencontact {see}` explains them" if see else "")
             )

@@ -16,21 +16,52 @@ __all__ = ["StressRequest"]
 class StressRequest(Table):
     """Points at which sub-surface fields are wanted.
 
-    ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
-    from `start` to `end`; ``points`` are listed. z is the depth into `body`. ``fields`` are stored at the points, and
-    with the stress the `quantities` read off it; the displacement is that of eigenstrain, without a contact.
-
-    Down to ``depth_max`` there are ``depth_cells`` steps from the surface on, 48 by default; in a body that yields the
-    points lie by default in the middles of its cells, as eigenstrain is uniform in each of them.
+    z is the depth into `body`. In a body that yields the points lie by default in the middles of its cells, as
+    eigenstrain is uniform in each of them.
 
     At the depth of an interface of a layered body the deeper layer counts; a part in 1e9 above it is the upper one.
     Less than a quarter of a cell below a surface that is not periodic, stress by tractions is a mean over each cell,
     linear between their centres (`eigencontact.solvers.surface_means`).
 
-    ``around`` names an inclusion: a plane (through its middle by default) or a volume is then cut to the box around the
-    inclusion and some `room`, in sizes of the inclusion, with `refinement` points to an edge of a cell (8 by default).
-    Nothing is solved again: the fields are those of the tractions and eigenstrains found on the cells. A plane or
-    volume may also be cut to the x and y from `start` to `end`, and refined in x and y, by itself.
+    Close up nothing is solved again: the fields are those of the tractions and eigenstrains found on the cells.
+
+    Parameters
+    ----------
+    name : str, optional
+        Name of the region in results and pictures; by default made of its shape and body.
+    shape : {"plane", "volume", "line", "points"}
+        ``plane`` is normal to x, y or z through `position`; ``volume`` is the window down to the depths; ``line`` runs
+        from `start` to `end`; ``points`` are listed.
+    body : {1, 2}
+        The half-space that the region lies in.
+    normal : {"x", "y", "z"}
+        Normal of a plane.
+    position : float, optional
+        Place of a plane along its normal [m]; 0 by default, around an inclusion its middle.
+    depths : list of float, optional
+        Depths of the points of a volume or upright plane [m].
+    depth_max : float, optional
+        Largest of them [m], in steps from the surface on.
+    depth_cells : int, optional
+        Steps down to `depth_max`; 48 by default.
+    start : (float, float, float), optional
+        Point (x, y, depth) where a line begins [m]; corner to which a plane or volume is cut in x and y.
+    end : (float, float, float), optional
+        Point where a line ends [m]; the other corner.
+    count : int
+        Points of a line.
+    points : list of (float, float, float), optional
+        Points (x, y, depth) [m].
+    around : str, optional
+        Name of an inclusion: a plane or volume is cut to the box around the inclusion and some `room`.
+    room : float
+        Room around that inclusion, in its sizes.
+    refinement : int, optional
+        Points to an edge of a cell in x and y; 8 by default around an inclusion, else 1.
+    fields : list of {"stress", "strain", "displacement"}
+        What is stored; the displacement is that of eigenstrain, without a contact.
+    quantities : list of {"von_mises", "tresca", "principal", "hydrostatic"}
+        What is read off the stress and stored beside it.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")] = ""

@@ -14,6 +14,7 @@ from eigencontact.core.quantities import FileMark, Stress
 from eigencontact.core.units import LARGEST
 from eigencontact.scene.checks import (
     at_least,
+    both_alike,
     folder_name,
     in_range,
     non_negative,
@@ -26,7 +27,7 @@ from eigencontact.scene.contents import check_contents
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.regions import StressRequest
 from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
-from eigencontact.scene.table import FiniteLength, OfKind, PositiveLength, Table, Tables
+from eigencontact.scene.table import Also, FiniteLength, OfKind, PositiveLength, Table, Tables
 from eigencontact.scene.wear import Wear
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]
@@ -40,9 +41,15 @@ def _medium_table(value: Any) -> Any:
 class InitialTable(Table):
     """State of a body after a step of an earlier run: what its cells remember.
 
-    ``results`` is the folder of that run or its ``results.nc``, ``step`` a number from 1, by default the last. Of that
-    run everything but the state of the body is forgotten. In the same cells the state is what it was, in others the
-    means over them.
+    Of that run everything but the state of the body is forgotten. In the same cells the state is what it was, in others
+    the means over them.
+
+    Parameters
+    ----------
+    results : str
+        Folder of that run, or its ``results.nc``.
+    step : int, optional
+        Load step of that run, from 1; the last by default.
     """
 
     results: Annotated[str, FileMark()]
@@ -52,9 +59,20 @@ class InitialTable(Table):
 class Body(Table):
     """One half-space: rigid, elastic with its two constants, or a medium whose constants change with depth.
 
-    ``medium`` is the table of a layered medium, ``law`` that of the constitutive law which an elastic body obeys under
-    the contact (its constants are those of the body); their ``type`` names the plugin. ``initial`` is the state of an
-    earlier run that the laws in the body begin with.
+    Parameters
+    ----------
+    rigid : bool
+        A body that nothing deforms; it has no constants.
+    young_modulus : float, optional
+        Young's modulus [Pa].
+    poisson_ratio : float, optional
+        Poisson's ratio; 0.5 is incompressible.
+    medium : table or component, optional
+        Layered medium in place of the two constants; ``type`` names the plugin.
+    law : table or component, optional
+        Constitutive law that an elastic body obeys under the contact; its constants are those of the body.
+    initial : InitialTable, optional
+        State of an earlier run that the laws in the body begin with.
     """
 
     rigid: bool = False
@@ -88,12 +106,28 @@ class Body(Table):
 class GridSpec(Table):
     """Cells of the window: given by two of cells, size, spacing; or chosen from the size of the contact.
 
-    Without a contact an automatic grid follows the inclusions: see `eigencontact.model.regions`.
+    Without a contact an automatic grid follows the inclusions: see `eigencontact.model.regions`. ``grid = "auto"`` is
+    the grid without any key.
+
+    Parameters
+    ----------
+    cells : int or (int, int), optional
+        Number of cells along x and y.
+    size : float or (float, float), optional
+        Extent of the window along x and y [m].
+    spacing : float or (float, float), optional
+        Edges of a cell along x and y [m].
+    center : (float, float)
+        Middle of the window [m].
+    cells_per_contact_radius : float
+        Of an automatic grid: cells from the middle of the largest contact to its edge, the nearer one.
+    margin : float
+        Of an automatic grid: extent of the window in extents of the largest contact.
     """
 
-    cells: Annotated[tuple[int, int], BeforeValidator(one_or_many)] | None = None
-    size: tuple[PositiveLength, PositiveLength] | None = None
-    spacing: tuple[PositiveLength, PositiveLength] | None = None
+    cells: Annotated[tuple[int, int] | None, BeforeValidator(both_alike)] = None
+    size: Annotated[tuple[PositiveLength, PositiveLength] | None, BeforeValidator(both_alike)] = None
+    spacing: Annotated[tuple[PositiveLength, PositiveLength] | None, BeforeValidator(both_alike)] = None
     center: tuple[FiniteLength, FiniteLength] = (0.0, 0.0)
     cells_per_contact_radius: Annotated[float, AfterValidator(at_least(1.0))] = 32.0
     margin: Annotated[float, AfterValidator(at_least(1.0))] = 1.5
@@ -103,8 +137,6 @@ class GridSpec(Table):
     def _auto(cls, value: Any) -> Any:
         if value == "auto":
             return {}
-        if isinstance(value, dict) and isinstance(value.get("cells"), int):
-            return {**value, "cells": [value["cells"]] * 2}
         return value
 
     @model_validator(mode="after")
@@ -127,28 +159,47 @@ class GridSpec(Table):
 class Numerics(Table):
     """Fidelity and effort. The defaults are accurate.
 
-    ``half_space`` is the treatment of the free surface in the fields of eigenstrain: ``"exact"``; ``"image-pressure"``,
-    which frees the middles of the surface's cells; ``"periodic"``, where the window repeats; or ``"full-space"``, which
-    leaves the surface out. ``inclusion_cells`` is the number of cells along z across a region that has to be cut into
-    cells: a shape without potentials, or an eigenstrain that is not uniform.
-
-    ``inclusion_resolution`` says how an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own,
-    or as a ``"whole"`` with one uniform eigenstrain (cheap; shapes with potentials, away from the surface and each
-    other). ``inclusion_pitch`` is the height of those cells [m]; by default it follows the grid and the shapes.
-    ``law_room`` is the room around the part of a body in which its law may be more than elastic, in sizes of that part:
-    the cells fill both, and become more where that proves too little.
-
-    ``coupling`` says which displacements follow from which tractions in a contact with friction: ``"none"``, each along
-    its own traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with
-    each other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
-    the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along the
-    surface makes the surfaces slip at every level.
-
-    ``plastic_error`` halves load steps in which cells flow until the whole and its halves differ by no more than this
-    part of the strain (five times at most; ``plastic_error`` of a step tells what is left): three times the work of a
-    step that is fine enough, none where nothing flows. Without it steps are those of the scene.
-
-    ``allow_coarse`` accepts cells that cannot show a contact or a region inside a body; results then carry a warning.
+    Parameters
+    ----------
+    half_space : {"exact", "full-space", "image-pressure", "periodic"}
+        Treatment of the free surface in the fields of eigenstrain: ``"exact"``; ``"image-pressure"``, which frees the
+        middles of the surface's cells; ``"periodic"``, where the window repeats; or ``"full-space"``, which leaves the
+        surface out.
+    inclusion_cells : int
+        Cells along z across a region that has to be cut into cells: a shape without potentials, or an eigenstrain that
+        is not uniform.
+    inclusion_resolution : {"cells", "whole"}
+        How an inhomogeneity is resolved: by ``"cells"``, each with an eigenstrain of its own, or as a ``"whole"`` with
+        one uniform eigenstrain (cheap; shapes with potentials, away from the surface and each other).
+    inclusion_pitch : float, optional
+        Height of those cells [m]; by default it follows the grid and the shapes.
+    law_room : float
+        Room around the part of a body in which its law may be more than elastic, in sizes of that part: the cells fill
+        both, and become more where that proves too little.
+    boundary : {"non-periodic", "periodic"}
+        Whether the window stands alone on the half-space, or repeats along x and y.
+    coupling : {"none", "partial", "one-way", "full"}
+        Which displacements follow from which tractions in a contact with friction: ``"none"``, each along its own
+        traction alone (what is never loaded or moved along the surface is left out); ``"partial"``, x and y with each
+        other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
+        the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along
+        the surface makes the surfaces slip at every level.
+    precision : {"double", "single"}
+        Precision of transforms and of the fields that they are applied to.
+    tolerance : float
+        Residual at which a solver ends, relative to the deflection or the stress that drives it.
+    max_iterations : int
+        Iterations after which a solver gives up and says so.
+    threads : int, optional
+        Threads of transforms and loops; as many as there are processors by default.
+    plastic_error : float, optional
+        Halves load steps in which cells flow until the whole and its halves differ by no more than this part of the
+        strain (five times at most; ``plastic_error`` of a step tells what is left): three times the work of a step that
+        is fine enough, none where nothing flows. Without it steps are those of the scene.
+    allow_contact_at_edge : bool
+        Accepts a contact that reaches the edge of the window, where what is loaded outside is missing.
+    allow_coarse : bool
+        Accepts cells that cannot show a contact or a region inside a body; results then carry a warning.
     """
 
     half_space: Literal["exact", "full-space", "image-pressure", "periodic"] = "exact"
@@ -170,9 +221,19 @@ class Numerics(Table):
 class Output(Table):
     """What is written besides results and summary.
 
-    What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any of
-    them without solving again, and an animation shows what has yielded in each. The animation of a history of several
-    steps is a GIF, or an MP4 where the program ffmpeg is installed.
+    Parameters
+    ----------
+    pictures : bool
+        Pictures (PNG) of what was solved.
+    vtk : bool
+        Files for ParaView.
+    tangential_displacement : bool
+        The displacement of the surface along x and y of a contact without friction.
+    history : {"last", "all"}
+        What bodies remember is stored after the ``last`` step, or after ``all``: a region can then be looked at in any
+        of them without solving again, and an animation shows what has yielded in each.
+    animation : bool or {"gif", "mp4"}
+        Animation of a history of several steps: a GIF, or an MP4 where the program ffmpeg is installed.
     """
 
     pictures: bool = True
@@ -192,8 +253,12 @@ class Scene(Table):
         into such a name.
     title : str
         One line for plots and lists.
-    body1, body2 : Body
-        The half-spaces; at least one is elastic. z points into body 1.
+    description : str
+        What the scene shows, and where its numbers come from.
+    body1 : Body
+        The half-space that z points into.
+    body2 : Body
+        The half-space above it, rigid by default; at least one of the two is elastic.
     geometry : list of tables or components
         Separations that add up; ``type`` names the geometry plugin. Without one there is no contact.
     friction : table or component, optional
@@ -208,8 +273,14 @@ class Scene(Table):
         Cells, or ``"auto"``.
     steps : list of Step
         Load history; one step by default where there is no contact.
-    numerics, stress, observers, output
-        Fidelity; sub-surface stresses; observers (``type`` names the plugin); files.
+    numerics : Numerics
+        Fidelity and effort.
+    stress : list of StressRequest
+        Where fields below the surface are wanted.
+    observers : list of tables or components
+        What is written beside each step; ``type`` names the plugin.
+    output : Output
+        Files beside results and summary.
 
     Examples
     --------
@@ -233,7 +304,7 @@ class Scene(Table):
     wear: Wear | None = None
     inclusions: Annotated[list[Inclusion], BeforeValidator(one_or_many)] = Field([])
     eigenstrain: Annotated[list[EigenstrainPatch], BeforeValidator(one_or_many)] = Field([])
-    grid: GridSpec = GridSpec()
+    grid: Annotated[GridSpec, Also("auto")] = GridSpec()
     steps: Annotated[list[Step], BeforeValidator(one_or_many), Field(min_length=1), AfterValidator(each_impact)] = (
         Field([Step()])
     )

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment
 from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
-from eigencontact.scene.checks import at_least, finite, in_range, non_negative, one_or_many
+from eigencontact.scene.checks import at_least, both_alike, finite, in_range, non_negative, one_or_many
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 from eigencontact.scene.wear import Wear
@@ -36,11 +36,22 @@ class Impacts(Table):
     """Random places of a rectangle around a middle at which a geometry is pressed on and lifted, one after the other.
 
     The places are drawn uniformly and depend on the seed alone; more of them begin with the same ones.
+
+    Parameters
+    ----------
+    count : int
+        How many places.
+    seed : int
+        Of the random numbers.
+    size : float or (float, float)
+        Edges of the rectangle along x and y [m].
+    center : (float, float)
+        Middle of the rectangle [m].
     """
 
     count: Annotated[int, AfterValidator(in_range(1, 1e5, "impacts"))]
     seed: Annotated[int, AfterValidator(at_least(0))] = 0
-    size: tuple[PositiveLength, PositiveLength]
+    size: Annotated[tuple[PositiveLength, PositiveLength], BeforeValidator(both_alike)]
     center: tuple[FiniteLength, FiniteLength] = (0.0, 0.0)
 
     @property
@@ -59,12 +70,10 @@ def each_impact(steps: list[Step]) -> list[Step]:
     return [single for step in steps for single in step.written_out()]
 
 
-def _steps_of_cycle(value: Any) -> Any:
-    """One table stands for a list of one; an empty list is refused."""
-    tables = None if value is None else one_or_many(value)
-    if tables is not None and not tables:
+def _some(steps: Any) -> Any:
+    if steps is not None and not steps:
         raise ValueError("one step or more")
-    return tables
+    return steps
 
 
 class Step(Table):
@@ -83,6 +92,39 @@ class Step(Table):
     In a step with `sliding_distance` the surfaces slide all over the contact by that path, which is not resolved: the
     motion is not counted in shift-x, and the shear is that of its end, along `sliding_direction`, body 2 moving towards
     positive values; ``"circular"`` ends along x.
+
+    Parameters
+    ----------
+    normal_load : float, optional
+        Normal force at the end of the step [N]; of a periodic window, on the window.
+    approach : float, optional
+        How far the bodies have come together [m].
+    moment_x, moment_y : float, optional
+        Moment of the pressure about the x or y axis through the middle of the window [N m].
+    tilt_x, tilt_y : float, optional
+        Rotation about the x or y axis [rad].
+    tangential_load_x, tangential_load_y : float, optional
+        Tangential force on body 2 along x or y [N].
+    shift_x, shift_y : float, optional
+        Motion of body 2 against body 1 along x or y [m].
+    torsion_moment : float, optional
+        Moment about the z axis [N m].
+    twist : float, optional
+        Rotation about the z axis [rad].
+    travel_x, travel_y : float, optional
+        Place along x or y to which the geometry has moved at the end of the step [m].
+    sliding_distance : float, optional
+        Path that the surfaces slide all over the contact in this step [m].
+    sliding_direction : {"x", "y", "circular"}, optional
+        Along which they do; x by default.
+    increments : int
+        Equal parts in which the ramp is done.
+    impacts : Impacts, optional
+        Random places at each of which the geometry is pressed on and lifted.
+    cycle : list of Step, optional
+        Steps done again and again, in place of anything else.
+    repeat : int
+        How often they are done.
     """
 
     normal_load: Annotated[Force, AfterValidator(non_negative("N"))] | None = None
@@ -103,7 +145,7 @@ class Step(Table):
     sliding_direction: Literal["x", "y", "circular"] | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
     impacts: Impacts | None = None
-    cycle: Annotated[list[Step] | None, BeforeValidator(_steps_of_cycle)] = None
+    cycle: Annotated[list[Step] | None, BeforeValidator(one_or_many), AfterValidator(_some)] = None
     repeat: Annotated[int, AfterValidator(in_range(1, MOST_CYCLES, "cycles"))] = 1
 
     def written_out(self) -> list[Step]:

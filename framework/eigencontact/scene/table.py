@@ -18,7 +18,7 @@ from pydantic import (
 from eigencontact.core.quantities import Length
 from eigencontact.scene.checks import finite, non_negative, one_or_many, only_numbers, positive
 
-__all__ = ["ComponentTable", "Depth", "FiniteLength", "OfKind", "PositiveLength", "Table", "Tables"]
+__all__ = ["Also", "ComponentTable", "Depth", "FiniteLength", "OfKind", "PositiveLength", "Table", "Tables"]
 
 PositiveLength = Annotated[Length, AfterValidator(positive("m"))]
 FiniteLength = Annotated[Length, AfterValidator(finite("m"))]
@@ -28,9 +28,20 @@ Tables = Annotated[list[dict[str, Any]], BeforeValidator(one_or_many)]
 
 @dataclass(frozen=True, slots=True)
 class OfKind:
-    """Mark of a field that holds the table of a component of a kind, or several: its ``type`` names the plugin."""
+    """Mark of a field that holds the table of a component of a kind, or several: its ``type`` names the plugin.
+
+    A `default` stands where the table has no ``type``.
+    """
 
     kind: str
+    default: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Also:
+    """Mark of a field that may hold a word in place of its table."""
+
+    text: str
 
 
 class Table(BaseModel):
@@ -49,7 +60,13 @@ class Table(BaseModel):
 
 
 class ComponentTable(Table):
-    """Table whose further keys are the fields of the plugin of a `kind` that ``type`` names."""
+    """Table whose further keys are the fields of the plugin of a `kind` that ``type`` names.
+
+    Parameters
+    ----------
+    type : str
+        Name of the plugin; its fields are further keys.
+    """
 
     model_config = ConfigDict(extra="allow")
     kind: ClassVar[str]

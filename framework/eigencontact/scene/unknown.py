@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -16,7 +17,8 @@ def find_unknown(data: Any, model: type[BaseModel], where: str = "") -> None:
     if not isinstance(data, dict):
         return
     if model.model_config.get("extra") != "allow":  # else other keys belong to a plugin, which checks them
-        refuse_unknown(data, model.model_fields, where)
+        place = re.sub(r"\.\d+|\.cycle\b", "", where)
+        refuse_unknown(data, model.model_fields, where, f"schema {place}".strip())
     for key, value in data.items():
         field = model.model_fields.get(key.replace("-", "_"))
         inner = None if field is None else _model(field.annotation)

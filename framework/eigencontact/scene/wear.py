@@ -15,7 +15,15 @@ _Share = Annotated[float, AfterValidator(non_negative("-"))]
 
 
 class Shares(Table):
-    """Parts of the worn depth that each body loses; their sum is 1."""
+    """Parts of the worn depth that each body loses; their sum is 1.
+
+    Parameters
+    ----------
+    body1 : float
+        Part of the worn depth that body 1 loses.
+    body2 : float
+        Part of the worn depth that body 2 loses.
+    """
 
     body1: _Share = 0.0
     body2: _Share = 0.0

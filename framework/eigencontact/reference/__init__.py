@@ -1,0 +1,1 @@
+"""What a scene may hold, as data: every table, every key, its meaning, unit, choices and default."""

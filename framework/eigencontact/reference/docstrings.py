@@ -1,0 +1,46 @@
+"""Meanings of the fields of a class, read from its docstring as numpydoc lays it out."""
+
+from __future__ import annotations
+
+import inspect
+import re
+
+__all__ = ["meanings", "summary"]
+
+_HEADINGS = ("Parameters", "Attributes")
+
+
+def summary(cls: type) -> str:
+    """First paragraph of the docstring, in one line."""
+    return " ".join(inspect.cleandoc(cls.__dict__.get("__doc__") or "").split("\n\n")[0].split())
+
+
+def meanings(cls: type) -> dict[str, str]:
+    """What each field means, by its name in Python; fields that a base class documents are inherited.
+
+    Examples
+    --------
+    >>> from eigencontact.scene.wear import Shares
+    >>> meanings(Shares)["body1"]
+    'Part of the worn depth that body 1 loses.'
+    """
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        found |= _of_text(inspect.cleandoc(base.__dict__.get("__doc__") or ""))
+    return found
+
+
+def _of_text(text: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    names: list[str] = []
+    heading, lines = "", text.split("\n")
+    for line, after in zip(lines, [*lines[1:], ""], strict=True):
+        if re.fullmatch("-{3,}", after):
+            heading, names = line.strip(), []
+        elif heading in _HEADINGS and line.strip() and not re.fullmatch("-{3,}", line):
+            if line[0] != " ":
+                names = [name.strip() for name in line.split(" : ")[0].split(",")]
+                found |= dict.fromkeys(names, "")
+            else:
+                found |= {name: f"{found[name]} {line.strip()}".strip() for name in names}
+    return found

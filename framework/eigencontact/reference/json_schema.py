@@ -1,0 +1,103 @@
+"""JSON Schema of a scene, by which editors of TOML complete and check."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from eigencontact.core.places import place_field
+from eigencontact.hooks.registry import Registry
+from eigencontact.reference.docstrings import summary
+from eigencontact.reference.forms import Form
+from eigencontact.reference.keys import Key, keys_of
+from eigencontact.scene.schema import Scene
+from eigencontact.scene.table import ComponentTable
+
+__all__ = ["json_schema"]
+
+
+def json_schema(registry: Registry) -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene with the plugins that are installed.
+
+    Returns
+    -------
+    dict
+        The scene's own keys, and ``$defs``: each class of tables, each kind of plugin, each plugin.
+    """
+    found = _Definitions(registry)
+    scene = found.table(Scene)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Scene of eigencontact",
+        **scene,
+        "$defs": found.definitions,
+    }
+
+
+class _Definitions:
+    """Definitions that a scene refers to, each made once."""
+
+    def __init__(self, registry: Registry) -> None:
+        self.registry = registry
+        self.definitions: dict[str, Any] = {}
+
+    def table(self, cls: type, beside: dict[str, Any] | None = None) -> dict[str, Any]:
+        """Object with the keys of a class, and some beside them."""
+        keys = list(keys_of(cls))
+        for key in keys:
+            self._define(key)
+        properties = {key.name: _property(key) for key in keys}
+        return {
+            "type": "object",
+            "description": summary(cls),
+            "properties": {**(beside or {}), **properties},
+            "required": [*(["type"] if beside else []), *(key.name for key in keys if key.required)],
+            "additionalProperties": False,
+        }
+
+    def _define(self, key: Key) -> None:
+        """Make what a key refers to."""
+        for kind in _kinds(key.form):
+            if kind not in self.definitions:
+                self.definitions[kind] = {}  # a plugin may hold others of its kind
+                self.definitions[kind] = {"anyOf": [self._plugin(entry) for entry in self.registry.of_kind(kind)]}
+        cls = key.table
+        if cls is None or cls.__name__ in self.definitions:
+            return
+        self.definitions[cls.__name__] = {}
+        self.definitions[cls.__name__] = self._with_plugins(cls) if issubclass(cls, ComponentTable) else self.table(cls)
+
+    def _with_plugins(self, cls: type[ComponentTable]) -> dict[str, Any]:
+        """Table of a plugin with keys of the scene beside its own: one for each plugin of the kind."""
+        own = self.table(cls)
+        beside = {name: form for name, form in own["properties"].items() if name != "type"}
+        needed = [name for name in own["required"] if name != "type"]
+        choices = []
+        for entry in self.registry.of_kind(cls.kind):
+            table = self._plugin(entry, beside)
+            place = place_field(entry.component) if "centers" in beside else None  # centers take its place
+            table["required"] = [name for name in dict.fromkeys([*table["required"], *needed]) if name != place]
+            choices.append(table)
+        return {"anyOf": choices}
+
+    def _plugin(self, entry: Any, beside: dict[str, Any] | None = None) -> dict[str, Any]:
+        named = {"type": {"const": self.registry.spelling(entry), "description": summary(entry.component)}}
+        return self.table(entry.component, {**named, **(beside or {})})
+
+
+def _kinds(form: Form) -> set[str]:
+    """Kinds of plugin in a form and in what it is made of."""
+    inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
+    inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
+    return ({form["x-kind"]} if "x-kind" in form else set()).union(*map(_kinds, inner))
+
+
+def _property(key: Key) -> dict[str, Any]:
+    default = {} if key.default in (None, "", [], [None]) else {"default": key.default}
+    return {"description": f"{key.meaning} ({key.takes})".strip(), **_clean(key.form), **default}
+
+
+def _clean(form: Any) -> Any:
+    """Form as editors read it: ours beside the words of JSON Schema left out."""
+    if isinstance(form, dict):
+        return {name: _clean(value) for name, value in form.items() if not name.startswith("x-")}
+    return [_clean(item) for item in form] if isinstance(form, list) else form
