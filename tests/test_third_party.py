@@ -177,7 +177,7 @@ def test_all_are_listed_with_their_package(stranger):
         assert words in line
         assert line.endswith(f"({ORIGIN})")
     detailed = stranger("plugins", "spheroid").stdout
-    assert "polar-radius [m]: required" in detailed
+    assert "polar-radius: a length [m]; required" in detailed
     assert "J. D. Eshelby 1959, doi:10.1098/rspa.1959.0173" in detailed
 
 

@@ -232,7 +232,15 @@ def test_plugins_lists_kinds_packages_and_parameters(command):
     data = json.loads(command("plugins", "--json").out)
     assert data["broken"] == []
     sphere = next(entry for entry in data["plugins"] if entry["key"] == "sphere")
-    assert sphere["parameters"][0] == {"name": "radius", "unit": "m", "required": True, "default": None}
+    assert sphere["parameters"][0] == {
+        "name": "radius",
+        "meaning": "R [m].",
+        "takes": "a length [m]",
+        "unit": "m",
+        "choices": None,
+        "required": True,
+        "default": None,
+    }
 
 
 # --- cache --------------------------------------------------------------------------------------------------------

@@ -56,8 +56,8 @@ def test_it_is_listed_and_explained(install, command):
     assert "bowl" in listed.out
     assert "Paraboloid of a stranger.  (eigencontact-stranger 1.2.3)" in listed.out
     detailed = command("plugins", "bowl").out
-    assert "bend [m]: required" in detailed
-    assert "lift [m]: default 0.0" in detailed
+    assert "bend: a length [m]; required" in detailed
+    assert "lift: a length [m]; default 0.0" in detailed
     assert "A. Stranger 2026, eq. (1)" in detailed
     assert "sphere" not in detailed
     data = json.loads(command("plugins", "bowl", "--json").out)
@@ -236,8 +236,8 @@ def test_a_key_of_ours_stays_ours(entry, install, command):
     keys = [line.split()[0] for line in listed.out.splitlines() if "sphere" in line.split()[:1] or ":sphere" in line]
     assert keys == ["sphere", "eigencontact-stranger:sphere", "sphere"]  # two geometries and our inclusion shape
     shown = command("plugins", "sphere")
-    assert "lift [m]: default 0.001" in shown.out
-    assert "profile: default" in shown.out
+    assert "lift: a length [m]; default 0.001" in shown.out
+    assert 'profile: one of "parabola", "circle"; default' in shown.out
     asked = command("plugins", "eigencontact-stranger:sphere", "--json")
     assert [entry["type"] for entry in json.loads(asked.out)["plugins"]] == ["eigencontact-stranger:sphere"]
 
@@ -389,7 +389,7 @@ def test_an_observer_of_a_stranger_sees_read_only_fields(install):
 def test_an_observer_that_misbehaves_is_named(body, install, command, tmp_path):
     install(OBSERVER.replace("BODY", body))
     arguments = [part for change in [*BOWL[1:], "observers=[{type='watch'}]"] for part in ("--set", change)]
-    outcome = command("run", "hertz", *arguments, "-o", tmp_path / "out")
+    outcome = command("run", "hertz", "--quiet", *arguments, "-o", tmp_path / "out")
     assert outcome.code == 2
     assert outcome.err.count("\n") == 1
     assert outcome.err.startswith("eigencontact: ")

@@ -153,8 +153,9 @@ def _walk(hint: Any) -> Iterator[Any]:
 def table_within(hint: Any) -> type | None:
     """Class of the tables that a field holds, if they are no components."""
     for part in _walk(hint):
-        table = isinstance(part, type) and (issubclass(part, BaseModel) or is_dataclass(part))
-        if table and not issubclass(part, Component):
+        if not isinstance(part, type) or issubclass(part, Component):
+            continue
+        if issubclass(part, BaseModel) or is_dataclass(part):
             return part
     return None
 
