@@ -209,7 +209,8 @@ def run(
 
     store = MemoryStore(run_info(planned))
     solved = _solve(planned, store, watcher, stopwatch, {})
-    summary = _summary(planned, store, solved, {}, stopwatch, began)
+    noted = _noted(planned, store, solved.last)
+    summary = _summary(planned, store, solved, noted, {}, stopwatch, began)
     return RunResult(summary=summary, folder=None, seconds=perf_counter() - began, _store=store)
 
 
@@ -251,9 +252,11 @@ def _run_in(
     with stopwatch.on("storing"):
         results = store.finish()
     files = {results.name: "all fields of all steps, with coordinates, units and provenance (opens in xarray)"}
+    noted = _noted(planned, store, solved.last)
+    solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
     files |= _draw(planned, results, folder, stopwatch, painter)
     files["summary.json"] = "the numbers of this run, in SI units"
-    summary = _summary(planned, store, solved, files, stopwatch, began)
+    summary = _summary(planned, store, solved, noted, files, stopwatch, began)
     write_summary(folder, summary)
     return RunResult(
         summary=summary,
@@ -297,25 +300,37 @@ def _solve(
     return _Solved(last, solving, predicted, peak_bytes())
 
 
-def _summary(
-    planned: Plan, store: Store, solved: _Solved, files: Mapping[str, str], stopwatch: Stopwatch, began: float
-) -> dict[str, Any]:
-    from eigencontact.results.summary import summary_of
+def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
+    """Numbers of all steps, and what makes them worth less than they look."""
     from eigencontact.worth.noticed import noticed
 
-    history = store.history(solved.last)
+    history = store.history(last)
+    return {"history": history, "warnings": [caution.to_dict() for caution in noticed(planned, last, history)]}
+
+
+def _summary(
+    planned: Plan,
+    store: Store,
+    solved: _Solved,
+    noted: dict[str, Any],
+    files: Mapping[str, str],
+    stopwatch: Stopwatch,
+    began: float,
+) -> dict[str, Any]:
+    from eigencontact.results.summary import summary_of
+
     extra = {
+        **noted,
         "peak_memory_bytes": solved.peak,
         "predicted_memory_bytes": int(solved.predicted),
         "compute_seconds": solved.seconds,
         "predicted_seconds": planned.seconds,
         "files": files,
         "kernels": [str(kernel) for kernel in planned.kernels],
-        "warnings": [caution.to_dict() for caution in noticed(planned, solved.last, history)],
         "total_seconds": (total := perf_counter() - began),
         "seconds_by_block": stopwatch.seconds | {"rest": total - sum(stopwatch.seconds.values())},
     }
-    return summary_of(store.info, solved.last, history, extra)
+    return summary_of(store.info, solved.last, noted["history"], extra)
 
 
 def _draw(planned: Plan, results: Path, folder: Path, stopwatch: Stopwatch, painter: Painter | None) -> dict[str, str]:

@@ -13,6 +13,7 @@ import xarray as xr
 
 from eigencontact.app import draw
 from eigencontact.errors import ResultsError
+from eigencontact.results import netcdf
 from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore
 from results import synthetic
@@ -130,6 +131,27 @@ def test_large_fields_are_stored_as_they_are(tmp_path):
         for at, record in enumerate(records):
             np.testing.assert_array_equal(found["pressure"][at], record.fields["pressure"])
     assert path.stat().st_size < 1.02 * sum(field.nbytes for record in records for field in record.fields.values())
+
+
+def test_bands_of_large_fields_that_are_zero_are_left_out_and_read_as_zero(tmp_path, monkeypatch):
+    info = synthetic.info(nx=64, ny=250)
+    monkeypatch.setattr(netcdf, "_LARGE", 1)
+    monkeypatch.setattr(netcdf, "_BAND", 7 * 64 * 8)  # the last band is a shorter one
+    first, second = (synthetic.step(info, n, n * 0.3, regions=("plane",)) for n in (1, 2))
+    pressure = first.fields["pressure"]
+    assert np.mean(pressure.any(axis=1)) < 0.8
+    pressure[-1, 0] = 1.0  # nothing of a band is lost because most of it is zero
+    del first.fields["gap"]  # what a step has not is missing, and not zero
+    path = filled(tmp_path, info, [first, second]).finish()
+    with open_results(path) as found:
+        for name, values in second.fields.items():
+            np.testing.assert_array_equal(found[name][1], values)
+        np.testing.assert_array_equal(found["pressure"][0], pressure)
+        assert np.all(np.isnan(found["gap"][0]))
+        np.testing.assert_array_equal(found["plane_0_stress"][1], second.regions["plane_0"].fields["stress"])
+    with h5py.File(path, "r") as file:
+        assert file["pressure"].chunks == (1, 7, 64)
+        assert 0 < file["pressure"].id.get_storage_size() < 0.9 * file["gap"].id.get_storage_size()
 
 
 def test_long_scene_and_empty_title_survive(tmp_path):

@@ -11,6 +11,7 @@ from eigencontact.viz.history import load_history
 from eigencontact.viz.section import drawable, stress_profile, stress_section
 from eigencontact.viz.style import scale_for
 from eigencontact.viz.surface import pressure_map, pressure_profiles, relative_difference
+from eigencontact.viz.window import DOTS, _sampled, middle
 from results import synthetic
 
 
@@ -142,6 +143,28 @@ def test_profiles_show_every_cell_and_the_closed_form(stored):
     words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert words[0] == "computed cells"
     assert words[1].startswith("closed form (relative difference: ")
+
+
+def test_middle_of_a_symmetric_pressure_and_of_one_that_lies_or_leans_aside():
+    y, x = np.ogrid[-10:11, -20:21]
+    bump = np.maximum(0.0, 25.0 - x**2 - y**2)
+    assert middle(bump) == (10, 20)
+    assert middle(np.zeros((4, 6))) == (2, 3)
+    assert middle(np.roll(bump, 3, axis=1)) == (10, 23)
+    leaning = bump.copy()
+    leaning[10, 24] = 60.0
+    assert middle(leaning) == (10, 24)
+
+
+def test_a_map_of_many_cells_is_drawn_by_evenly_spread_ones():
+    side = 2.5 * DOTS
+    x, y = np.meshgrid(np.arange(int(side)), np.arange(700))
+    drawn = _sampled(x + 1e4 * y)
+    assert drawn.shape == (700, DOTS)
+    assert np.array_equal(drawn[:, 0], 1.0 + 1e4 * np.arange(700))
+    assert np.all(np.abs(drawn[0] - (np.arange(DOTS) + 0.5) * 2.5) <= 1.0)
+    few = y[:, :DOTS]
+    assert _sampled(few) is few
 
 
 def test_profile_through_the_maximum_when_the_pressure_has_no_symmetry(stored):

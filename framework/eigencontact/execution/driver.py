@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Protocol
 
 from eigencontact.core.stopwatch import Stopwatch
-from eigencontact.execution.block import Block
+from eigencontact.execution.block import Block, Part
 from eigencontact.execution.loading import (
     LoadHistory,
     LoadPoint,
@@ -84,6 +85,13 @@ def drive(
         Each newly accepted step.
     """
     done, course = done or {}, _Course(plan, watcher, stopwatch or Stopwatch())
+    with course.started_blocks():
+        yield from _steps(plan, course, done, watcher)
+
+
+def _steps(
+    plan: Drivable, course: _Course, done: Mapping[int, Callable[[], StepRecord]], watcher: Watcher | None
+) -> Iterator[StepRecord]:
     last: StepRecord | None = None
     before: LoadPoint | None = None
     while (point := course.history.after(before, cycles=_stands_for(last))) is not None:
@@ -119,6 +127,18 @@ class _Course:
         self.history = LoadHistory(plan.scene.steps, friction=self._friction)
         self._started = False
         self._ramp_start: dict[str, float] = {}
+
+    @contextmanager
+    def started_blocks(self) -> Iterator[None]:
+        """In the end leave the blocks as they were before they were started: solvers hold much memory."""
+        parts: list[Part] = [part for block in self._plan.blocks for part in (block, *block.parts)]
+        before = [(vars(part), dict(vars(part))) for part in parts]
+        try:
+            yield
+        finally:
+            for now, then in before:
+                now.clear()
+                now.update(then)
 
     def start(self) -> None:
         """Start the blocks, once."""

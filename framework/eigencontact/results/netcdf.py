@@ -20,9 +20,12 @@ from eigencontact.results.layout import TEXT
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import DTypeLike
+    from numpy.typing import DTypeLike, NDArray
 
-__all__ = ["Layout", "lay_out"]
+__all__ = ["Layout", "fill", "lay_out"]
+
+#: Fields of at least this size are stored in bands of about that size [bytes]; smaller ones are written faster whole.
+_LARGE, _BAND = 2**22, 2**20
 
 #: Name of a scale that is a dimension and no variable; its size takes ten places.
 _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
@@ -70,7 +73,8 @@ def lay_out(
     describe(file, {"_NCProperties": f"version=2,h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}", **attrs})
     for name, variable in variables.items():
         shape = tuple(dimensions[dim] for dim in variable.dims)
-        made = file.create_dataset(name, shape, variable.dtype, fillvalue=np.nan if variable.missing else None)
+        empty = np.nan if variable.missing else None
+        made = file.create_dataset(name, shape, variable.dtype, fillvalue=empty, chunks=_bands(shape, variable.dtype))
         missing = {"_FillValue": np.array([np.nan], variable.dtype)} if variable.missing else {}
         describe(made, {**missing, **variable.attrs})
     for number, (dim, size) in enumerate(dimensions.items()):
@@ -78,6 +82,34 @@ def lay_out(
         h5py.h5ds.set_scale(scale.id, (dim if dim in variables else _NO_VARIABLE.format(size)).encode())
         describe(scale, {"_Netcdf4Dimid": np.array(number, np.int32)})
     _attach(h5py, file, {name: variable.dims for name, variable in variables.items()})
+
+
+def fill(made: Any, start: int, values: NDArray[Any]) -> None:
+    """Write values into an array as `lay_out` made it, from a place of its first dimension on.
+
+    Bands that are zero throughout are left out of the file: what is not there is read as zero. Most of a surface is
+    free of pressure and shear.
+    """
+    if made.chunks is None or made.fillvalue != 0:
+        made[start : start + len(values)] = values
+        return
+    rows = made.chunks[-2]
+    for at, field in enumerate(values):
+        for place in np.ndindex(field.shape[:-2]):
+            for row in range(0, field.shape[-2], rows):
+                band = field[place][row : row + rows]
+                if band.any():
+                    made[(start + at, *place, slice(row, row + rows))] = band
+
+
+def _bands(shape: tuple[int, ...], dtype: DTypeLike) -> tuple[int, ...] | None:
+    """Bands of whole rows in which a large array of fields is stored; None where it is stored in one piece."""
+    if len(shape) < 3:
+        return None
+    row = np.dtype(dtype).itemsize * shape[-1]
+    if row * shape[-2] < _LARGE:
+        return None
+    return (*(1 for _ in shape[:-2]), max(1, min(shape[-2], _BAND // row)), shape[-1])
 
 
 def _describer(h5py: Any) -> Any:

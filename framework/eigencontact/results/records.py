@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +112,10 @@ class StepRecord:
     regions: dict[str, RegionRecord] = field(default_factory=dict)
     observed: dict[str, float] = field(default_factory=dict)
     history: dict[str, HistoryRecord] = field(default_factory=dict)
+
+    def without_arrays(self) -> StepRecord:
+        """Numbers of the step alone: its fields are stored, and their memory can be used."""
+        return replace(self, fields={}, regions={}, history={})
 
     def row(self) -> dict[str, float]:
         """Every number of the step by name."""

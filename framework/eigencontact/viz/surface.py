@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.core.grid import Box
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
@@ -85,7 +86,8 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
         reference = np.asarray(dataset["homogeneous_pressure" if without else "reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
     row, column = middle(pressure)
-    view = view_of((pressure if reference is None else np.abs(pressure) + np.abs(reference)) != 0)
+    shown = pressure != 0 if reference is None else (pressure != 0) | (reference != 0)
+    view = view_of(shown)
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
     lines: list[tuple[str, str, NDArray[Any], NDArray[Any], tuple[Any, Any]]] = [
         ("x", place("y", y[row]), x, cell_edges(x, dataset, 0), (row, slice(view.x0, view.x1))),
@@ -126,7 +128,7 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
         handles, labels = panels[0].get_legend_handles_labels()
         words = {
-            "closed form": f"{without} (closed form)" if without else _difference_words(pressure, reference),
+            "closed form": f"{without} (closed form)" if without else _difference_words(pressure, reference, view),
             "computed": "computed cells (not all marked)" if thinned else "computed cells",
         }
         order = sorted(range(len(labels)), key=lambda n: labels[n] != "computed")
@@ -155,10 +157,11 @@ def relative_difference(pressure: NDArray[Any], reference: NDArray[Any]) -> tupl
     return float(np.linalg.norm(pressure - reference)) / size, abs(float(np.max(pressure)) - peak) / peak
 
 
-def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None) -> str:
+def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None, view: Box) -> str:
+    """How far the pressure is from the closed form; both are zero outside of a view."""
     if reference is None:
         return "closed form"
-    whole, peak = relative_difference(pressure, reference)
+    whole, peak = relative_difference(pressure[view.slices], reference[view.slices])
     if not np.isfinite(whole):
         return "closed form"
     return f"closed form (relative difference: {100 * whole:.2g} % in the L2 norm, {100 * peak:.2g} % at the maximum)"

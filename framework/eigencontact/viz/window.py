@@ -29,6 +29,8 @@ __all__ = [
     "view_of",
 ]
 
+#: Cells along a side that a map shows at most: somewhat more than its dots.
+DOTS = 1000
 #: Room around the contact in a picture, as a part of the larger side of the contact.
 MARGIN = 0.25
 
@@ -120,8 +122,9 @@ def masked_map(
         limits = shown if limits is None else limits
         scale = scale_for(limits, unit)
         colours, low, high = colour_range(limits)
+        drawn = _sampled(shown)
         image = axes.imshow(
-            np.ma.masked_where(shown == 0, scale(shown)),
+            np.ma.masked_where(drawn == 0, scale(drawn)),
             origin="lower",
             extent=window.extent,
             cmap=colours,
@@ -144,6 +147,15 @@ def masked_map(
         if not np.any(shown):
             axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center", color="0.4")
     return figure
+
+
+def _sampled(field: NDArray[Any]) -> NDArray[Any]:
+    """Cells that a picture can show, evenly spread: a dot on paper would be that of one of several cells anyway."""
+    if max(field.shape) <= DOTS:
+        return field
+    counts = [min(side, DOTS) for side in field.shape]
+    places = [((np.arange(n) + 0.5) * (side / n)).astype(int) for n, side in zip(counts, field.shape, strict=True)]
+    return np.asarray(field[np.ix_(*places)])
 
 
 def cell_edges(centres: NDArray[Any], dataset: Results, axis: int) -> NDArray[Any]:
@@ -173,8 +185,11 @@ def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
     Symmetric is what differs from its mirror image by at most a part `symmetric` of its largest value; any other
     pressure has its profiles through that value.
     """
-    tolerance = symmetric * float(np.abs(pressure).max())
-    if all(np.allclose(pressure, np.flip(pressure, axis), rtol=0, atol=tolerance) for axis in (0, 1)):
+    found = Box.around(pressure != 0) or Box(0, pressure.shape[0], 0, pressure.shape[1])
+    edges = [min(found.y0, pressure.shape[0] - found.y1), min(found.x0, pressure.shape[1] - found.x1)]
+    inner = pressure[tuple(slice(edge, side - edge) for edge, side in zip(edges, pressure.shape, strict=True))]
+    tolerance = symmetric * float(np.abs(inner).max())  # all is zero outside of this part, whose middle is the same
+    if all(np.abs(inner - np.flip(inner, axis)).max() <= tolerance for axis in (0, 1)):
         return pressure.shape[0] // 2, pressure.shape[1] // 2
     row, column = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
     return int(row), int(column)
