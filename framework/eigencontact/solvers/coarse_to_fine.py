@@ -67,12 +67,15 @@ class CoarseToFine:
             if grid in self._springs:
                 springs = restrict_springs(self._springs[grid], factors, self._cell_compliance(grid))
                 self._springs[ladder[-1][0]] = springs
+        return self._finest(fixed, self._from_below(ladder))
+
+    def _from_below(self, ladder: list[tuple[Grid, FloatArray, tuple[int, int]]]) -> FloatArray | None:
+        """Start on the finest grid of a ladder, which is given up; None where there is no coarser one."""
         pressure: FloatArray | None = None
-        for number in range(len(ladder) - 1, 0, -1):
-            grid, field_, factors = ladder[number]
-            pressure = self._coarse(grid, field_, pressure)
-            pressure = self._prolonged(pressure, grid, ladder[number - 1][0], factors)
-        return self._finest(fixed, pressure)
+        while len(ladder) > 1:
+            grid, field_, factors = ladder.pop()
+            pressure = self._prolonged(self._coarse(grid, field_, pressure), grid, ladder[-1][0], factors)
+        return pressure
 
     def _cell_compliance(self, grid: Grid) -> float:
         """What a unit pressure on one cell does to it [m/Pa]."""
@@ -227,7 +230,7 @@ class CoarseToFine:
             loaded = state.pressure > 0
         out = np.zeros(grid.shape)
         out[box.slices] = state.pressure
-        out *= scale
+        out[box.slices] *= scale  # what lies outside stays untouched, and takes no memory
         return out, state.residual
 
     def _modes(self, grid: Grid, box: Box) -> tuple[RigidModes, FloatArray, FloatArray]:

@@ -174,7 +174,8 @@ def _lattice(x: NDArray[Any], y: NDArray[Any], z: NDArray[Any]) -> Mesh:
 def _save(mesh: Mesh, folder: Path, stem: str) -> Path:
     """Write a mesh; the file appears complete or not at all."""
     target = folder / f"{stem}{mesh.suffix}"
-    with replacing(target, target.name) as sink:
+    # Complete or absent; not to outlive a loss of power, as the results do, from which the file can be written again.
+    with replacing(target, target.name, lasting=False) as sink:
         mesh.write(sink)
     return target
 
