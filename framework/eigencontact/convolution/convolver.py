@@ -28,6 +28,10 @@ Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).
 _BATCH_BYTES = 524_288
+# Columns of a batch at least, where they are long: rows lie far apart in memory, and what is near is used together.
+_FEWEST_COLUMNS = 16
+# Rows that are turned into columns at a time.
+_TURNED = 512
 # Targets whose half-transformed rows are held at a time.
 _TOGETHER = 6
 # Bytes of a spectrum up to which many sources are summed plane by plane, without keeping their half-transformed rows.
@@ -81,7 +85,7 @@ class Convolver:
         y, x = layout.y, layout.x
         self.threads = min(threads or available_threads(), max(1, x.length * y.length // 16_384))
         # Equal batches, an even number where one is not enough, whatever the threads: they do not change the answer.
-        batches = -(-16 * x.half * y.length // _BATCH_BYTES)
+        batches = -(-16 * x.half * y.length // max(_BATCH_BYTES, 16 * y.length * _FEWEST_COLUMNS))
         batches += batches % 2 if batches > 1 else 0
         columns = _blocks(x.half, -(-x.half // batches))
         batch_rows = max(1, _BATCH_BYTES // (8 * x.length))
@@ -298,7 +302,7 @@ class _Worker:
                 self._gather(sources[:count], kernels, columns)
             for number, field in enumerate(() if gather else sources[:count]):
                 padded, _, forward = self._sources[number]
-                padded[:n, source_rows] = field[: y.sources, columns].T
+                _turn(field[: y.sources, columns], padded[:n, source_rows])
                 forward()
             for number, (row, target) in enumerate(zip(kernels, targets, strict=False)):
                 if gather:
@@ -314,7 +318,7 @@ class _Worker:
         padded, spectrum, forward = self._sources[0]
         for columns in self._columns:
             n = columns.stop - columns.start
-            padded[:n, y.source_start : y.source_start + y.sources] = source[: y.sources, columns].T
+            _turn(source[: y.sources, columns], padded[:n, y.source_start : y.source_start + y.sources])
             forward()
             waves = spectrum[:n]
             squares = np.square(waves.real, out=waves.real)
@@ -338,7 +342,7 @@ class _Worker:
         """Transform some columns of one source along y, and add them times a kernel to the sum of each target."""
         n, y = columns.stop - columns.start, self._layout.y
         padded, spectrum, forward = self._sources[0]
-        padded[:n, y.source_start : y.source_start + y.sources] = field[: y.sources, columns].T
+        _turn(field[: y.sources, columns], padded[:n, y.source_start : y.source_start + y.sources])
         forward()
         for total, kernel in zip(totals, kernels, strict=False):
             if kernel is None:
@@ -398,3 +402,9 @@ class _Worker:
 
 def _blocks(total: int, size: int) -> list[slice]:
     return [slice(start, min(start + size, total)) for start in range(0, total, size)]
+
+
+def _turn(rows: Array, columns: Array) -> None:
+    """Write rows as columns, so many at a time that what is read of them stays in cache."""
+    for first in range(0, len(rows), _TURNED):
+        columns[:, first : first + _TURNED] = rows[first : first + _TURNED].T

@@ -130,7 +130,9 @@ class CoarseToFine:
         )
 
     def _without_prescribed(self, grid: Grid, separation: FloatArray) -> FloatArray:
-        """Separation less the prescribed rigid displacements [m]."""
+        """Separation less the prescribed rigid displacements [m]; itself where there are none."""
+        if not any(self.control.displacements().values()):
+            return np.asarray(separation, dtype=float)
         out = np.array(separation, dtype=float)
         for mode, value in self.control.displacements().items():
             if value:
@@ -150,7 +152,7 @@ class CoarseToFine:
         """Solution without contact: under no load the bodies just touch."""
         require(not any(self.free.values()), "step", "moment", self.free, "zero where the normal load is zero")
         approach = float(fixed.min()) if 0 in self.free else float(self.control.approach or 0.0)
-        gap = fixed - approach if 0 in self.free else fixed
+        gap = fixed - approach if 0 in self.free else fixed.copy()
         zero = np.zeros(self.grid.shape)
         self.report.certificate = Certificate(gap=0.0, penetration=0.0, load=0.0, tolerance=self.options.tolerance)
         return NormalSolution(
@@ -186,7 +188,8 @@ class CoarseToFine:
         length = unit * self.free[0] / grid.cell_area if 0 in self.free else -float(fixed.min())
         scale = length / unit
         if pressure is not None and np.any(pressure[box.slices] > 0):
-            p = pressure[box.slices] / scale
+            p = pressure[box.slices]  # the start is not needed any more: memory is reused
+            p /= scale
             loaded = p > 0
         else:
             p, loaded = self._first(here, grid)
@@ -220,7 +223,7 @@ class CoarseToFine:
             if self.progress is not None:
                 self.progress(f"{grid.nx} x {grid.ny} cells", residual, self.options.tolerance)
 
-        state, left = BoxState(p.astype(dtype), np.zeros(len(modes)), inf), max(1, iterations)
+        state, left = BoxState(p.astype(dtype, copy=False), np.zeros(len(modes)), inf), max(1, iterations)
         for solve in (solve_box, solve_settled):
             done = self.report.iterations
             state = solve(problem, state.pressure, loaded, tolerance=tolerance, max_iterations=left, on_iteration=note)

@@ -94,7 +94,7 @@ def solve_box(
     problem : BoxProblem
         The problem.
     pressure : (ny, nx) array
-        Start; positive at loaded cells.
+        Start; positive at loaded cells. Its memory is used.
     loaded : (ny, nx) bool array
         Loaded cells of the start (a pressure of zero may still count as loaded).
     on_iteration : callable
@@ -119,7 +119,7 @@ class _Iteration:
         self.c = loaded.astype(bool)
         if not self.modes.carries(self.p, problem.forces):  # these cells cannot: start with all of the box
             self.p, self.c = self.modes.carry(np.ones_like(pressure), problem.forces), np.ones_like(self.c)
-        self.rest = np.empty_like(self.p)
+        self.rest = pressure if self.p is not pressure else np.empty_like(pressure)
         self.r, self.r_old = np.empty_like(self.p), np.zeros_like(self.p)
         self.direction = np.empty_like(self.p)
         self.z = self.r  # of the preconditioner, then what a step adds to the pressure
