@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
 from eigencontact.execution.block import Block
+from eigencontact.execution.precision import plane_round_off, settled
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
 from eigencontact.execution.step import Step
 from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
@@ -63,14 +64,15 @@ class TangentialDisplacement(Block):
 
     def __init__(self, model: Model) -> None:
         grid, influence = model.grid, model.influences["p"]
-        self._grid, self._numerics = grid, model.numerics
+        self._grid = grid
+        self._numerics, self.precisions = settled(model.numerics, self.name, plane_round_off)
         self._pairs = [PairCoefficients(influence, model.bodies, component) for component in "xy"]
         self._layout = Layout(grid.shape, grid.shape, periodic=model.periodic)
         key = kernel_key(influence, model.bodies)
         self.kernels = tuple(KernelUse(f"displacement {c}", "pressure p", key, "surface, whole window") for c in "xy")
         bodies = [body for body in model.bodies if body is not None]
         sampling = max(sampling_seconds(influence, body, periodic=model.periodic) for body in bodies)
-        self.cost = spectra_cost(self._layout, 1, sampling, model.numerics, kernels=2)
+        self.cost = spectra_cost(self._layout, 1, sampling, self._numerics, kernels=2)
 
     def start(self) -> None:
         """See `Block.start`."""

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from eigencontact.execution.precision import Precision
 from eigencontact.execution.step import Step
 from eigencontact.model.kernels import KernelUse
 
@@ -73,12 +74,15 @@ class Part:
         Influence coefficients that it builds.
     cost : Cost
         Prediction.
+    precisions : sequence of Precision
+        Choices of a precision, where the scene leaves them to the plan.
     """
 
     name: str
     why: str
     kernels: Sequence[KernelUse] = ()
     cost: Cost = Cost()
+    precisions: Sequence[Precision] = ()
 
 
 class Block(Part, ABC):

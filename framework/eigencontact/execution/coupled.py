@@ -26,6 +26,7 @@ from eigencontact.errors import NotConverged
 from eigencontact.execution.contact import Contact, ContactAnswer
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Interior
+from eigencontact.execution.precision import INNER
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson
@@ -36,8 +37,8 @@ FloatArray = NDArray[np.float64]
 
 #: Rounds of one attempt, and where every interior is swept: what softens under friction takes a hundred.
 _ROUNDS, _ROUNDS_SWEPT = 60, 150
-#: Tolerance of the first round, and of later ones as part of the last change; part of the tolerance in the end.
-_LOOSEST, _SHARE, _INNER = 1e-3, 0.01, 0.3
+#: Tolerance of the first round, and of later ones as part of the last change.
+_LOOSEST, _SHARE = 1e-3, 0.01
 #: The same where every interior is swept: 0.3 in place of 0.03 takes 1.6 times as many sweeps.
 _LOOSEST_SWEPT, _SHARE_SWEPT = 1e-2, 0.03
 _TIGHTEST = 1e-13
@@ -95,7 +96,7 @@ class Coupled:
         self._contact, self._interiors, self._directions, self._shape = contact, interiors, directions, shape
         self._tolerance = numerics.tolerance
         # Single precision has nothing to spare below the tolerance of a scene.
-        share = 1.0 if numerics.precision == "single" else _INNER
+        share = 1.0 if numerics.precision == "single" else INNER
         self._least = max(share * numerics.tolerance, _TIGHTEST)
         self._responding = [interior for interior in interiors if interior.responds]
 

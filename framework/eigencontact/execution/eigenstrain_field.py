@@ -12,6 +12,7 @@ from eigencontact.errors import ResultsError
 from eigencontact.execution.block import Cost
 from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.interiors.responding import places_solved, solved_route
+from eigencontact.execution.precision import Precision
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import HalfSpace, Route
 from eigencontact.execution.step import Step
@@ -44,12 +45,14 @@ class EigenstrainField:
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
         self.note = ""
+        self.precisions: list[Precision] = []
         for quantity in request.fields:
             if prescribed:
                 field = PrescribedField(HalfSpace.of(model, body), prescribed, quantity, lattice)
                 self.kernels += field.uses(_WORDS[quantity], where)
                 self._prescribed[quantity] = field
                 self.cost += field.cost
+                self.precisions += field.precisions
                 self.note = self.note or field.note
             if solved:
                 route = solved_route(model, body, quantity, lattice)
@@ -58,6 +61,7 @@ class EigenstrainField:
                 self.kernels.append(uses)
                 self._solved[quantity] = route
                 self.cost += route.cost
+                self.precisions += route.precisions
                 self.note = self.note or route.note
 
     def fields(self, step: Step) -> dict[str, FloatArray]:

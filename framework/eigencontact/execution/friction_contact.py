@@ -27,6 +27,7 @@ from eigencontact.execution.normal_contact import (
     normal_work,
     scaled_normal,
 )
+from eigencontact.execution.precision import contact_precision
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.coupling import Coupling
 from eigencontact.model.kernels import KernelUse, PairCoefficients
@@ -74,7 +75,8 @@ class ContactWithFriction(Contact):
         assert model.coupling is not None
         assert model.friction is not None
         grid, box, coupling = model.grid, model.contact_box, model.coupling
-        self._law, self._grid, self._numerics = model.friction, grid, model.numerics
+        self._law, self._grid = model.friction, grid
+        self._numerics, self.precisions = contact_precision(model)
         self._facts = partial(exposed_facts, model)
         if model.exposed is not None:
             self.requires = self.requires | {"exposed_material"}
@@ -89,7 +91,7 @@ class ContactWithFriction(Contact):
         self.kernels = tuple(
             KernelUse(f"displacement {i}", ALONG[j].words, keys[j], text) for i, j in coupling.pairs
         )  # fmt: skip
-        self.cost = friction_cost(grid.shape, box, coupling, model.numerics, _pressed(model.scene))
+        self.cost = friction_cost(grid.shape, box, coupling, self._numerics, _pressed(model.scene))
         self.cost += beyond_homogeneous(model, [ALONG[j].name for _, j in coupling.pairs])
 
     def start(self) -> None:

@@ -16,6 +16,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.execution.block import Cost
 from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.increment import Increment
+from eigencontact.execution.precision import contact_precision
 from eigencontact.model.bodies import kernel_key, layered_bodies
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
@@ -51,12 +52,13 @@ class NormalContact(Contact):
 
     def __init__(self, model: Model) -> None:
         grid, box = model.grid, model.contact_box
-        self._grid, self._numerics = grid, model.numerics
+        self._grid = grid
+        self._numerics, self.precisions = contact_precision(model)
         self._coefficients = PairCoefficients(model.influences["p"], model.bodies, "z")
         text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
         key = kernel_key(model.influences["p"], model.bodies)
         self.kernels = (KernelUse("displacement z", "pressure p", key, text),)
-        self.cost = normal_cost(grid.shape, box, model.numerics) + beyond_homogeneous(model, ["p"])
+        self.cost = normal_cost(grid.shape, box, self._numerics) + beyond_homogeneous(model, ["p"])
 
     def start(self) -> None:
         """See `Contact.start`."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
 from eigencontact.errors import SceneError
 from eigencontact.execution.block import Block, Cost
+from eigencontact.execution.precision import Precision
 from eigencontact.execution.step import Step
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
@@ -70,6 +71,7 @@ class Region(Block):
         self._note = "; ".join(cause.note for cause in self._causes if cause.note)
         self.why += f"; {self._note}" if self._note else ""
         self.cost = sum((cause.cost for cause in self._causes), Cost())
+        self.precisions = [precision for cause in self._causes for precision in cause.precisions]
 
     def advance(self, step: Step) -> None:
         """See `Block.advance`."""
@@ -102,6 +104,11 @@ class Cause(Protocol):
     @property
     def cost(self) -> Cost:
         """Price of them, and of a step."""
+        ...
+
+    @property
+    def precisions(self) -> Sequence[Precision]:
+        """See `Part`."""
         ...
 
     @property

@@ -13,6 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.block import Cost
 from eigencontact.execution.interiors.interior import loads
+from eigencontact.execution.precision import plane_round_off, settled
 from eigencontact.execution.sampling import sampling_seconds, section_cost, spectra_cost
 from eigencontact.execution.step import Step
 from eigencontact.model.bodies import kernel_key
@@ -47,7 +48,11 @@ class TractionField:
         assert body is not None
         self._body: Solid = body
         self._number, self._wanted, self._lattice = request.body, request.fields, lattice
-        self._grid, self._numerics, self._periodic = model.grid, model.numerics, model.periodic
+        self._grid, self._periodic = model.grid, model.periodic
+        self._numerics, self.precisions = settled(
+            model.numerics, "stress by tractions",
+            lambda: plane_round_off() if lattice.points is None and lattice.finer == (1, 1) else None,
+        )  # fmt: skip
         self._tractions = model.tractions
         self._kernels = [StressCoefficients(model.influences[item.name], body) for item in model.tractions]
         self.requires = frozenset(item.field for item in model.tractions)

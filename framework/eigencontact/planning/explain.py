@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from eigencontact.core.memory import resident_bytes
@@ -36,6 +37,7 @@ def explain(plan: Plan) -> str:
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
         f"numerics    {_numerics(plan)}",
+        *(f"            {precision}" for precision in plan.precisions),
         *([] if plan.friction is None else [f"friction    {plan.friction}"]),
         *wear_lines(plan),
         f"load        {_steps(plan)}{largest_loads(plan.scene)}",
@@ -92,6 +94,7 @@ def as_data(plan: Plan) -> dict[str, object]:
             }
             for source in plan.sources
         ],
+        "precisions": [asdict(precision) for precision in plan.precisions],
         "blocks": [_block_as_data(block, plan.steps) for block in plan.blocks],
         "kernels": [
             {
@@ -160,7 +163,8 @@ def _numerics(plan: Plan) -> str:
     words: list[str] = [numerics.boundary] if plan.geometries else []
     if plan.sources:
         words.append(_SPACES[numerics.half_space])
-    words.append(f"{numerics.precision} precision")
+    auto = "precision by operator" if plan.precisions else "double precision"
+    words.append(auto if numerics.precision == "auto" else f"{numerics.precision} precision")
     if plan.friction is not None:
         words.append(f"coupling {numerics.coupling}")
     return ", ".join([*words, f"tolerance {numerics.tolerance:g}"] if plan.geometries else words)

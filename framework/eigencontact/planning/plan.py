@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from eigencontact.core.cautions import Caution
 from eigencontact.execution.block import Block, Cost, Part
+from eigencontact.execution.precision import Precision
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 
@@ -52,6 +53,11 @@ class Plan(Model):
     def kernels(self) -> list[KernelUse]:
         """Every influence coefficient that will be built."""
         return [kernel for block in self.blocks for kernel in block.kernels]
+
+    @property
+    def precisions(self) -> list[Precision]:
+        """Precision of each operator, where the scene leaves it to the plan; like ones once."""
+        return list(dict.fromkeys(precision for part in self.parts for precision in part.precisions))
 
     @property
     def cost(self) -> Cost:

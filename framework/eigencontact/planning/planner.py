@@ -92,5 +92,5 @@ def _check_memory(plan: Plan) -> None:
         raise PlanError(
             f"plan must fit into memory, {total / 2**30:.3g} GiB (got {wanted / 2**30:.3g} GiB, most of it for block "
             f"{largest.name!r}); use about 1/{ceil(wanted / (MEMORY_SHARE * total))} of the cells or depths, or "
-            "numerics.precision = 'single'"
+            "numerics.precision = 'single' or, with a larger tolerance, 'auto'"
         )

@@ -42,6 +42,7 @@ def run_info(plan: Plan) -> RunInfo:
         scene_hash=_digest(plan, resolved),
         versions=_versions(plan),
         references=references(plan),
+        precisions={one.operator: one.chosen for one in plan.precisions},
         contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
         steps=plan.steps,
         outlines=outlines,

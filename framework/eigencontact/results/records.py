@@ -153,6 +153,8 @@ class RunInfo:
         Numbers that the laws of the bodies give, among the scalars of a step.
     observed_units : mapping of str to str
         SI units of numbers that observers return, by their names.
+    precisions : mapping of str to str
+        Precision of each operator, where the scene leaves it to the plan.
     """
 
     title: str
@@ -168,3 +170,4 @@ class RunInfo:
     every_history: bool = False
     numbers: dict[str, Quantity] = field(default_factory=dict)
     observed_units: dict[str, str] = field(default_factory=dict)
+    precisions: dict[str, str] = field(default_factory=dict)

@@ -121,6 +121,7 @@ def summary_of(
         "units": {name: (SCALARS | info.numbers)[name].unit for name in (*last, *_SUMMED)}
         | {"peak_memory_bytes": "byte"}
         | {name: unit for name, unit in info.observed_units.items() if name in record.observed},
+        **({"precisions": info.precisions} if info.precisions else {}),
         "versions": dict(info.versions),
         "references": list(info.references),
         "files": [],

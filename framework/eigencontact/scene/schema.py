@@ -184,8 +184,10 @@ class Numerics(Table):
         other as well; ``"one-way"``, x and y by the pressure too (Goodman's approximation: the pressure does not feel
         the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along
         the surface makes the surfaces slip at every level.
-    precision : {"double", "single"}
-        Precision of transforms and of the fields that they are applied to.
+    precision : {"double", "single", "auto"}
+        Precision of transforms and of the fields that they are applied to. ``"auto"`` takes single in each operator whose
+        round-off in it, measured when the scene is planned, is below the tolerance: half its memory, and up to half its
+        time; `explain` says which and why. In ``"single"`` all are; not every tolerance can then be reached.
     tolerance : float
         Residual at which a solver ends, relative to the deflection or the stress that drives it.
     max_iterations : int
@@ -209,7 +211,7 @@ class Numerics(Table):
     law_room: Annotated[float, AfterValidator(non_negative("sizes of what yields"))] = 0.25
     boundary: Literal["non-periodic", "periodic"] = "non-periodic"
     coupling: Literal["none", "partial", "one-way", "full"] = "full"
-    precision: Literal["double", "single"] = "double"
+    precision: Literal["double", "single", "auto"] = "double"
     tolerance: Annotated[float, AfterValidator(in_range(1e-13, 0.1, "[-]"))] = 1e-6
     max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
     threads: Annotated[int, AfterValidator(in_range(1, 1024, "threads"))] | None = None

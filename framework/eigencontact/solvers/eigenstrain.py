@@ -65,7 +65,8 @@ class VolumeField:
     shear_modulus : float
         [Pa]; for stress.
     precision : {"double", "single"}
-        Single halves memory; its price is a relative error near 1e-6 of the largest value.
+        Single halves memory; its price is an error that grows with the square of the layers from the surface on:
+        3.4e-6 of the largest value for 8 layers of cubes, 1.6e-5 for 16, 3.2e-4 for 64; below them 1.5e-7.
     threads : int, optional
         Cores to use; by default all this process may use.
     applications : float

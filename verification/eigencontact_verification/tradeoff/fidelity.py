@@ -97,6 +97,13 @@ def _cut_apart(plan: Plan) -> bool:
     return any(not isinstance(source.shape, Patch) and source.material is None for source in _cut(plan))
 
 
+def _precisions(plan: Plan) -> object:
+    """Precisions that operators take."""
+    if plan.numerics.precision != "auto":
+        return {plan.numerics.precision}
+    return {one.chosen for one in plan.precisions} or {"double"}
+
+
 def _height(plan: Plan) -> float:
     """Height of the cells of inhomogeneities, the lowest [m]."""
     return min(float(source.lattice.edges[0]) for source in _cut(plan) if source.material is not None)
@@ -172,9 +179,10 @@ _COUPLINGS = ("full", "one-way", "partial", "none")
 FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="precision",
-        has=lambda plan: (bool(plan.geometries) or bool(_cut(plan))) and plan.numerics.precision == "double",
-        others=lambda _: ["single"],
+        has=lambda plan: (bool(plan.geometries) or bool(_cut(plan))) and plan.numerics.precision != "single",
+        others=_but("precision", ("double", "auto", "single")),
         finest=lambda _: "double",
+        seen=_precisions,
     ),
     Fidelity(
         key="tolerance",

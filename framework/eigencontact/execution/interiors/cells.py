@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.material_cells import MaterialCells
+from eigencontact.execution.precision import INNER, settled, volume_round_off
 from eigencontact.execution.routes.route import Pace
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
 from eigencontact.model.boxes import box_of_inhomogeneities
@@ -51,12 +53,23 @@ class Cells(Responding):
         sources = [source for source in model.inhomogeneities if source.body == body]
         self._box, self._grid = box_of_inhomogeneities(sources), model.grid
         super().__init__(model, body, directions, self._box.centres(model.grid))
+        self._settle_precision()
         self._kernels = [StressCoefficients(model.influences[t.name], model.half_space(body)) for t in model.tractions]
         count = len(sources)
         self.why = f"equivalent eigenstrain of {count} inhomogeneit{'ies' if count != 1 else 'y'}"
         if model.scene.wear is not None and body in model.scene.wear.parts:
             self.why += ", which rise as the surface wears"
         self._declare(model)
+
+    def _settle_precision(self) -> None:
+        lattice, pitch = self._box.lattice, (self._grid.dx, self._grid.dy)
+        half_space, share = self._half_space, (INNER if self._tractions else 1.0)
+        self._numerics, own = settled(
+            self._numerics, f"mean stress in cells of body {self.body}",
+            lambda: volume_round_off(half_space, "stress", pitch, lattice), share=share,
+        )  # fmt: skip
+        self._half_space = replace(half_space, numerics=self._numerics)
+        self.precisions = (*own, *(self._surface.precisions if self._surface is not None else ()))
 
     @property
     def _applications(self) -> float:
@@ -80,7 +93,7 @@ class Cells(Responding):
         for item in model.tractions:
             influence = model.influences[item.name]
             seconds = 8.0 * sampling_seconds(influence, self._half_space.material)
-            cost += spectra_cost(layout, nz, seconds, model.numerics)
+            cost += spectra_cost(layout, nz, seconds, self._numerics)
             uses.append(
                 KernelUse("mean stress (6 components)", f"traction {item.name}", influence.key, self._box.words, nz)
             )

@@ -41,7 +41,7 @@ class PrescribedEigenstrain(Interior):
         self._field = PrescribedField(
             HalfSpace.of(model, body), sources, "displacement", surface_lattice(model.grid), rows
         )  # fmt: skip
-        self.cost = self._field.cost
+        self.cost, self.precisions = self._field.cost, self._field.precisions
         points = f"{model.grid.nx} x {model.grid.ny} points of the surface"
         self.kernels = self._field.uses(f"displacement {', '.join(directions)}", points)
         self._time = 0.0

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.execution.block import Cost
-from eigencontact.execution.routes.route import CellRoute
+from eigencontact.execution.precision import Precision, plane_round_off, settled, volume_round_off
+from eigencontact.execution.routes.route import CellRoute, HalfSpace, Pace
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice
 from eigencontact.solvers.cells import Cells
@@ -28,6 +30,33 @@ _ROOM = 64
 
 class Planes(CellRoute):
     """Transforms in the plane, for each depth and each layer of cells."""
+
+    #: What tells its operator from others.
+    way: ClassVar[str] = ""
+
+    def round_off(self) -> float | None:
+        """Of its operator in single precision, by the largest value; None where it knows double alone."""
+        return plane_round_off()
+
+    @cached_property
+    def _settled(self) -> tuple[HalfSpace, tuple[Precision, ...]]:
+        numerics, precisions = settled(self.half_space.numerics, f"{self.quantity} by cells{self.way}", self.round_off)
+        return replace(self.half_space, numerics=numerics), precisions
+
+    @property
+    def precisions(self) -> Sequence[Precision]:
+        """See `Part`."""
+        return self._settled[1]
+
+    @property
+    def precision(self) -> str:
+        """What its operator computes in."""
+        return self._settled[0].numerics.precision
+
+    @cached_property
+    def pace(self) -> Pace:
+        """What its kernels take."""
+        return Pace.of(self._settled[0], self.quantity)
 
     @property
     def words(self) -> str:
@@ -63,7 +92,7 @@ class Planes(CellRoute):
             origin=origin,
             depths=depths + 0.0,  # a depth of -0.0 would be the other side of the surface
             components=self.rows,
-            precision=self.half_space.numerics.precision,
+            precision=self.precision,
             applications=self.half_space.steps,
             **self.half_space.options(self.quantity),
         )
@@ -76,10 +105,18 @@ class Planes(CellRoute):
 class Volume(Planes):
     """Transforms in space, for planes as far apart as the layers of cells are high; the surface apart."""
 
+    way = ", in space"
+
     @property
     def words(self) -> str:
         """See `Route.words`."""
         return f"{self.box.words}, FFT in space"
+
+    def round_off(self) -> float:
+        """See `Planes.round_off`."""
+        grid, inner = self.half_space.grid, _below(self.lattice.depths)
+        depths = float(inner[0]), inner.size
+        return volume_round_off(self.half_space, self.quantity, (grid.dx, grid.dy), self.box.lattice, depths)
 
     @staticmethod
     def fits(lattice: RegionLattice, height: float) -> bool:
@@ -111,7 +148,7 @@ class Volume(Planes):
             self.half_space.cell,
             cells,
             target,
-            precision=self.half_space.numerics.precision,
+            precision=self.precision,
             applications=self.half_space.steps,
             **self.half_space.options(self.quantity),
         )
@@ -193,6 +230,11 @@ class Between(Planes):
         """See `Route.cost`."""
         return self._middles.cost
 
+    @property
+    def precisions(self) -> Sequence[Precision]:
+        """See `Part`."""
+        return self._middles.precisions
+
     @staticmethod
     def fits(lattice: RegionLattice, box: CellBox, grid: Grid) -> bool:
         """Whether points are at so many places, and so close to each other, that the middles of cells are fewer."""
@@ -244,7 +286,10 @@ def _about(points: FloatArray, box: CellBox, grid: Grid) -> RegionLattice:
 
 
 class CloseUp(Planes):
-    """Points finer than the cells; its operators serve once."""
+    """Points finer than the cells; its operators serve once, and are in double precision."""
+
+    def round_off(self) -> None:
+        """See `Planes.round_off`."""
 
     @property
     def words(self) -> str:

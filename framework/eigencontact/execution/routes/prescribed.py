@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.execution.block import Cost
 from eigencontact.execution.cell_strain import CellStrain
+from eigencontact.execution.precision import Precision
 from eigencontact.execution.routes.cells import Between, Planes, cheapest
 from eigencontact.execution.routes.closed_form import ClosedForms
 from eigencontact.execution.routes.route import CellRoute, HalfSpace
@@ -43,6 +44,8 @@ class PrescribedField:
         #: Price of all steps.
         self.cost = sum((term.cost for term in self._moving), sum((term.cost.once for term in self._still), Cost()))
         self._told = [told for term in (*self._still, *self._moving) for told in term.told()]
+        #: See `Part`.
+        self.precisions = [one for term in (*self._still, *self._moving) for one in term.precisions]
         #: What must be known of its values, in words, or nothing.
         self.note = next((term.note for term in (*self._still, *self._moving) if term.note), "")
         self._once: FloatArray | None = None
@@ -83,6 +86,7 @@ class _Term(ABC):
 
     cost: Cost
     note = ""
+    precisions: Sequence[Precision] = ()
 
     @abstractmethod
     def told(self) -> list[tuple[Source, str, str]]:
@@ -129,7 +133,7 @@ class _InCells(_Term):
 
     def __init__(self, route: CellRoute) -> None:
         self._route, self._strain = route, CellStrain(route.box, route.half_space.grid)
-        self.cost, self.note = route.cost, route.note
+        self.cost, self.note, self.precisions = route.cost, route.note, route.precisions
 
     def told(self) -> list[tuple[Source, str, str]]:
         return [(self._route.sources[0], self._route.box.names, self._route.words)]

@@ -18,6 +18,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.block import Cost
+from eigencontact.execution.precision import Precision
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.installed import CellMaker, installed_cell
@@ -130,6 +131,11 @@ class Route(ABC):
         """Price of building it once and applying it in every step."""
 
     @property
+    def precisions(self) -> Sequence[Precision]:
+        """See `Part`."""
+        return ()
+
+    @property
     @abstractmethod
     def words(self) -> str:
         """How the field is found."""
@@ -157,11 +163,6 @@ class CellRoute(Route):
     ) -> None:
         super().__init__(half_space, box.sources, quantity, lattice, rows)
         self.box = box
-
-    @cached_property
-    def pace(self) -> Pace:
-        """What its kernels take."""
-        return Pace.of(self.half_space, self.quantity)
 
 
 @dataclass(frozen=True, slots=True)
