@@ -63,6 +63,11 @@ def test_the_error_against_double_is_below_the_tolerance(scene, changes, toleran
         assert 1e-9 < error < tolerance, name
 
 
+@pytest.mark.parametrize("scene", ["wear-gross-sliding", "coating-worn-through", "coated-fretting", "prestressed-bars"])
+def test_every_part_of_a_plan_knows_what_it_computes_in(scene):
+    assert planned(scene, [], "auto", 1e-5).precisions
+
+
 def test_what_the_scene_says_is_not_chosen():
     for word in ("double", "single"):
         plan = planned("hertz", HERTZ, word, 1e-4)

@@ -6,10 +6,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from eigencontact.execution.precision import Precision
 from eigencontact.execution.step import Step
 from eigencontact.model.kernels import KernelUse
+
+if TYPE_CHECKING:
+    from eigencontact.execution.precision import Precision
 
 __all__ = ["Block", "Cost", "Part"]
 

@@ -9,6 +9,7 @@ from eigencontact.execution.block import Block, Cost
 from eigencontact.execution.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics import Mechanics
 from eigencontact.execution.normal_contact import normal_cost
+from eigencontact.execution.precision import contact_precision
 from eigencontact.execution.step import Step
 from eigencontact.execution.wear.layers import layers_that_wear
 from eigencontact.execution.wear.surface import WornSurface
@@ -78,7 +79,7 @@ class Wear(Block):
 
 def _moving(model: Model, solves: float) -> Cost:
     """Price of so many pressures a step; their memory is that of the contact."""
-    contact = normal_cost(model.grid.shape, model.contact_box, model.numerics)
+    contact = normal_cost(model.grid.shape, model.contact_box, contact_precision(model)[0])
     return Cost(seconds_per_step=_NEAR * solves * contact.seconds_per_step)
 
 
