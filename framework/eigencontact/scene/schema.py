@@ -185,9 +185,9 @@ class Numerics(Table):
         the shear); ``"full"``, all. Eigenstrain, prescribed or plastic, is no elastic coupling: what it displaces along
         the surface makes the surfaces slip at every level.
     precision : {"double", "single", "auto"}
-        Precision of transforms and of the fields that they are applied to. ``"auto"`` takes single in each operator whose
-        round-off in it, measured when the scene is planned, is below the tolerance: half its memory, and up to half its
-        time; `explain` says which and why. In ``"single"`` all are; not every tolerance can then be reached.
+        Precision of transforms and of the fields that they are applied to. ``"auto"`` takes single in each operator
+        whose round-off in it, measured when the scene is planned, is below the tolerance: half its memory, and up to
+        half its time; `explain` says which and why. In ``"single"`` all are; not every tolerance can be reached then.
     tolerance : float
         Residual at which a solver ends, relative to the deflection or the stress that drives it.
     max_iterations : int
