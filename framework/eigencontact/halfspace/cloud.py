@@ -19,16 +19,27 @@ from eigencontact.core.parallel import available_threads
 from eigencontact.core.places import place_field
 from eigencontact.core.tensors import from_mandel, to_mandel
 from eigencontact.errors import require
-from eigencontact.halfspace.points import field_at_points
+from eigencontact.halfspace.expansions import APART, Tree, degree_for, distances_for
+from eigencontact.halfspace.points import field_at_points, unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
 __all__ = ["cloud_sources", "field_of_cloud", "uses_point_sources"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 # A shape whose far field takes more points than this is cheaper by its own formulas.
 _MOST_SOURCES = 800
+# Points that are summed together, so that their sums stay in cache.
+_BLOCK = 256
+# Pairs of a region and a point that are evaluated together: their 36 fields take 12 MB.
+_PAIRS = 40_000
+# So many pairs are summed to round-off: nothing is gained by less.
+_SMALL = 2_000_000
+_HASH = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64).astype(np.int64)
+# Nodes, the nodes above them, and how far apart a region must be: none.
+_NO_TREE = (np.zeros((0, 5)), np.zeros(0, dtype=np.intp), 0.0)
 
 
 def uses_point_sources(shape: HasPotentials) -> bool:
@@ -53,6 +64,7 @@ def field_of_cloud(
     quantity: str,
     space: str = "half",
     threads: int | None = None,
+    tolerance: float = 0.0,
 ) -> FloatArray:
     """Sum of the fields of many regions, each with its own uniform eigenstrain.
 
@@ -77,22 +89,41 @@ def field_of_cloud(
     if len(shapes) == 1:
         return field_at_points(shapes[0], eigenstrains[0], (x, y, z), space=space, **given)
     distant: dict[int, PointSources] = {}
-    groups: dict[Hashable, list[int]] = {}
+    large = tolerance > 0 and len(shapes) * x.size > _SMALL
     for number, shape in enumerate(shapes):
         far = cloud_sources(shape)
         if far is not None:
             distant[number] = far
-            groups.setdefault((_likeness(shape), eigenstrains[number].tobytes()), []).append(number)
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **given)
     if distant:
+        if large:
+            distant = _relaxed(shapes, distant, tolerance)
         finder = _Finder(x, y, z)
         sources = _Sources(list(distant.values()), [eigenstrains[number] for number in distant])
+        tree = Tree.over(np.array([x, y, z]), degree_for(tolerance)) if large else None
         # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
-        order = finder.order if sources.many_levels else slice(None)
-        out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **given)
-        for members in groups.values():
-            _mend_near(shapes, members, eigenstrains[members[0]], distant, finder, space, given, out)
+        order = finder.order if tree is None else tree.order
+        out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, tree=tree, **given)
+        _near_fields(shapes, distant, eigenstrains, finder, space, given, out)
+    return out
+
+
+def _relaxed(
+    shapes: Sequence[HasPotentials], distant: Mapping[int, PointSources], tolerance: float
+) -> dict[int, PointSources]:
+    """The same point sources, used from as close as a tolerance allows; like shapes are asked once."""
+    known: dict[Hashable, list[float]] = {}
+    out = {}
+    for number, far in distant.items():
+        likeness = _likeness(shapes[number])
+        if likeness not in known:
+            known[likeness] = distances_for(far, tolerance)
+        chain: PointSources | None = None
+        for level, distance in zip(far.levels, known[likeness], strict=True):
+            chain = replace(level, distance=distance, coarser=chain)
+        assert chain is not None
+        out[number] = chain
     return out
 
 
@@ -100,21 +131,27 @@ class _Sources:
     """Point sources of regions, as tables for the compiled sums."""
 
     def __init__(self, regions: Sequence[PointSources], eigenstrains: Sequence[FloatArray]) -> None:
-        rows, levels, starts = [], [], [0]
+        rows, levels, starts, table = [], [], [0], []
         total = 0
         for finest, eigenstrain in zip(regions, eigenstrains, strict=True):
+            tensor = from_mandel(eigenstrain)
             for far in finest.levels:
-                spread_out = np.sqrt(((far.positions - far.center) ** 2).sum(axis=1).max())
-                least = (0.9 * (far.distance - spread_out)) ** 2  # closer than any point at which they hold
                 count = len(far.volumes)
-                columns = [far.positions, far.volumes, far.spreads, np.full(count, least)]
-                rows.append(np.column_stack([*columns, np.tile(from_mandel(eigenstrain), (count, 1))]))
+                rows.append(
+                    np.column_stack([far.positions, far.volumes, far.spreads, np.tile(tensor, (count, 1))])
+                )
                 levels.append((far.distance**2, total, total + count))
                 total += count
             starts.append(len(levels))
-        self.rows, self.levels = np.concatenate(rows), np.array(levels, dtype=float)
-        self.centers, self.starts = np.array([far.center for far in regions], dtype=float), np.array(starts)
-        self.many_levels = len(levels) > len(regions)
+            table.append((*finest.center, finest.reach, finest.distance))
+        self.tables = (np.concatenate(rows), np.array(table), np.array(starts), np.array(levels, dtype=float))
+
+
+def _blocks(count: int, node: int = -1, role: int = 0, first: int = 0) -> IntArray:
+    """Blocks of so many points, rows (first, stop, node, role)."""
+    starts = np.arange(first, first + count, _BLOCK)
+    stops = np.minimum(starts + _BLOCK, first + count)
+    return np.column_stack([starts, stops, np.full(starts.size, node), np.full(starts.size, role)])
 
 
 def _sum_of_sources(
@@ -125,23 +162,37 @@ def _sum_of_sources(
     poisson_ratio: float,
     quantity: str,
     threads: int | None,
+    tree: Tree | None = None,
 ) -> FloatArray:
-    """Compiled sum over point sources; strain follows from stress, for there is no eigenstrain out there."""
+    """Compiled sum over point sources; strain follows from stress, for there is no eigenstrain out there.
+
+    With a tree over the points, in its order, what is far from many of them reaches them by an expansion.
+    """
     import numba
 
     from eigencontact.halfspace.cloud_kernels import sum_displacement, sum_stress
 
     nu = float(poisson_ratio)
-    rows = sources.rows.copy()
+    rows, *others = sources.tables
+    rows = rows.copy()
     rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
     half = True if space == "half" else None
-    tables = (rows, sources.centers, sources.starts, sources.levels)
     numba.set_num_threads(min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS))
-    out = np.zeros((QUANTITIES[quantity], points[0].size))
+    add = sum_displacement if quantity == "displacement" else sum_stress
+    count = points[0].size
+    if tree is None:
+        out = np.zeros((QUANTITIES[quantity], count))
+        add(*points, _blocks(count), _NO_TREE, (rows, *others), nu, half, out)
+    else:
+        everywhere = np.concatenate([np.array(points), tree.expansion_points.reshape(3, -1)], axis=1)
+        summed = np.zeros((QUANTITIES[quantity], everywhere.shape[1]))
+        nodes = (tree.nodes, tree.parents, APART)
+        add(*everywhere, tree.blocks, nodes, (rows, *others), nu, half, summed)
+        out = np.ascontiguousarray(summed[:, :count])
+        values = summed[:, count:].reshape(len(summed), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
+        tree.add(np.array(points), np.ascontiguousarray(values), out)
     if quantity == "displacement":
-        sum_displacement(*points, *tables, nu, half, out)
         return out
-    sum_stress(*points, *tables, nu, half, out)
     if quantity == "strain":
         out[:3] -= nu / (1.0 + nu) * out[:3].sum(axis=0)
         out *= 0.5
@@ -157,56 +208,90 @@ def _likeness(shape: Any) -> Hashable:
     return (type(shape), *values)
 
 
-def _mend_near(
+def _near_fields(
     shapes: Sequence[HasPotentials],
-    members: Sequence[int],
-    eigenstrain: FloatArray,
     distant: Mapping[int, PointSources],
+    eigenstrains: FloatArray,
     finder: _Finder,
     space: str,
     given: dict[str, Any],
     out: FloatArray,
 ) -> None:
-    """Replace the point sources of like regions by the regions at the points near them, and likewise their images."""
-    canonical, far = shapes[members[0]], distant[members[0]]
-    found = [finder.within(distant[member].center, far.distance) for member in members]
-    index = np.concatenate(found)
-    if index.size:
-        offsets = [finder.points[near] - distant[member].center for near, member in zip(found, members, strict=True)]
-        relative = np.concatenate(offsets)
-        first = inverse = np.arange(len(relative))
-        if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
-            rounded = np.round(relative / (1e-12 * far.distance))
-            _, first, inverse = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-        field = _mend(canonical, far, eigenstrain, relative[first] + far.center, ("full",), given)
-        for component, values in enumerate(field):
-            out[component] += np.bincount(index, weights=values[inverse.ravel()], minlength=out.shape[1])
+    """Add the fields of regions at points too close to them for their point sources, and likewise of their images."""
+    alike: dict[Hashable, list[int]] = {}
+    for number in distant:
+        alike.setdefault(_likeness(shapes[number]), []).append(number)
+    pairs = _Pairs(out)
+    for members in alike.values():
+        _add_pairs(shapes, distant, members, eigenstrains, finder, ("full",), given, pairs)
     if space == "half":
-        for member in members:
-            far = distant[member]
-            near = finder.within(far.center * (1.0, 1.0, -1.0), far.distance)
-            if near.size:
-                mend = _mend(shapes[member], far, eigenstrain, finder.points[near], ("half", "full"), given)
-                out[:, near] += mend
+        level: dict[Hashable, list[int]] = {}  # an image depends on the depth
+        for number, far in distant.items():
+            if far.distance > far.center[2]:
+                level.setdefault((_likeness(shapes[number]), float(far.center[2])), []).append(number)
+        for members in level.values():
+            _add_pairs(shapes, distant, members, eigenstrains, finder, ("half", "full"), given, pairs)
+    pairs.flush()
 
 
-def _mend(
-    shape: HasPotentials,
-    far: PointSources,
-    eigenstrain: FloatArray,
-    at: FloatArray,
+def _add_pairs(
+    shapes: Sequence[HasPotentials],
+    distant: Mapping[int, PointSources],
+    members: Sequence[int],
+    eigenstrains: FloatArray,
+    finder: _Finder,
     spaces: tuple[str, ...],
     given: dict[str, Any],
-) -> FloatArray:
-    """Field of a region minus that of its point sources; of two spaces the first minus the second, the image's part."""
-    points = (np.ascontiguousarray(at[:, 0]), np.ascontiguousarray(at[:, 1]), np.ascontiguousarray(at[:, 2]))
-    finest = _Sources([replace(far, coarser=None)], [eigenstrain])
-    parts = [
-        field_at_points(shape, eigenstrain, points, space=space, **given)
-        - _sum_of_sources(finest, points, space=space, **given)
-        for space in spaces
-    ]
-    return parts[0] - parts[1] if len(parts) == 2 else parts[0]
+    pairs: _Pairs,
+) -> None:
+    """Fields of like regions in the first space minus that in the second, at the points near them or their images."""
+    canonical, far = shapes[members[0]], distant[members[0]]
+    side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
+    found = [finder.within(distant[member].center * side, far.distance) for member in members]
+    index = np.concatenate(found)
+    if not index.size:
+        return
+    owner = np.repeat(np.asarray(members), [near.size for near in found])
+    centers = np.array([distant[member].center for member in members])
+    offsets = finder.points[index] - np.repeat(centers, [near.size for near in found], axis=0)
+    first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
+    if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
+        rounded = np.round(offsets / (1e-12 * far.distance)).astype(np.int64)
+        _, first, inverse = np.unique(rounded @ _HASH, return_index=True, return_inverse=True)
+        if not np.array_equal(rounded[first][inverse], rounded):  # two of them have one hash
+            first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
+    at = np.ascontiguousarray((offsets[first] + far.center).T)
+    # Where few of them agree, the fields of each region's eigenstrain are fewer than those of all six unit strains.
+    for start in range(0, first.size, _PAIRS):
+        part = slice(start, start + _PAIRS)
+        parts = [unit_fields_at_points(canonical, tuple(at[:, part]), space=space, **given) for space in spaces]
+        unit = parts[0] - parts[1] if len(parts) == 2 else parts[0]
+        chosen = np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS)) if first.size > _PAIRS else slice(None)
+        place = inverse[chosen] - start
+        pairs.add(index[chosen], np.einsum("ucn,nu->cn", unit[:, :, place], eigenstrains[owner[chosen]]))
+
+
+class _Pairs:
+    """Values at points, collected until there are enough of them to be added to a field at once."""
+
+    def __init__(self, out: FloatArray) -> None:
+        self._out, self._index, self._values, self._size = out, [np.empty(0, dtype=np.intp)], [out[:, :0]], 0
+
+    def add(self, index: IntArray, values: FloatArray) -> None:
+        """Add values ``(components, pairs)`` at points, a point maybe several times."""
+        self._index.append(index)
+        self._values.append(values)
+        self._size += index.size
+        if self._size > self._out.shape[1]:
+            self.flush()
+
+    def flush(self) -> None:
+        """Add what was collected."""
+        index, values = np.concatenate(self._index), np.concatenate(self._values, axis=1)
+        if index.size:
+            for component, row in enumerate(values):
+                self._out[component] += np.bincount(index, weights=row, minlength=self._out.shape[1])
+        self.__init__(self._out)  # type: ignore[misc]
 
 
 class _Finder:
@@ -225,8 +310,8 @@ class _Finder:
 
     def within(self, place: FloatArray, distance: float) -> NDArray[np.intp]:
         """Indices of points strictly closer than `distance`."""
-        found = np.array(self._tree.query_ball_point(place, distance), dtype=np.intp)
+        found = np.array(self._tree.query_ball_point(place, distance * (1.0 + 1e-9)), dtype=np.intp)
         if not found.size:
             return found
-        offsets = self.points[found] - place
-        return np.sort(found[np.einsum("ij,ij->i", offsets, offsets) < distance**2])
+        dx, dy, dz = (self.points[found] - place).T
+        return np.sort(found[dx * dx + dy * dy + dz * dz < distance * distance])  # rounded as the compiled sums do

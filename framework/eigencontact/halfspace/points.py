@@ -26,7 +26,7 @@ from eigencontact.halfspace.potentials import (
 )
 from eigencontact.halfspace.theorem import QUANTITIES, response
 
-__all__ = ["field_at_points"]
+__all__ = ["field_at_points", "unit_fields_at_points"]
 
 FloatArray = NDArray[np.float64]
 
@@ -69,7 +69,19 @@ def field_at_points(
     x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
     z = z + 0.0  # a surface point is seen from inside: no -0.0
     forms = _weighted(response(quantity, poisson_ratio, space), eigenstrain)
-    out = np.zeros((QUANTITIES[quantity], x.size))
+    return _fields(shape, forms, (x, y, z), space, threads)
+
+
+def _fields(
+    shape: HasPotentials,
+    forms: Sequence[Form],
+    points: tuple[FloatArray, FloatArray, FloatArray],
+    space: str,
+    threads: int | None,
+) -> FloatArray:
+    """Values of some forms, ``(len(forms), n)``."""
+    x, y, z = points
+    out = np.zeros((len(forms), x.size))
     far = shape.far_field().levels[0] if isinstance(shape, HasFarField) else None  # the fewest: derivatives are dear
 
     def fill(first: int) -> None:
@@ -82,6 +94,26 @@ def field_at_points(
         above = _evaluate(shape, far, forms, x[plane], y[plane], np.full(plane.size, -0.0))
         out[:, plane] = 0.5 * (out[:, plane] + above)
     return out
+
+
+def unit_fields_at_points(
+    shape: HasPotentials,
+    points: tuple[FloatArray, FloatArray, FloatArray],
+    *,
+    poisson_ratio: float,
+    quantity: str,
+    space: str = "half",
+    threads: int | None = None,
+) -> FloatArray:
+    """Fields of a region with each of the six unit Mandel eigenstrains, ``(6, components, n)``.
+
+    Parameters and components are those of `field_at_points`; the region's potentials are evaluated once for all six.
+    """
+    x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
+    z = z + 0.0
+    rows = response(quantity, poisson_ratio, space)
+    forms = [form for unit in np.eye(6) for form in _weighted(rows, unit)]
+    return _fields(shape, forms, (x, y, z), space, threads).reshape(6, len(rows), -1)
 
 
 def _weighted(forms: Sequence[Sequence[Form]], eigenstrain: FloatArray) -> list[Form]:

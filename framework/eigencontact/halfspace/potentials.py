@@ -142,6 +142,11 @@ class PointSources:
     coarser: PointSources | None = None
 
     @property
+    def reach(self) -> float:
+        """Largest distance of a point from the center [m]."""
+        return float(np.sqrt(((self.positions - self.center) ** 2).sum(axis=1).max()))
+
+    @property
     def levels(self) -> list[PointSources]:
         """These and all coarser ones, the coarsest first."""
         return [*([] if self.coarser is None else self.coarser.levels), self]

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import require
 from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, cloud_sources
-from eigencontact.halfspace.points import _CHUNK, _evaluate, _weighted
+from eigencontact.halfspace.points import unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
-from eigencontact.halfspace.theorem import response
 
 __all__ = ["RegionMeans", "averaging_points"]
 
@@ -146,15 +145,8 @@ class RegionMeans:
 
     def _exact(self, source: int, points: FloatArray, space: str) -> FloatArray:
         """The same by the region's own potentials, evaluated once for all six eigenstrains."""
-        shape = self._shapes[source]
-        rows = response("stress", self._given["poisson_ratio"], space)
-        forms = [form for unit in np.eye(6) for form in _weighted(rows, unit)]
-        far = shape.far_field().levels[0] if isinstance(shape, HasFarField) else None
-        out = np.empty((36, points.shape[1]))
-        for first in range(0, points.shape[1], _CHUNK):
-            x, y, z = (np.ascontiguousarray(values[first : first + _CHUNK]) for values in points)
-            out[:, first : first + _CHUNK] = _evaluate(shape, far, forms, x, y, z)
-        return out.reshape(6, 6, -1)
+        x, y, z = points
+        return unit_fields_at_points(self._shapes[source], (x, y, z), space=space, threads=1, **self._given)
 
     def _fields(self, source: int, points: FloatArray, known: dict[Hashable, FloatArray]) -> FloatArray:
         """Stress ``(6 eigenstrains, 6, points)`` of a region."""

@@ -1,0 +1,173 @@
+"""A tree of points, and biharmonic expansions of what distant regions do at the points of a node.
+
+Fields without body forces are biharmonic, and so are their half-space images. In a ball of radius b that no source comes
+closer to than b/θ they are polynomials of degree p up to some θ^(p+1): a few hundred values on two spheres tell them for
+any number of points in it. Every node of the tree takes the regions that are far from it and were not far from the
+nodes above; what a node knows is passed down.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.halfspace.potentials import PointSources
+
+__all__ = ["APART", "Tree", "degree_for", "distances_for", "error_of"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+#: Radius of a node in units of the gap between its center and a region that it takes by its expansion.
+APART = 0.3
+# Error of an expansion relative to the sum over sources of strength / gap³: this times comb(p + 4, 4) θ^(p + 1). Measured
+# with sources anywhere on a ball, in and near the surface: 0.006 to 0.017 for p = 7 to 13, θ = 0.2 to 0.3.
+_CONSTANT = 0.02
+# Inner of the two spheres of an expansion, in units of the outer; number of points per unknown.
+_INNER, _POINTS = 0.55, 1.06
+# Degree up to which moments of point sources are compared.
+_COMPARED = 20
+# Points that are summed together: a small block is close to few regions.
+_BLOCK = 32
+
+
+def error_of(degree: int) -> float:
+    """Largest error of an expansion relative to the sum of strength / gap³ of the sources."""
+    return _CONSTANT * comb(degree + 4, 4) * APART ** (degree + 1)
+
+
+def degree_for(tolerance: float) -> int:
+    """Lowest degree whose error is below a tolerance."""
+    degree = 3
+    while error_of(degree) > tolerance:
+        degree += 1
+    return degree
+
+
+def distances_for(finest: PointSources, tolerance: float) -> list[float]:
+    """Distances [m] from which levels of point sources, the coarsest first, do as well as the finest.
+
+    What a level gets wrong is the difference of its multipole moments from those of the finest, relative to the field
+    of all the volume in the center; moments above those compared are taken to be all wrong.
+    """
+    from eigencontact.halfspace.expansion_kernels import moments
+
+    levels, unit = finest.levels, max(level.reach for level in finest.levels)
+    if len(levels) == 1 or unit == 0.0:
+        return [level.distance for level in levels]
+    volume = float(finest.volumes.sum())
+
+    def of(level: PointSources) -> FloatArray:
+        x, y, z = np.ascontiguousarray((level.positions - level.center).T / unit)
+        return np.asarray(moments(x, y, z, level.volumes / volume, level.spreads / unit**2, _COMPARED))
+
+    known, k = of(finest), np.arange(_COMPARED + 40)
+    of_first = (k + 1) * (k + 2) * (0.5 * k + 2.0) / 4.0
+    of_second = (k + 1) * (k + 2) * (k + 3) * (k + 4) / 4.0
+    trial = np.geomspace(1.02, finest.levels[0].distance / unit, 400)
+    powers = trial[:, None] ** -k
+    out = []
+    for level in levels:
+        wrong = np.sqrt(np.add.reduceat((of(level) - known) ** 2, np.arange(_COMPARED + 1) ** 2, axis=1))
+        both = np.full((2, k.size), 2.0)
+        both[1] /= 2.0 * k + 3.0
+        both[:, : _COMPARED + 1] = wrong
+        error = powers @ (of_first * both[0]) + (powers @ (of_second * both[1])) / trial**2
+        good = trial[error <= tolerance] * unit
+        out.append(min(level.distance, float(good[0])) if good.size else level.distance)
+    out[-1] = finest.distance  # nothing finer tells how well it does
+    return [float(distance) for distance in np.maximum.accumulate(out[::-1])[::-1]]
+
+
+@cache
+def _unit(degree: int) -> tuple[FloatArray, FloatArray]:
+    """Points ``(3, m)`` of an expansion in the unit ball, and coefficients from values there, ``(count, m)``."""
+    from eigencontact.halfspace.expansion_kernels import polynomials
+
+    outer, inner = (int(np.ceil(_POINTS * n * n)) for n in (degree + 1, degree - 1))
+    points = np.ascontiguousarray(np.concatenate([_spiral(outer), _INNER * _spiral(inner)]).T)
+    return points, np.linalg.pinv(polynomials(*points, degree).T)
+
+
+def _spiral(count: int) -> FloatArray:
+    """Points spread evenly on the unit sphere, ``(count, 3)``."""
+    height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    turn, across = np.pi * (1.0 + np.sqrt(5.0)) * np.arange(count), np.sqrt(1.0 - height * height)
+    return np.column_stack([across * np.cos(turn), across * np.sin(turn), height])
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Nodes of a binary tree over points.
+
+    Attributes
+    ----------
+    order : (n,)
+        Points, those of a node next to each other.
+    nodes : (k, 5)
+        Center, radius of a ball that holds the points, 1 if the node has an expansion; in the order of their depth.
+    ranges : (k, 2)
+        First of the points of a node and the end of them.
+    parents, children : (k,), (k, 2)
+        Nodes above and below; -1 for none.
+    depths : (d + 1,)
+        First node of each depth.
+    degree : int
+        Of the expansions.
+    """
+
+    order: IntArray
+    nodes: FloatArray
+    ranges: IntArray
+    parents: IntArray
+    children: IntArray
+    depths: IntArray
+    degree: int
+
+    @classmethod
+    def over(cls, points: FloatArray, degree: int) -> Tree:
+        """Tree over points ``(3, n)``; where there is an expansion it stands for more points than it has."""
+        from eigencontact.halfspace.expansion_kernels import grow
+
+        return cls(*grow(points, 3 * _unit(degree)[0].shape[1] // 2, _BLOCK), degree)
+
+    @property
+    def expansion_points(self) -> FloatArray:
+        """Points at which the expansions take values, ``(3, expansions, m)``."""
+        unit, _ = _unit(self.degree)
+        large = self.nodes[self.nodes[:, 4] > 0]
+        return np.asarray(large[:, :3].T[:, :, None] + large[:, 3, None] * unit[:, None, :])
+
+    @cached_property
+    def blocks(self) -> IntArray:
+        """Blocks of points (role 0) and, after all points, of those of the expansions (role 1), for the compiled sums."""
+        leaves, large = np.flatnonzero(self.children[:, 0] < 0), np.flatnonzero(self.nodes[:, 4])
+        size = _unit(self.degree)[0].shape[1]
+        starts = self.order.size + size * np.arange(large.size)
+        found = [
+            np.column_stack([self.ranges[leaves], leaves, np.zeros_like(leaves)]),
+            np.column_stack([starts, starts + size, large, np.ones_like(large)]),
+        ]
+        # Shuffled, so that every thread gets some of the dear ones.
+        return np.random.default_rng(0).permutation(np.concatenate(found))
+
+    def add(self, points: FloatArray, values: FloatArray, out: FloatArray) -> None:
+        """Add to ``out (c, n)``, at points ``(3, n)`` in their order, what expansions of ``values (expansions, c, m)`` say."""
+        from eigencontact.halfspace.expansion_kernels import pass_down
+
+        unit, fit = _unit(self.degree)
+        place = np.cumsum(self.nodes[:, 4] > 0) - 1  # of each expansion among them
+        for first, stop in zip(self.depths[:-1], self.depths[1:], strict=True):
+            large = first + np.flatnonzero(self.nodes[first:stop, 4])
+            if not large.size:
+                continue
+            depth = values[place[large]]
+            coefficients = (depth.reshape(-1, depth.shape[2]) @ fit.T).reshape(*depth.shape[:2], -1)
+            pass_down(
+                *points, self.ranges, self.children, large, place, self.nodes, unit, self.degree, coefficients, values,
+                out,
+            )  # fmt: skip
