@@ -36,6 +36,7 @@ def inclusion_field(
     quantity: Literal["displacement", "strain", "stress"] = "displacement",
     space: Literal["half", "full"] = "half",
     cells: int = 16,
+    tolerance: float = 1e-6,
 ) -> FloatArray:
     """Field of a region with uniform eigenstrain in an elastic half-space z >= 0 with a free surface, or in full space.
 
@@ -56,6 +57,9 @@ def inclusion_field(
         With or without the free surface z = 0.
     cells : int
         Cells across the longest extent of a shape that offers only ``contains``; others do not use it.
+    tolerance : float
+        Error allowed where many shapes meet many points, relative to the largest value of the field of them; 0 sums one
+        by one to round-off.
 
     Returns
     -------
@@ -97,6 +101,8 @@ def inclusion_field(
     require(known, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
     require(isinstance(space, str) and space in ("half", "full"), _HERE, "space", space, "'half' or 'full'")
     require(is_whole(cells) and cells >= 1, _HERE, "cells", cells, "a whole number, 1 or more")
+    allowed = isinstance(tolerance, int | float) and 0.0 <= tolerance <= 0.01
+    require(allowed, _HERE, "tolerance", tolerance, "0 to 0.01 [-]")
     at = field_points(points, _HERE, half_space=space == "half")
     material = Material(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
     if space == "half":
@@ -110,6 +116,7 @@ def inclusion_field(
         poisson_ratio=material.poisson_ratio,
         quantity=quantity,
         space=space,
+        tolerance=float(tolerance),
     )
     if quantity == "displacement":
         return np.ascontiguousarray(field.T)

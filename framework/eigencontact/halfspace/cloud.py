@@ -3,6 +3,10 @@
 Beyond a distance a shape is a few points (a sphere is one, everywhere outside), further away fewer. All of them are
 summed over all field points in one compiled loop. What is left are pairs of a region and a point close to it: equal
 shapes hand theirs in together, and pairs that look alike, as those of a regular array on a grid do, are evaluated once.
+
+With a tolerance, large sums are hierarchical: what is far from many points reaches them by an expansion (`expansions`),
+and a region is as few points as the tolerance allows. The error is then measured at points drawn at random, where the
+regions are summed one by one as well, and found too large the sum is taken again, more exactly.
 """
 
 from __future__ import annotations
@@ -24,7 +28,7 @@ from eigencontact.halfspace.points import field_at_points, unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["cloud_sources", "field_of_cloud", "uses_point_sources"]
+__all__ = ["cloud_sources", "field_of_cloud", "is_large", "relaxed", "uses_point_sources"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -35,6 +39,11 @@ _MOST_SOURCES = 800
 _BLOCK = 256
 # Pairs of a region and a point that are evaluated together: their 36 fields take 12 MB.
 _PAIRS = 40_000
+# Points at which the error of a hierarchical sum is measured, and the factor for those at which it is not: in 48 sums
+# of 12 clouds the largest error of 80 000 points was 4 times that of these on average, and 14 at most.
+_CHECKED, _UNSEEN = 64, 15.0
+# Tolerance below which the sums without expansions differ as much.
+_LEAST = 1e-13
 # So many pairs are summed to round-off: nothing is gained by less.
 _SMALL = 2_000_000
 _HASH = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64).astype(np.int64)
@@ -53,6 +62,16 @@ def cloud_sources(shape: HasPotentials) -> PointSources | None:
         return None
     far = shape.far_field()
     return far if len(far.positions) <= _MOST_SOURCES else None
+
+
+def is_large(regions: int, points: int, tolerance: float) -> bool:
+    """Whether a sum to a tolerance is hierarchical."""
+    return tolerance > 0 and regions * points > _SMALL
+
+
+def relaxed(finest: PointSources, tolerance: float) -> PointSources:
+    """The same point sources, used from as close as a tolerance allows."""
+    return _at_distances(finest, distances_for(finest, tolerance))
 
 
 def field_of_cloud(
@@ -76,6 +95,8 @@ def field_of_cloud(
         Mandel eigenstrains [-].
     points, poisson_ratio, quantity, space, threads
         As for `eigencontact.halfspace.points.field_at_points`.
+    tolerance : float
+        Error allowed in large sums, relative to the largest value of the field; 0 sums to round-off.
 
     Returns
     -------
@@ -89,7 +110,7 @@ def field_of_cloud(
     if len(shapes) == 1:
         return field_at_points(shapes[0], eigenstrains[0], (x, y, z), space=space, **given)
     distant: dict[int, PointSources] = {}
-    large = tolerance > 0 and len(shapes) * x.size > _SMALL
+    large = is_large(len(shapes), x.size, tolerance)
     for number, shape in enumerate(shapes):
         far = cloud_sources(shape)
         if far is not None:
@@ -97,34 +118,71 @@ def field_of_cloud(
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **given)
     if distant:
-        if large:
-            distant = _relaxed(shapes, distant, tolerance)
         finder = _Finder(x, y, z)
-        sources = _Sources(list(distant.values()), [eigenstrains[number] for number in distant])
-        tree = Tree.over(np.array([x, y, z]), degree_for(tolerance)) if large else None
-        # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
-        order = finder.order if tree is None else tree.order
-        out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, tree=tree, **given)
+        if large:
+            out += _hierarchical(shapes, distant, eigenstrains, (x, y, z), tolerance, space=space, **given)
+        else:
+            sources = _Sources(list(distant.values()), list(eigenstrains[list(distant)]))
+            # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
+            order = finder.order
+            out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **given)
         _near_fields(shapes, distant, eigenstrains, finder, space, given, out)
     return out
 
 
+def _hierarchical(
+    shapes: Sequence[HasPotentials],
+    distant: Mapping[int, PointSources],
+    eigenstrains: FloatArray,
+    points: tuple[FloatArray, FloatArray, FloatArray],
+    tolerance: float,
+    *,
+    space: str,
+    **given: Any,
+) -> FloatArray:
+    """Sum of the point sources by expansions, with an error below `tolerance` of its largest value.
+
+    The error is the largest difference at points drawn at random from the sum without expansions, times a factor for
+    points that were not drawn. A sum that is not good enough is taken again with a tenth of the tolerance.
+    """
+    chosen = np.random.default_rng(0).choice(points[0].size, min(_CHECKED, points[0].size), replace=False)
+    x, y, z = (np.ascontiguousarray(values[chosen]) for values in points)
+    strains = list(eigenstrains[list(distant)])
+    exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **given)
+    out = np.empty((len(exact), points[0].size))
+    wanted = tolerance
+    while True:
+        sources = _Sources(_relaxed(shapes, distant, tolerance), strains)
+        tree = Tree.over(np.array(points), degree_for(tolerance))
+        x, y, z = (values[tree.order] for values in points)
+        out[:, tree.order] = _sum_of_sources(sources, (x, y, z), space=space, tree=tree, **given)
+        error = _UNSEEN * float(np.abs(out[:, chosen] - exact).max())
+        if error <= wanted * float(np.abs(out).max()) or tolerance < _LEAST:
+            return out
+        tolerance *= 0.1
+
+
 def _relaxed(
     shapes: Sequence[HasPotentials], distant: Mapping[int, PointSources], tolerance: float
-) -> dict[int, PointSources]:
-    """The same point sources, used from as close as a tolerance allows; like shapes are asked once."""
+) -> list[PointSources]:
+    """The point sources of regions for a tolerance; like shapes are asked once."""
     known: dict[Hashable, list[float]] = {}
-    out = {}
+    out = []
     for number, far in distant.items():
         likeness = _likeness(shapes[number])
         if likeness not in known:
             known[likeness] = distances_for(far, tolerance)
-        chain: PointSources | None = None
-        for level, distance in zip(far.levels, known[likeness], strict=True):
-            chain = replace(level, distance=distance, coarser=chain)
-        assert chain is not None
-        out[number] = chain
+        out.append(_at_distances(far, known[likeness]))
     return out
+
+
+def _at_distances(finest: PointSources, distances: Sequence[float]) -> PointSources:
+    """The same levels of point sources, each from another distance on."""
+    chain: PointSources | None = None
+    for level, distance in zip(finest.levels, distances, strict=True):
+        chain = replace(level, distance=distance, coarser=chain)
+    assert chain is not None
+    return chain
 
 
 class _Sources:
@@ -137,9 +195,7 @@ class _Sources:
             tensor = from_mandel(eigenstrain)
             for far in finest.levels:
                 count = len(far.volumes)
-                rows.append(
-                    np.column_stack([far.positions, far.volumes, far.spreads, np.tile(tensor, (count, 1))])
-                )
+                rows.append(np.column_stack([far.positions, far.volumes, far.spreads, np.tile(tensor, (count, 1))]))
                 levels.append((far.distance**2, total, total + count))
                 total += count
             starts.append(len(levels))

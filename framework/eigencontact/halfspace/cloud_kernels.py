@@ -15,8 +15,8 @@ whose reach ends before the block begins, or the last; its mirror image, further
 
 Blocks of points are rows ``(first, stop, node, role)``. The node is that of a tree (`expansions`) to which the points
 belong. Role 1: they carry the node's expansion, and take the regions that are far from the node but not from the nodes
-above it. Role 0: they are the points of a leaf, and take all regions that are far from no node above. Without a tree the
-node is -1, and a block takes every region.
+above it. Role 0: they are the points of a leaf, and take all regions that are far from no node above. Without a tree
+the node is -1, and a block takes every region.
 
 This module imports numba; nothing imports it before a cloud is computed.
 """
@@ -83,7 +83,7 @@ def _all_near(box: Any, center: Any, side: float) -> Any:
     return square < 0.999 * center[4] ** 2
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def _clear(x: Any, y: Any, z: Any, center: Any, side: float, own: Any) -> None:
     """Take from points what they are too close to get; rounded as numpy does, for the caller decides likewise."""
     least = center[4] * center[4]
@@ -171,12 +171,8 @@ def _stress_by_image(x: Any, y: Any, z: Any, source: Any, nu: float, total: Any)
         mixed = 2.0 * k3 * D3 - kv * P2 + 2.0 * z2 * Z * D4 - 2.0 * zz * P3
         chi = 2.0 * kc * c3
         deep = z2 * (2.0 * D3 - vT * P2)
-        total[0, i] += scale * (
-            iso + dyad * X * X + own * exx + 2.0 * X * (mixed * wx + chi * w2x + deep * qxz)
-        )
-        total[1, i] += scale * (
-            iso + dyad * Y * Y + own * eyy + 2.0 * Y * (mixed * wy + chi * w2y + deep * qyz)
-        )
+        total[0, i] += scale * (iso + dyad * X * X + own * exx + 2.0 * X * (mixed * wx + chi * w2x + deep * qxz))
+        total[1, i] += scale * (iso + dyad * Y * Y + own * eyy + 2.0 * Y * (mixed * wy + chi * w2y + deep * qyz))
         total[5, i] += scale * (
             dyad * X * Y
             + own * exy
@@ -207,9 +203,7 @@ def _stress_by_image(x: Any, y: Any, z: Any, source: Any, nu: float, total: Any)
 
 
 @_compiled
-def sum_stress(
-    x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu: float, half: Any, out: Any
-) -> None:
+def sum_stress(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu: float, half: Any, out: Any) -> None:
     """Stress components xx, yy, zz, yz, xz, xy (plain tensor, in units of `scale`), into `out` (6, n).
 
     Parameters

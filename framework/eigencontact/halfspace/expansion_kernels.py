@@ -1,8 +1,8 @@
 """Biharmonic polynomials, and fields that are passed down a tree of points in them: compiled.
 
-The polynomials are the real solid harmonics ``r^k Y_kn`` up to a degree p, scaled to Racah's norm (the sum of the squares
-of one degree is ``r^2k``), and ``r²`` times those up to degree p - 2: (p+1)² + (p-1)² of them, all that a field without
-body forces has up to that degree.
+The polynomials are the real solid harmonics ``r^k Y_kn`` up to a degree p, scaled to Racah's norm (the sum of the
+squares of one degree is ``r^2k``), and ``r²`` times those up to degree p - 2: (p+1)² + (p-1)² of them, all that a field
+without body forces has up to that degree.
 
 This module imports numba; nothing imports it before a large cloud is computed.
 """
@@ -78,7 +78,7 @@ def polynomials(x: Any, y: Any, z: Any, degree: int) -> Any:
 
 @_inner
 def moments(x: Any, y: Any, z: Any, weights: Any, spreads: Any, degree: int) -> Any:
-    """Moments of point sources, ``(2, (degree + 1)²)``: of the harmonics, and of ``r²/(2k + 3) + spread`` times them."""
+    """Moments ``(2, (degree + 1)²)`` of sources: of the harmonics, and of ``r²/(2k + 3) + spread`` times them."""
     values = polynomials(x, y, z, degree)
     out = np.zeros((2, (degree + 1) ** 2))
     for k in range(degree + 1):
@@ -149,12 +149,10 @@ def pass_down(
                 a, b = ranges[child if child >= 0 else node]
                 for start in range(a, b, _PART):
                     stop = min(start + _PART, b)
-                    _add(
-                        x[start:stop], y[start:stop], z[start:stop], center, expansion, degree, out[:, start:stop]
-                    )
+                    _add(x[start:stop], y[start:stop], z[start:stop], center, expansion, degree, out[:, start:stop])
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def grow(points: Any, least: int, block: int) -> Any:
     """Binary tree over points ``(3, n)``, halved along their longest extent until a leaf holds at most `block`.
 

@@ -1,9 +1,9 @@
 """A tree of points, and biharmonic expansions of what distant regions do at the points of a node.
 
-Fields without body forces are biharmonic, and so are their half-space images. In a ball of radius b that no source comes
-closer to than b/θ they are polynomials of degree p up to some θ^(p+1): a few hundred values on two spheres tell them for
-any number of points in it. Every node of the tree takes the regions that are far from it and were not far from the
-nodes above; what a node knows is passed down.
+Fields without body forces are biharmonic, and so are their half-space images. In a ball of radius b whose center no
+source comes closer to than b/θ they are polynomials of degree p up to some θ^(p+1): a few hundred values on two spheres
+tell them for any number of points in it. Every node of the tree takes the regions that are far from it and were not far
+from the nodes above; what a node knows is passed down.
 """
 
 from __future__ import annotations
@@ -17,35 +17,41 @@ from numpy.typing import NDArray
 
 from eigencontact.halfspace.potentials import PointSources
 
-__all__ = ["APART", "Tree", "degree_for", "distances_for", "error_of"]
+__all__ = ["APART", "Tree", "degree_for", "distances_for", "error_of", "expansion_size"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Radius of a node in units of the gap between its center and a region that it takes by its expansion.
 APART = 0.3
-# Error of an expansion relative to the sum over sources of strength / gap³: this times comb(p + 4, 4) θ^(p + 1). Measured
-# with sources anywhere on a ball, in and near the surface: 0.006 to 0.017 for p = 7 to 13, θ = 0.2 to 0.3.
-_CONSTANT = 0.02
+# Error of expansions relative to the largest value of the field of a cloud: this times comb(p + 4, 4) θ^(p + 1). In
+# clouds of ellipsoids it was a tenth of that and less; for sources all over the ball closest to a node, relative to
+# their sum of strength / gap³, it is 0.006 to 0.017.
+_CONSTANT = 1e-3
 # Inner of the two spheres of an expansion, in units of the outer; number of points per unknown.
 _INNER, _POINTS = 0.55, 1.06
 # Degree up to which moments of point sources are compared.
-_COMPARED = 20
+_COMPARED = 36
 # Points that are summed together: a small block is close to few regions.
 _BLOCK = 32
 
 
 def error_of(degree: int) -> float:
-    """Largest error of an expansion relative to the sum of strength / gap³ of the sources."""
+    """Error to be expected of expansions, relative to the largest value of the field."""
     return _CONSTANT * comb(degree + 4, 4) * APART ** (degree + 1)
 
 
 def degree_for(tolerance: float) -> int:
-    """Lowest degree whose error is below a tolerance."""
+    """Lowest degree whose expected error is below a tolerance."""
     degree = 3
     while error_of(degree) > tolerance:
         degree += 1
     return degree
+
+
+def expansion_size(tolerance: float) -> int:
+    """Number of points at which an expansion for a tolerance takes values."""
+    return int(_unit(degree_for(tolerance))[0].shape[1])
 
 
 def distances_for(finest: PointSources, tolerance: float) -> list[float]:
@@ -57,7 +63,7 @@ def distances_for(finest: PointSources, tolerance: float) -> list[float]:
     from eigencontact.halfspace.expansion_kernels import moments
 
     levels, unit = finest.levels, max(level.reach for level in finest.levels)
-    if len(levels) == 1 or unit == 0.0:
+    if len(levels) == 1:
         return [level.distance for level in levels]
     volume = float(finest.volumes.sum())
 
@@ -65,7 +71,7 @@ def distances_for(finest: PointSources, tolerance: float) -> list[float]:
         x, y, z = np.ascontiguousarray((level.positions - level.center).T / unit)
         return np.asarray(moments(x, y, z, level.volumes / volume, level.spreads / unit**2, _COMPARED))
 
-    known, k = of(finest), np.arange(_COMPARED + 40)
+    known, k = of(finest), np.arange(_COMPARED + 30)
     of_first = (k + 1) * (k + 2) * (0.5 * k + 2.0) / 4.0
     of_second = (k + 1) * (k + 2) * (k + 3) * (k + 4) / 4.0
     trial = np.geomspace(1.02, finest.levels[0].distance / unit, 400)
@@ -133,7 +139,8 @@ class Tree:
         """Tree over points ``(3, n)``; where there is an expansion it stands for more points than it has."""
         from eigencontact.halfspace.expansion_kernels import grow
 
-        return cls(*grow(points, 3 * _unit(degree)[0].shape[1] // 2, _BLOCK), degree)
+        order, nodes, ranges, parents, children, depths = grow(points, 3 * _unit(degree)[0].shape[1] // 2, _BLOCK)
+        return cls(order, nodes, ranges, parents, children, depths, degree)
 
     @property
     def expansion_points(self) -> FloatArray:
@@ -144,7 +151,7 @@ class Tree:
 
     @cached_property
     def blocks(self) -> IntArray:
-        """Blocks of points (role 0) and, after all points, of those of the expansions (role 1), for the compiled sums."""
+        """Blocks for the compiled sums: of points (role 0) and, after all of them, of expansions (role 1)."""
         leaves, large = np.flatnonzero(self.children[:, 0] < 0), np.flatnonzero(self.nodes[:, 4])
         size = _unit(self.degree)[0].shape[1]
         starts = self.order.size + size * np.arange(large.size)
@@ -156,7 +163,10 @@ class Tree:
         return np.random.default_rng(0).permutation(np.concatenate(found))
 
     def add(self, points: FloatArray, values: FloatArray, out: FloatArray) -> None:
-        """Add to ``out (c, n)``, at points ``(3, n)`` in their order, what expansions of ``values (expansions, c, m)`` say."""
+        """Add to ``out (c, n)``, at points ``(3, n)`` in their order, what the expansions say.
+
+        `values` of the expansions at their points, ``(expansions, c, m)``, are overwritten.
+        """
         from eigencontact.halfspace.expansion_kernels import pass_down
 
         unit, fit = _unit(self.degree)

@@ -24,7 +24,7 @@ from eigencontact.halfspace.potentials import (
     PointSources,
     derivatives,
 )
-from eigencontact.halfspace.theorem import QUANTITIES, response
+from eigencontact.halfspace.theorem import response
 
 __all__ = ["field_at_points", "unit_fields_at_points"]
 

@@ -198,6 +198,9 @@ class Numerics(Table):
         Halves load steps in which cells flow until the whole and its halves differ by no more than this part of the
         strain (five times at most; ``plastic_error`` of a step tells what is left): three times the work of a step that
         is fine enough, none where nothing flows. Without it steps are those of the scene.
+    cloud_tolerance : float
+        Error allowed in the field of many inclusions at many points, relative to its largest value: what is far away is
+        then summed by expansions. 0 sums all one by one.
     allow_contact_at_edge : bool
         Accepts a contact that reaches the edge of the window, where what is loaded outside is missing.
     allow_coarse : bool
@@ -216,6 +219,7 @@ class Numerics(Table):
     max_iterations: Annotated[int, AfterValidator(at_least(1))] = 500
     threads: Annotated[int, AfterValidator(in_range(1, 1024, "threads"))] | None = None
     plastic_error: Annotated[float, AfterValidator(in_range(1e-6, 1.0, "[-]"))] | None = None
+    cloud_tolerance: Annotated[float, AfterValidator(in_range(0.0, 0.01, "[-]"))] = 1e-6
     allow_contact_at_edge: bool = False
     allow_coarse: bool = False
 

@@ -26,6 +26,8 @@ _SAMPLE = 1024
 _GAIN = 0.2
 #: Seconds of one pair of a point source and a field point on one thread; and once, to load the compiled loop.
 _PAIR, _LOAD = 2e-8, 0.5
+#: Share of the pairs that are left where regions reach points by expansions.
+_EXPANDED = 0.06
 
 _KNOWN: dict[tuple[object, ...], float] = {}
 
@@ -51,13 +53,16 @@ class ClosedForms(Route):
 
     def _cloud_pace(self, source: Source) -> float:
         """Time of one point on one thread [s], for one shape of many: by its distance, near by its potentials."""
-        from eigencontact.halfspace.cloud import uses_point_sources
+        from eigencontact.halfspace.cloud import is_large, relaxed, uses_point_sources
 
         shape = cast("HasPotentials", source.shape)
         if not uses_point_sources(shape):
             return self._point_pace(source)
-        finest = cast("HasFarField", shape).far_field()
-        points = self._some_points()
+        finest, points = cast("HasFarField", shape).far_field(), self._some_points()
+        tolerance, expanded = self.half_space.numerics.cloud_tolerance, np.inf
+        if is_large(len(self.sources), int(np.prod(self.lattice.shape)), tolerance):
+            finest = relaxed(finest, tolerance)
+            expanded = finest.reach + self._node_radius(tolerance)
         distance, above = (
             np.linalg.norm([x - c for x, c in zip(points, finest.center * (1.0, 1.0, side), strict=True)], axis=0)
             for side in (1.0, -1.0)
@@ -65,9 +70,18 @@ class ClosedForms(Route):
         used = np.full(distance.size, len(finest.volumes))
         for far in reversed(finest.levels):
             used[distance >= far.distance] = len(far.volumes)
+        shares = np.where(distance > expanded, _EXPANDED, 1.0)
         images = 0.0 if self.half_space.full else 2.0 * float(np.mean(above < finest.distance))
         near = float(np.mean(distance < finest.distance)) + images
-        return float(used.mean()) * _PAIR + (near * self._point_pace(source) if near else 0.0)
+        return float((used * shares).mean()) * _PAIR + (near * self._point_pace(source) if near else 0.0)
+
+    def _node_radius(self, tolerance: float) -> float:
+        """Distance [m] from which a region reaches the smallest nodes of points by their expansions."""
+        from eigencontact.halfspace.expansions import APART, expansion_size
+
+        points = self._some_points()
+        room = float(np.prod([np.ptp(values) for values in points])) / int(np.prod(self.lattice.shape))
+        return (1.0 + 1.0 / APART) * float(np.cbrt(2.0 * expansion_size(tolerance) * room))
 
     def _point_pace(self, source: Source) -> float:
         """Measured time of one point on one thread [s]; like shapes of a scene at like points are timed once."""
@@ -100,7 +114,7 @@ class ClosedForms(Route):
             values = field_of_cloud(
                 [cast("HasPotentials", source.shape) for source in self.sources], eigenstrain.T, points,
                 poisson_ratio=self.half_space.material.poisson_ratio, quantity=self.quantity,
-                space=self.half_space.space, threads=threads,
+                space=self.half_space.space, threads=threads, tolerance=self.half_space.numerics.cloud_tolerance,
             )  # fmt: skip
         else:
             values = np.zeros((3 if self.quantity == "displacement" else 6, points[0].size))
