@@ -14,7 +14,7 @@ g = 1/(R (R + z)),  h = (2R + z)/(R³ (R + z)²),  k = 1/(R (R + z)²),  m = (3R
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,11 +98,16 @@ def is_far(points: tuple[FloatArray, FloatArray, FloatArray], half_widths: HalfW
     return np.asarray(_distance(points, half_widths) >= (SHELLS[0] if elongated else SHELLS[2]))
 
 
+@cache
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    return np.polynomial.legendre.leggauss(count)
+
+
 def _rule(half_width: float, distance: float) -> list[tuple[float, float]]:
     """Gauss points and weights on [-half_width, half_width] for fields at `distance` or more."""
     e = distance / half_width
     n = int(np.ceil(15.5 / (2 * np.log10(e + np.sqrt(e * e + 1))))) + 1
-    nodes, weights = np.polynomial.legendre.leggauss(n)
+    nodes, weights = _gauss(n)
     return list(zip((half_width * nodes).tolist(), (half_width * weights).tolist(), strict=True))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +14,7 @@ from eigencontact.core.symmetry import parity
 from eigencontact.core.table_cache import address, table_cache
 from eigencontact.errors import NotConverged, require
 from eigencontact.halfspace.layered_remainder import RESOLUTIONS, NodalField, SmoothField
-from eigencontact.halfspace.layered_split import DEEP, OWN, Band
+from eigencontact.halfspace.layered_split import DEEP, OWN, Band, Kernel
 from eigencontact.halfspace.layered_waves import DIRECTIONS, NAMES
 from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side
 
@@ -28,6 +28,8 @@ ACCEPTED = 1e-5
 EPSILON = 1e-15
 # Offsets in each direction where two resolutions are compared, besides 0.
 PROBES = 10
+# Points at which closed kernels are evaluated together: enough that calls cost little, few enough to be small.
+TOGETHER = 16384
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class _Resolved:
     #: Values of the deep closed kernels on the nodes, ``(len(components), nz, n, n)``; none where there are none.
     deep: FloatArray | None
     #: For each depth: kernels (weight, material, depth) that are not deep.
-    shallow: list[list[tuple[float, Material, float]]]
+    shallow: list[list[Kernel]]
 
 
 @dataclass(frozen=True)
@@ -139,7 +141,7 @@ class LayeredDepths:
         return [NAMES[self.quantity].index(name) for name in self.components]
 
     def _closed(
-        self, components: tuple[str, ...], x: FloatArray, y: FloatArray, depth: float, solid: Material
+        self, components: tuple[str, ...], x: FloatArray, y: FloatArray, depth: FloatArray | float, solid: Material
     ) -> FloatArray:
         evaluate = self.base.displacement if self.quantity == "displacement" else self.base.stress
         return evaluate(components, x, y, depth, self.half_widths, solid)
@@ -171,10 +173,7 @@ class LayeredDepths:
         watched = (*self.components, *(() if own in self.components else (own,)))
         rows = [NAMES[self.quantity].index(name) for name in watched]
         x, y = (self._probes(half_width) for half_width in self.half_widths)
-        closed = np.zeros((len(watched), len(band.depths), y.size, x.size))
-        for row, kernels in enumerate(band.kernels):
-            for weight, solid, depth in kernels:
-                closed[:, row] += weight * self._closed(watched, x[None, :], y[:, None], depth, solid)
+        closed = self._kernels(watched, band.kernels, x, y)
         coarse: FloatArray | None = None
         for resolution in RESOLUTIONS:
             found = smooth.at(resolution)
@@ -199,18 +198,27 @@ class LayeredDepths:
     def _deep(self, band: Band, x: FloatArray) -> FloatArray | None:
         """Closed kernels of deep half-spaces on nodes, ``(len(components), nz, n, n)``, if there are any."""
         limit = DEEP * max(self.half_widths)
-        deep: FloatArray | None = None
-        known: dict[tuple[Material, float], FloatArray] = {}
-        for row, kernels in enumerate(band.kernels):
-            for weight, solid, depth in kernels:
-                if depth <= limit:
-                    continue
-                if deep is None:
-                    deep = np.zeros((len(self.components), len(band.depths), x.size, x.size))
-                if (solid, depth) not in known:
-                    known[solid, depth] = self._closed(self.components, x[None, :], x[:, None], depth, solid)
-                deep[:, row] += weight * known[solid, depth]
-        return deep
+        deep = [[kernel for kernel in kernels if kernel[2] > limit] for kernels in band.kernels]
+        return self._kernels(self.components, deep, x, x) if any(deep) else None
+
+    def _kernels(
+        self, components: tuple[str, ...], kernels: Sequence[Sequence[Kernel]], x: FloatArray, y: FloatArray
+    ) -> FloatArray:
+        """Sums of closed kernels, some for each depth, at all x and y, ``(len(components), nz, ny, nx)``."""
+        out = np.zeros((len(components), len(kernels), y.size, x.size))
+        wanted: dict[Material, dict[float, list[tuple[int, float]]]] = {}
+        for row, weight, solid, depth in ((row, *kernel) for row, some in enumerate(kernels) for kernel in some):
+            wanted.setdefault(solid, {}).setdefault(depth, []).append((row, weight))
+        for solid, places in wanted.items():
+            depths = list(places)
+            step = max(1, TOGETHER // (x.size * y.size))
+            for begin in range(0, len(depths), step):
+                some = depths[begin : begin + step]
+                fields = self._closed(components, x, y[:, None], np.array(some)[:, None, None], solid)
+                for number, depth in enumerate(some):
+                    for row, weight in places[depth]:
+                        out[:, row] += weight * fields[:, number]
+        return out
 
     def _probes(self, half_width: float) -> FloatArray:
         """Offsets at which two resolutions are compared: 0 and whole cells, near and far."""

@@ -17,9 +17,11 @@ from eigencontact.errors import PlanError
 from eigencontact.halfspace.layered_waves import DIRECTIONS
 from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side, response_at_depths
 
-__all__ = ["DEEP", "OWN", "Band", "bands"]
+__all__ = ["DEEP", "OWN", "Band", "Kernel", "bands"]
 
 FloatArray = NDArray[np.float64]
+#: Closed kernel of a half-space: weight, material, depth [m].
+Kernel = tuple[float, Material, float]
 
 #: Depths of more than this many half-widths are deep: corner sums lose digits there like the square of the depth in
 #: half-widths, and the field of a rectangle is smooth. With 20 they lose two or three.
@@ -55,7 +57,7 @@ class Band:
 
     numbers: tuple[int, ...] = field(compare=False)
     depths: tuple[float, ...]
-    kernels: tuple[tuple[tuple[float, Material, float], ...], ...]
+    kernels: tuple[tuple[Kernel, ...], ...]
     scale: float
     longest: float
     answer: bytes
