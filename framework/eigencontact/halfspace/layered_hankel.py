@@ -91,10 +91,22 @@ class LogGrid:
         found = np.empty((len(series), r.size))
         for begin in range(0, r.size, BLOCK):
             part = r[begin : begin + BLOCK]
-            phase = np.outer(omega, np.log(part * k[0]))
-            waves = np.concatenate([np.cos(phase), np.sin(phase)])
+            waves = _waves(omega[1], omega.size, np.log(part * k[0]))
             found[:, begin : begin + BLOCK] = product(series, waves) / (2 * np.pi * k.size * part)
         return np.split(found, np.cumsum([len(response) for response in responses])[:-1])
+
+
+def _waves(step: float, count: int, x: FloatArray) -> FloatArray:
+    """Cosines of 0, 1, ..., count - 1 times ``step x``, then their sines, ``(2 count, m)``.
+
+    Those of sums of a few and of many steps are products, a fifth of the time of as many cosines and sines.
+    """
+    few = int(np.ceil(np.sqrt(count)))
+    low = np.outer(step * np.arange(few), x)
+    high = np.outer(step * few * np.arange(-(-count // few)), x)[:, None]
+    cos, sin, high_cos, high_sin = np.cos(low), np.sin(low), np.cos(high), np.sin(high)
+    turned = np.array([high_cos * cos - high_sin * sin, high_sin * cos + high_cos * sin])
+    return turned.reshape(2, -1, x.size)[:, :count].reshape(2 * count, x.size)
 
 
 def _mellin(omega: FloatArray, order: int) -> NDArray[np.complex128]:
