@@ -118,3 +118,20 @@ def test_a_run_with_pictures_loads_what_draws_in_another_process_only(tmp_path):
     assert {path.suffix for path in tmp_path.iterdir()} >= {".png", ".vti", ".nc", ".json"}
     assert "h5py" in modules
     assert not modules & (SLOW | {"h5netcdf", "scipy.sparse", "scipy.optimize", "scipy.ndimage"})
+
+
+def test_pyfftw_is_loaded_without_what_stands_for_other_ffts(tmp_path):
+    """Its interfaces import dask where that is installed; whoever wants them still finds them."""
+    pytest.importorskip("pyfftw")
+    (tmp_path / "dask").mkdir()
+    (tmp_path / "dask" / "__init__.py").write_text("")
+    start = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
+    alone = start + "from eigencontact.convolution.backends import backend; backend('pyfftw')"
+    assert "pyfftw" in loaded(alone)
+    assert not [name for name in loaded(alone) if name.startswith(("pyfftw.interfaces", "dask", "scipy"))]
+    asked = "\nimport numpy, pyfftw; assert pyfftw.interfaces.numpy_fft.fft(numpy.ones(4))[0] == 4"
+    assert "pyfftw.interfaces.numpy_fft" in loaded(alone + asked)
+    imported = "\nfrom pyfftw.interfaces import numpy_fft, cache; cache.enable()"
+    assert "pyfftw.interfaces.cache" in loaded(alone + imported)
+    first = start + "import pyfftw; from eigencontact.convolution.backends import backend; backend('pyfftw')"
+    assert {"pyfftw.interfaces", "dask"} <= loaded(first)

@@ -6,9 +6,12 @@ normalisation; it releases the interpreter lock, so plans on different arrays ru
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
+from types import ModuleType
 from typing import Any, Protocol
 
 import numpy as np
@@ -52,9 +55,7 @@ class _FFTW:
     name = "pyfftw"
 
     def __init__(self, effort: str) -> None:
-        import pyfftw
-
-        self._fftw = pyfftw
+        self._fftw = _pyfftw()
         # ESTIMATE costs no planning time; on the sizes used here MEASURE gained nothing that pays for its 0.5 s.
         self._flags = {"estimate": ("FFTW_ESTIMATE",), "measure": ("FFTW_MEASURE",)}[effort]
 
@@ -84,6 +85,31 @@ class _FFTW:
     def empty(self, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
         array: NDArray[Any] = self._fftw.empty_aligned(shape, dtype)
         return array
+
+
+def _pyfftw() -> Any:
+    """Import pyFFTW; its interfaces, of which nothing is used here, wait until somebody asks for them.
+
+    They stand for the FFTs of SciPy and dask, and import both: a tenth of a second, and most of a second where dask is
+    installed. Other users of pyFFTW find them as ever.
+    """
+    name = "pyfftw.interfaces"
+    if "pyfftw" in sys.modules or name in sys.modules:
+        return import_module("pyfftw")
+    sys.modules[name] = ModuleType(name)
+    try:
+        fftw: Any = import_module("pyfftw")
+    finally:
+        del sys.modules[name]
+    vars(fftw).pop("interfaces", None)
+
+    def wanted(attribute: str) -> Any:
+        if attribute == "interfaces":
+            return import_module(name)
+        raise AttributeError(f"module 'pyfftw' has no attribute {attribute!r}")
+
+    fftw.__getattr__ = wanted
+    return fftw
 
 
 class _SciPy:

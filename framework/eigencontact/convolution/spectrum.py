@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 __all__ = ["Spectrum", "parity_transform", "transform_table"]
 
 FloatArray = NDArray[np.float64]
+#: Tables of at most so many numbers are transformed by numpy, and scipy.fft, which takes a tenth of a second to import,
+#: is not loaded for them; larger ones are worth its threads.
+_SMALL = 65_536
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +76,7 @@ def transform_table(
     y: Axis, x: Axis, table: FloatArray, parity: tuple[int, int], precision: str, scale: float
 ) -> Spectrum:
     """Spectrum of a table of coefficients: cosine and sine transforms along axes with parity, full ones elsewhere."""
-    from scipy import fft
-
-    workers = available_threads() if table.size > 65_536 else 1
+    workers = available_threads()
     values: NDArray[Any] = table.T
     imaginary = False
     negative = False
@@ -86,11 +87,7 @@ def transform_table(
                 negative, imaginary = (not negative, True) if not imaginary else (negative, False)
         else:
             values = plan.scatter(values, axis)
-            values = (
-                fft.rfft(values, axis=axis, workers=workers)
-                if axis == 0
-                else fft.fft(values, axis=axis, workers=workers)
-            )
+            values = _transform(values, axis, workers)
     values = values * (-scale if negative else scale)
     sign_y = parity[0] if y.symmetric else 0
     if imaginary and np.iscomplexobj(values):
@@ -99,16 +96,44 @@ def transform_table(
     return Spectrum.pack(values, y.length * x.length, sign_y, imaginary=imaginary, precision=precision)
 
 
-def parity_transform(table: NDArray[Any], axis: int, sign: int, workers: int) -> NDArray[Any]:
-    """DFT of the even (or 1j times that of the odd) extension of offsets 0..F/2 along `axis`."""
+def _transform(values: NDArray[Any], axis: int, workers: int) -> NDArray[Any]:
+    """DFT along an axis: of real values along the first, where half of it is redundant, else of any."""
+    if values.size <= _SMALL:
+        return (np.fft.rfft if axis == 0 else np.fft.fft)(values, axis=axis)
     from scipy import fft
 
+    return np.asarray((fft.rfft if axis == 0 else fft.fft)(values, axis=axis, workers=workers))
+
+
+def parity_transform(table: NDArray[Any], axis: int, sign: int, workers: int) -> NDArray[Any]:
+    """DFT of the even (or 1j times that of the odd) extension of offsets 0..F/2 along `axis`."""
     n = table.shape[axis]
+    if sign > 0 and n == 1:
+        return table
+    if table.size <= _SMALL:
+        return _by_extension(table, axis, sign)
+    from scipy import fft
+
     if sign > 0:
-        return table if n == 1 else np.asarray(fft.dct(table, type=1, axis=axis, workers=workers))
+        return np.asarray(fft.dct(table, type=1, axis=axis, workers=workers))
     out = np.zeros_like(table)
     if n > 2:
         inner = [slice(None)] * table.ndim
         inner[axis] = slice(1, -1)
         out[tuple(inner)] = fft.dst(table[tuple(inner)], type=1, axis=axis, workers=workers)
     return out
+
+
+def _by_extension(table: NDArray[Any], axis: int, sign: int) -> NDArray[Any]:
+    """`parity_transform` by the extension itself, which gives the same to the last bit."""
+    along = np.moveaxis(table, axis, -1)
+    n = along.shape[-1]
+    whole = np.zeros((*along.shape[:-1], max(1, 2 * n - 2)), np.result_type(table, np.float64))
+    first = 0 if sign > 0 else 1  # what is odd vanishes in the middle and at the end
+    whole[..., first : n - first] = along[..., first : n - first]
+    whole[..., n:] = sign * along[..., n - 2 : 0 : -1]
+    if np.iscomplexobj(whole):
+        values = np.fft.fft(whole)[..., :n]
+        return np.moveaxis(values if sign > 0 else 1j * values, -1, axis)
+    values = np.fft.rfft(whole)
+    return np.moveaxis(values.real if sign > 0 else -values.imag, -1, axis)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.convolution.layout import fast_even
+from eigencontact.convolution.spectrum import parity_transform
 from eigencontact.core.grid import Box
 from eigencontact.solvers.operator import Compliance
 
@@ -49,8 +50,6 @@ class Circulant:
     """
 
     def __init__(self, compliance: Compliance, box: Box) -> None:
-        from scipy import fft
-
         lengths = (fast_even(box.shape[0]), fast_even(box.shape[1]))
         table = compliance.table(lengths[0] + 1, lengths[1] + 1)
         for axis, length in enumerate(lengths):
@@ -61,7 +60,7 @@ class Circulant:
         spectrum = table
         for axis, length in enumerate(lengths):
             if length > 1:
-                spectrum = fft.dct(spectrum, type=1, axis=axis)
+                spectrum = parity_transform(spectrum, axis, 1, 1)
         # Positive in exact arithmetic; the floor guards round-off. A periodic compliance has no mean response: its
         # uniform wave is treated like the longest one, the most compliant.
         top = float(spectrum.max())

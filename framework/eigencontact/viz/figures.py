@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from functools import partial
 from typing import TYPE_CHECKING
@@ -134,6 +135,7 @@ def draw_all(
         wanted.append(("history.png", sentence, lambda: load_history(dataset)))
     for name, _, draw in wanted[part[0] :: part[1]]:
         save(draw(), folder / name)
+        gc.collect()  # a figure refers to itself
     return {name: sentence for name, sentence, _ in wanted}
 
 

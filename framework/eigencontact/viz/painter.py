@@ -6,6 +6,7 @@ Where it may fork it draws on all cores.
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import signal
@@ -84,8 +85,10 @@ def main() -> None:
     from eigencontact.results.stored import open_stored
     from eigencontact.viz.figures import draw_all
 
+    gc.disable()  # see draw_all, which collects after each picture
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run says when it ends, also when it is interrupted
     _warm_up()
+    gc.freeze()  # what is loaded stays
     line = sys.stdin.readline()
     if not line:
         return

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
@@ -205,6 +206,12 @@ def save(figure: Figure, path: Path) -> None:
     """
     said = {"Software": f"eigencontact {__version__}"}
     with paper_style(), replacing(path, f"picture {path.name}") as sink:
-        figure.savefig(
-            cast("BinaryIO", sink), format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.06, metadata=said
-        )
+        # What bbox_inches="tight" does, without drawing everything once more to find the box.
+        figure.set_dpi(DPI)
+        canvas = cast("FigureCanvasAgg", figure.canvas)
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(figure)
+            figure.set_layout_engine(None)
+        box = figure.get_tightbbox(canvas.get_renderer()).padded(0.06)
+        figure.savefig(cast("BinaryIO", sink), format="png", dpi=DPI, bbox_inches=box, metadata=said)

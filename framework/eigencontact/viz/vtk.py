@@ -12,7 +12,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -183,7 +182,7 @@ def _save(mesh: Mesh, folder: Path, stem: str) -> Path:
 def _collection(times: list[float], series: list[Path]) -> str:
     """XML of a ParaView collection: one file for each time."""
     rows = [
-        f'    <DataSet timestep="{time!r}" group="" part="0" file={quoteattr(path.name)}/>'
+        f'    <DataSet timestep="{time!r}" group="" part="0" file={vtk_xml.quoted(path.name)}/>'
         for time, path in zip(times, series, strict=True)
     ]
     return "\n".join(

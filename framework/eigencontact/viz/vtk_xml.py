@@ -11,11 +11,11 @@ appended data of raw encoding, each array behind its number of bytes (``header_t
 
 from __future__ import annotations
 
+import html
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from eigencontact.results.atomic import Sink
 
-__all__ = ["COMPONENTS", "Mesh", "image", "lines", "points", "rectilinear"]
+__all__ = ["COMPONENTS", "Mesh", "image", "lines", "points", "quoted", "rectilinear"]
 
 #: Order in which VTK, and so ParaView, reads the six components of a symmetric tensor.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
@@ -142,8 +142,13 @@ def _words(numbers: Sequence[float]) -> str:
     return " ".join(repr(float(number)) for number in numbers)
 
 
+def quoted(value: str) -> str:
+    """Value of an XML attribute; the standard library's own function loads the modules of the network."""
+    return f'"{html.escape(value)}"'
+
+
 def _attributes(said: Mapping[str, str]) -> str:
-    return "".join(f" {name}={quoteattr(value)}" for name, value in said.items())
+    return "".join(f" {name}={quoted(value)}" for name, value in said.items())
 
 
 def _type(dtype: Any) -> str:
