@@ -117,7 +117,9 @@ def test_a_run_with_pictures_loads_what_draws_in_another_process_only(tmp_path):
     modules = loaded(code + COMMAND.format(words=words))
     assert {path.suffix for path in tmp_path.iterdir()} >= {".png", ".vti", ".nc", ".json"}
     assert "h5py" in modules
-    assert not modules & (SLOW | {"h5netcdf", "scipy.sparse", "scipy.optimize", "scipy.ndimage"})
+    assert not modules & (
+        SLOW | {"h5netcdf", "scipy.sparse", "scipy.optimize", "scipy.ndimage", "scipy.fft", "scipy.special"}
+    )
 
 
 def test_pyfftw_is_loaded_without_what_stands_for_other_ffts(tmp_path):

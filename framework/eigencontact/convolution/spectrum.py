@@ -18,7 +18,7 @@ __all__ = ["Spectrum", "parity_transform", "transform_table"]
 FloatArray = NDArray[np.float64]
 #: Tables of at most so many numbers are transformed by numpy, and scipy.fft, which takes a tenth of a second to import,
 #: is not loaded for them; larger ones are worth its threads.
-_SMALL = 65_536
+_SMALL = 2**17
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +125,7 @@ def parity_transform(table: NDArray[Any], axis: int, sign: int, workers: int) ->
 
 
 def _by_extension(table: NDArray[Any], axis: int, sign: int) -> NDArray[Any]:
-    """`parity_transform` by the extension itself, which gives the same to the last bit."""
+    """`parity_transform` by the extension itself."""
     along = np.moveaxis(table, axis, -1)
     n = along.shape[-1]
     whole = np.zeros((*along.shape[:-1], max(1, 2 * n - 2)), np.result_type(table, np.float64))
