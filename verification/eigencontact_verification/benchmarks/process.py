@@ -23,12 +23,13 @@ _START = (
 
 
 def _environment(threads: int) -> dict[str, str]:
-    """Environment of the child: every thread pool gets the same size, and none spins while it waits."""
+    """Environment of the child: thread pools of one size, which do not spin while they wait; no tables kept on disk."""
     pools = ("OMP", "OPENBLAS", "MKL", "NUMBA")
     return {
         **os.environ,
         **{f"{pool}_NUM_THREADS": str(threads) for pool in pools},
         "OMP_WAIT_POLICY": "passive",
+        "EIGENCONTACT_CACHE": "off",
     }
 
 
