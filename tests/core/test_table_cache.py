@@ -57,7 +57,7 @@ class Other:
 DIFFERENT = [
     (1,), (1.0,), ("1",), (True,), (None,), (b"1",), ((1, 2),), ((1,), 2), (1, 2), (12,), ("ab", "c"), ("a", "bc"),
     (0.1,), (np.nextafter(0.1, 1),), (np.array([1.0, 2.0]),), (np.array([[1.0, 2.0]]),), (np.array([1, 2]),),
-    (Solid(1.0),), (Solid(2.0),), (Other(1.0),), (),
+    (Solid(1.0),), (Solid(2.0),), (Other(1.0),), (Path("ab"),), ("ab",), (),
 ]  # fmt: skip
 
 
@@ -121,6 +121,18 @@ def test_a_folder_that_cannot_be_made_keeps_nothing(tmp_path):
     assert tables.find("a") is None
     assert tables.entries() == []
     tables.clear()
+
+
+def test_a_folder_may_be_there_to_read_only(tables, monkeypatch):
+    def refused(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    kept(tables, "a")
+    monkeypatch.setattr(os, "utime", refused)
+    monkeypatch.setattr(module.tempfile, "mkstemp", refused)
+    kept(tables, "b")
+    np.testing.assert_array_equal(tables.find("a")["values"], TABLE["values"])
+    assert tables.find("b") is None
 
 
 def test_a_disk_that_is_full_keeps_nothing_and_leaves_nothing(tables, monkeypatch):

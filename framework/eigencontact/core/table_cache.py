@@ -73,9 +73,10 @@ class TableCache:
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 found = {name: stored[name] for name in stored.files}
-            os.utime(path)
         except Exception:  # noqa: BLE001 - there is none, or a damaged one, which raises what it likes
             return None
+        with contextlib.suppress(OSError):  # the folder may be there to read only
+            os.utime(path)
         return found if found.keys() >= set(names) else None
 
     def keep(self, key: str, arrays: Mapping[str, FloatArray]) -> None:
@@ -194,7 +195,7 @@ def address(*parts: Any, code: tuple[object, ...] = ()) -> str | None:
     Parameters
     ----------
     parts
-        Text, numbers, None, arrays, sequences of these, and dataclasses with fields of these.
+        Text, paths, numbers, None, arrays, sequences of these, and dataclasses with fields of these.
     code : tuple of (str or object)
         Whose source determines the table: modules by name, and objects for the modules of their classes. Modules of a
         package count with those beside them.
@@ -220,6 +221,8 @@ def _told(part: Any) -> bytes:
             kind, body = "number", struct.pack("<d", part)
         case np.ndarray() | np.generic() if part.dtype != object:
             kind, body = f"array {part.dtype.str} {part.shape}", np.ascontiguousarray(part).tobytes()
+        case Path():
+            kind, body = "path", str(part).encode()
         case tuple() | list():
             kind, body = "sequence", b"".join(map(_told, part))
         case _ if dataclasses.is_dataclass(part) and not isinstance(part, type):

@@ -24,7 +24,9 @@ class LayeredMedium(Component, ABC):
     The author writes its answer to tractions that vary as ``exp(i (kx x + ky y))`` on z = 0. Signs are those of
     `SurfaceInfluence`: ``"p"`` pushes along +z, ``"q_x"`` and ``"q_y"`` act on the body along +x and +y. Stress is
     positive in tension, in the order and the Mandel scaling of `COMPONENTS`. The optional ability `HasResponseAtDepths`
-    saves time where stress is asked for at many depths.
+    saves time where stress is asked for at many depths. What follows from the response is kept on disk under the fields
+    of the medium, the source of its module and its answer to some waves; for a medium whose fields are not text,
+    numbers and dataclasses of these it is computed each time.
     """
 
     kind: ClassVar[str] = "layered-medium"
