@@ -22,7 +22,8 @@ from eigencontact.execution.sampling import sampling_seconds, spectra_cost
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model
-from eigencontact.plugin import VariesInSpace
+from eigencontact.model.sources import Inhomogeneity
+from eigencontact.plugin import LinearLaw, VariesInSpace
 
 __all__ = ["Cells"]
 
@@ -34,6 +35,8 @@ _BURIED = 0.5
 _ITERATIONS, _ROUNDS = 15, 8
 #: Applications of the operator that a step takes, alone and under a contact.
 _ALONE, _TOGETHER = _ITERATIONS, (_ITERATIONS + 4) * (1.0 + 0.3 * (_ROUNDS - 1))
+#: Times as many where some cells are empty: a void near the surface takes 340 under its contact.
+_EMPTY = 5.0
 
 
 class Cells(Responding):
@@ -74,7 +77,8 @@ class Cells(Responding):
     @property
     def _applications(self) -> float:
         """Of the operator, in one step, typically."""
-        return _TOGETHER if self._kernels else _ALONE
+        usual = _TOGETHER if self._kernels else _ALONE
+        return usual * (_EMPTY if any(map(_is_empty, self.sources)) else 1.0)
 
     def _declare(self, model: Model) -> None:
         """Price and kernels."""
@@ -208,3 +212,9 @@ class _OfCells:
 def _of_box(law: Any, places: tuple[FloatArray, FloatArray, FloatArray]) -> Any:
     """Elastic constants of a law in a box, by the centres of its cells."""
     return _OfCells(law, places) if isinstance(law, VariesInSpace) else law
+
+
+def _is_empty(source: Inhomogeneity) -> bool:
+    """Whether a region carries no stress at all."""
+    law = source.law
+    return isinstance(law, LinearLaw) and not isinstance(law, VariesInSpace) and not np.any(law.stiffness_matrix())
