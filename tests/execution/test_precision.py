@@ -106,9 +106,7 @@ def test_round_off_that_is_measured_is_that_of_the_operator(first, layers):
     options, grid = half_space.options("stress"), half_space.grid
     lattice = Lattice(first=(first, 3, 4), shape=(layers, 20, 24), edges=(grid.dx, grid.dy, grid.dx))
     measured = volume_round_off(half_space, "stress", (grid.dx, grid.dy), lattice)
-    cells = Cells(
-        first=(0.0, 0.0, (first + 0.5) * grid.dx), pitch=(grid.dx, grid.dy, grid.dx), shape=(layers, 20, 24)
-    )
+    cells = Cells(first=(0.0, 0.0, (first + 0.5) * grid.dx), pitch=(grid.dx, grid.dy, grid.dx), shape=(layers, 20, 24))
     strain = np.random.default_rng(7).standard_normal((6, *cells.shape))
     double, single = (
         VolumeField(half_space.cell, cells, cells, precision=word, **options).apply(strain)

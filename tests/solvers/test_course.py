@@ -41,6 +41,10 @@ def spoiled(value):
             lambda: solve(GRID, BALL, normal_load=1.0, moment_x=1.4),
             r"step\.moment_x must be smaller than the load times half the window, 1\.312 N m \(got 1\.4\)",
         ),
+        (
+            lambda: solve(GRID, BALL, normal_load=1.0, moment_x=1.3),
+            r"step\.moment_x must be smaller than the load times the distance .* cells, 1\.281 N m \(got 1\.3\)",
+        ),
         (lambda: solve(GRID, BALL, normal_load=1.0, moment_y=-1.4), r"step\.moment_y must be smaller than the load"),
         (lambda: solve(GRID, BALL, normal_load=0.0, moment_x=0.1), r"step\.moment must be zero where the normal load"),
         (lambda: solve(GRID, BALL, approach=-0.1, moment_x=0.1), r"a moment must be carried by contact"),
@@ -49,6 +53,19 @@ def spoiled(value):
 def test_refusals_say_what_is_wrong(call, message):
     with pytest.raises(SceneError, match=message):
         call()
+
+
+@pytest.mark.parametrize("share", [0.9, 1.0 - 1e-9])
+def test_the_largest_moment_that_cells_bear_is_carried(share):
+    """In the end all but by the outermost column alone, which leaves the tilt open."""
+    far = float(GRID.x.max())
+    found = solve(GRID, BALL, normal_load=1.0, moment_y=-share * far, options={"allow_contact_at_edge": True})
+    assert found.report.certificate is not None
+    assert found.report.certificate.holds
+    loads = GRID.cell_area * found.pressure.sum(axis=0)
+    assert float(loads.sum()) == close(1.0, rel=1e-9)
+    assert float(loads @ GRID.x) == close(share * far, rel=1e-9)
+    assert (loads[-1] > 0.99) == (share > 0.99)
 
 
 @pytest.mark.parametrize("control", [{"normal_load": 1.0}, {"approach": 0.8}], ids=str)

@@ -196,9 +196,7 @@ FIDELITIES: tuple[Fidelity, ...] = (
         others=_but("coupling", _COUPLINGS),
         finest=lambda _: "full",
     ),
-    Fidelity(
-        key="half-space", has=_treated, others=_but("half_space", _SPACES), finest=lambda _: "exact"
-    ),
+    Fidelity(key="half-space", has=_treated, others=_but("half_space", _SPACES), finest=lambda _: "exact"),
     Fidelity(
         key="layers",
         has=lambda plan: bool(_uniform_layers(plan)) and not plan.periodic,

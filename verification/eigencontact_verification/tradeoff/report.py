@@ -121,11 +121,15 @@ def plan_data(predictions: Sequence[Prediction]) -> list[dict[str, Any]]:
 def remarks(study: Study) -> list[str]:
     """Where the scene stands, what was not solved and why, and whether the reference is another."""
     lines = [study.note] if study.note else []
-    return lines + standing(study) + [
-        f"{k} ({row.variant.words}) {row.status}: {row.reason}"
-        for k, row in enumerate(study.rows)
-        if row.status != "ok"
-    ]
+    return (
+        lines
+        + standing(study)
+        + [
+            f"{k} ({row.variant.words}) {row.status}: {row.reason}"
+            for k, row in enumerate(study.rows)
+            if row.status != "ok"
+        ]
+    )
 
 
 def _lines(study: Study, *, brief: bool = False) -> tuple[list[str], list[list[str]]]:

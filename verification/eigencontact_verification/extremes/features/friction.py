@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.extremes.common import NU, apart, ball, hertz_load, off, run, steel
+from eigencontact_verification.extremes.common import NU, RADIUS, apart, ball, hertz_load, off, run, steel
 from eigencontact_verification.extremes.feature import Corner, Feature, refusal
 from eigencontact_verification.oracles import cattaneo
+from eigencontact_verification.oracles.coated_contact import contact_of_radius
 
 __all__ = ["FEATURE"]
 
@@ -54,6 +55,21 @@ def limits(friction: float, ratio: float) -> float:
     return max(float((shear - friction * pressure).max() / (friction * pressure.max())), off(force, wanted))
 
 
+def plate(contrast: float, coupling: str) -> float:
+    """Coulomb's bound and the force on a layer of a tenth of the contact radius, so many times as stiff."""
+    young = steel()["young-modulus"]
+    load = contact_of_radius(CONTACT, RADIUS, [(CONTACT / 10, contrast * young, NU)], (young, NU)).load
+    layers = [{"thickness": CONTACT / 10, "young-modulus": contrast * young, "poisson-ratio": NU}]
+    body = {"medium": {"type": "bonded-layers", "layers": layers, "substrate": steel()}}
+    steps = [{"normal-load": load}, {"normal-load": load, "tangential-load-x": 0.1 * load}]
+    friction = {"type": "coulomb", "coefficient": 0.2}
+    scene = ball(cells=31, size=2.7, body=body, friction=friction, steps=steps, numerics={"coupling": coupling})
+    data = run(scene).dataset
+    shear, pressure = data["shear_x"].values[-1], data["pressure"].values[-1]
+    excess = float((np.hypot(shear, data["shear_y"].values[-1]) - 0.2 * pressure).max() / pressure.max())
+    return max(excess, off(float(shear.sum()) * (2.7 * CONTACT / 31) ** 2, 0.1 * load))
+
+
 CELLS = "second order in cells of a/9, and the edge of stick within a cell: (1/9)²/2"
 
 FEATURE = Feature(
@@ -90,6 +106,16 @@ FEATURE = Feature(
                 reason="certified to the tolerance of 1e-8, tenfold",
             )
             for mu, ratio in ((1e-6, 0.5), (1e-6, 0.999), (1e-2, 0.999), (10.0, 0.02))
+        ),
+        *(
+            Corner(
+                name=f"thin layer, contrast {contrast:g}, coupling {coupling}",
+                error=partial(plate, contrast, coupling),
+                bound=1e-6,
+                reason="certified to the tolerance",
+            )
+            for contrast in (1e3, 1e5)
+            for coupling in ("partial", "full")
         ),
         refusal("force beyond friction", lambda: sheared(0.5, 1.001), "friction", quick=True),
     ),

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from eigencontact_verification.extremes.common import MODULUS, RADIUS, apart, ball, dense_error, off, run
+from eigencontact_verification.extremes.common import MODULUS, RADIUS, apart, ball, dense_error, hertz_load, off, run
 from eigencontact_verification.extremes.feature import Corner, Feature, refusal
 from eigencontact_verification.oracles.hertz import hertz_sphere
 
@@ -57,6 +57,18 @@ def balance(load: float) -> float:
     return max(off(float(pressure.sum()) * (2.6e-5 / 16) ** 2, load), turned)
 
 
+def tilted(share: float) -> float:
+    """Load and moment of the pressure beside those prescribed; the outermost column of cells bears a share of 1."""
+    load, side, cells = hertz_load(1e-5), 2.6e-5, 16
+    moment = share * load * 0.5 * side * (1.0 - 1.0 / cells)
+    scene = ball(
+        steps={"normal-load": load, "moment-y": moment}, numerics={"allow-contact-at-edge": True, "allow-coarse": True}
+    )
+    columns = run(scene).dataset["pressure"].values[-1].sum(axis=0) * (side / cells) ** 2
+    x = (np.arange(cells) - 0.5 * (cells - 1)) * side / cells
+    return max(off(columns.sum(), load), off(abs(float(columns @ x)), moment))
+
+
 FULL = ball(steps={"normal-load": 1e3})
 
 FEATURE = Feature(
@@ -101,6 +113,17 @@ FEATURE = Feature(
             reason="the same cells by dense linear algebra: the tolerance 1e-9, times their condition",
             quick=True,
         ),
+        *(
+            Corner(
+                name=f"moment, {share:.9g} of what the cells bear",
+                error=partial(tilted, share),
+                bound=1e-6,
+                reason="certified to the tolerance",
+                quick=share > 0.5,
+            )
+            for share in (1e-9, 0.5, 1 - 1e-9)
+        ),
+        refusal("moment of what the cells bear", partial(tilted, 1.0), "must be smaller than", quick=True),
         refusal(
             "full window, bodies go on",
             lambda: run({**FULL, "numerics": COARSE}),
