@@ -64,8 +64,8 @@ def test_the_judge_accepts_an_answer_and_no_other(case):
 
 def test_the_best_peer_is_named():
     rows = [
-        {"case": "open 1 %", "n": 8, "code": code, "first_s": seconds}
+        {"case": "open 1 %", "n": 8, "code": code, "first_cpu_s": seconds}
         for code, seconds in (("eigencontact", 2.0), ("tamaas", 12.0), ("contactmechanics", 11.0))
     ]
-    assert ratios(rows) == ["open 1 %, N = 8: contactmechanics, the best peer, takes 5.5 times as long"]
+    assert ratios(rows) == ["open 1 %, N = 8: contactmechanics, the best peer, takes 5.5 times the processor time"]
     assert ratios(rows[:1]) == []
