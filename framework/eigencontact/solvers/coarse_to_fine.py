@@ -29,8 +29,9 @@ __all__ = ["CoarseToFine", "margin", "refuse_edge"]
 
 FloatArray = NDArray[np.float64]
 
-# On coarser grids the start need not be better than the error of those grids.
-_COARSE_TOLERANCE = 1e-3
+# On coarser grids the start need not be better than the error of those grids. What is asked of the last before the
+# finest saves iterations there; what is asked of the others does not.
+_COARSE_TOLERANCE, _COARSER_TOLERANCE = 1e-3, 1e-2
 
 
 class CoarseToFine:
@@ -74,7 +75,8 @@ class CoarseToFine:
         pressure: FloatArray | None = None
         while len(ladder) > 1:
             grid, field_, factors = ladder.pop()
-            pressure = self._prolonged(self._coarse(grid, field_, pressure), grid, ladder[-1][0], factors)
+            tolerance = _COARSE_TOLERANCE if len(ladder) == 1 else _COARSER_TOLERANCE
+            pressure = self._prolonged(self._coarse(grid, field_, pressure, tolerance), grid, ladder[-1][0], factors)
         return pressure
 
     def _cell_compliance(self, grid: Grid) -> float:
@@ -90,13 +92,13 @@ class CoarseToFine:
         coarse, fine = (self._springs[one] / self._cell_compliance(one) for one in (grid, finer))
         return prolong(pressure * (1.0 + coarse), factors, finer.shape) / (1.0 + fine)
 
-    def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None) -> FloatArray:
+    def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None, tolerance: float) -> FloatArray:
         """Loose solution on a coarser grid, for a start only."""
         if 0 not in self.free and fixed.min() >= 0:  # the merged cells do not touch yet
             return np.zeros(grid.shape)
         compliance = self.solver.compliance(grid)
         box = self.solver.box(compliance, pressure)
-        p, _ = self._on_box(compliance, fixed, pressure, box, max(_COARSE_TOLERANCE, self.options.tolerance), 60)
+        p, _ = self._on_box(compliance, fixed, pressure, box, max(tolerance, self.options.tolerance), 60)
         return p
 
     def _finest(self, fixed: FloatArray, pressure: FloatArray | None) -> NormalSolution:
