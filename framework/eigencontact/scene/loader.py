@@ -14,7 +14,7 @@ from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.scene.checks import refuse_deep
 from eigencontact.scene.schema import Scene
 
-__all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file"]
+__all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file", "put_values", "value_of_text"]
 
 
 def bundled_names() -> list[str]:
@@ -101,11 +101,32 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
             raise SceneError(
                 f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
             )
-        _put(out, [part.strip() for part in key.strip().split(".")], _value(text.strip()), change)
+        _put(out, key, value_of_text(text.strip()), f"--set {change!r}")
     return out
 
 
-def _value(text: str) -> Any:
+def put_values(data: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables with other values at dotted keys.
+
+    Raises
+    ------
+    SceneError
+        A key leads nowhere.
+
+    Examples
+    --------
+    >>> put_values({"steps": [{"normal-load": 1.0}]}, {"steps.normal-load": "2 N"})
+    {'steps': [{'normal-load': '2 N'}]}
+    """
+    from copy import deepcopy
+
+    out = deepcopy(dict(data))
+    for key, value in values.items():
+        _put(out, key, value, f"vary.{key}")
+    return out
+
+
+def value_of_text(text: str) -> Any:
     """Value of a change: TOML where it parses, plain text otherwise."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
@@ -113,7 +134,8 @@ def _value(text: str) -> Any:
         return text
 
 
-def _put(table: Any, path: list[str], value: Any, change: str) -> None:
+def _put(table: Any, key: str, value: Any, told: str) -> None:
+    path = [part.strip() for part in key.strip().split(".")]
     for position, part in enumerate(path):
         last = position == len(path) - 1
         if isinstance(table, list):
@@ -129,9 +151,9 @@ def _put(table: Any, path: list[str], value: Any, change: str) -> None:
             else:
                 choice = f"give a number from 0 to {len(table) - 1}" if table else "give all of it"
                 place = ".".join(path[:position])
-                raise SceneError(f"--set {change!r}: {place} is an array of {len(table)}; {choice} (got {part!r})")
+                raise SceneError(f"{told}: {place} is an array of {len(table)}; {choice} (got {part!r})")
         if not isinstance(table, dict):
-            raise SceneError(f"--set {change!r}: {'.'.join(path[:position])} is no table (got {table!r})")
+            raise SceneError(f"{told}: {'.'.join(path[:position])} is no table (got {table!r})")
         name = next((known for known in table if known.replace("_", "-") == part.replace("_", "-")), part)
         if last:
             table[name] = value

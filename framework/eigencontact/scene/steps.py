@@ -104,11 +104,11 @@ class Step(Table):
     tilt_x, tilt_y : float, optional
         Rotation about the x or y axis [rad].
     tangential_load_x, tangential_load_y : float, optional
-        Tangential force on body 2 along x or y [N].
+        Tangential force of body 2 on body 1 along x or y [N].
     shift_x, shift_y : float, optional
         Motion of body 2 against body 1 along x or y [m].
     torsion_moment : float, optional
-        Moment about the z axis [N m].
+        Moment of body 2 on body 1 about the z axis [N m].
     twist : float, optional
         Rotation about the z axis [rad].
     travel_x, travel_y : float, optional

@@ -1,0 +1,61 @@
+"""The key that a dotted place in a scene's tables means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from eigencontact.errors import EigencontactError
+from eigencontact.hooks.registry import Registry
+from eigencontact.reference.keys import Key, keys_of
+from eigencontact.scene.schema import Scene
+from eigencontact.scene.table import ComponentTable
+
+__all__ = ["key_at"]
+
+
+def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | None:
+    """Key at a place such as ``"geometry.0.radius"``; None where the place leads into an array or nowhere.
+
+    Parameters
+    ----------
+    registry : Registry
+        Plugins whose parameters count.
+    tables : mapping
+        Tables of the scene, which name their plugins.
+    place : str
+        Dotted; the number of an array's only entry may be left out.
+    """
+    classes: list[type] = [Scene]
+    held: Any = tables
+    key: Key | None = None
+    for part in place.split("."):
+        if isinstance(held, list):
+            number = int(part) if part.isdigit() else 0
+            held = held[number] if number < len(held) else None
+            if part.isdigit():
+                continue
+        if not isinstance(held, Mapping):
+            return None
+        name = part.replace("_", "-")
+        key = next((one for cls in classes for one in keys_of(cls) if one.name == name), None)
+        if key is None:
+            return None
+        held = held.get(name, held.get(part))
+        classes = _classes(registry, key, held)
+    return key
+
+
+def _classes(registry: Registry, key: Key, held: Any) -> list[type]:
+    """Classes whose fields are the keys of what a key holds."""
+    kind = next((form["x-kind"] for form in (key.form, *key.form.get("anyOf", ())) if "x-kind" in form), None)
+    classes = [] if key.table is None else [key.table]
+    if key.table is not None and issubclass(key.table, ComponentTable):
+        kind = key.table.kind
+    first = held[0] if isinstance(held, list) and held else held
+    if kind is not None and isinstance(first, Mapping) and isinstance(first.get("type"), str):
+        try:
+            classes.append(registry.get(kind, first["type"]).component)
+        except EigencontactError:
+            return classes
+    return classes

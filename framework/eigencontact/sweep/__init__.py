@@ -1,0 +1,1 @@
+"""Sweeps: one scene, many variants, each a run; all numbers in one dataset."""

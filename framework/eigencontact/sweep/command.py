@@ -1,0 +1,120 @@
+"""The command `eigencontact sweep`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+__all__ = ["sweep"]
+
+
+def sweep(
+    scene: Annotated[
+        str, typer.Argument(help="A scene, or a TOML file with `scene` and a table `vary`.", metavar="SCENE")
+    ],
+    *,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=VALUES", help="`key=a,b,c` or `key=from:to:n` or `key=from:to:n:log`."),
+    ] = None,
+    pairs: Annotated[bool, typer.Option("--pairs", help="Values in step with each other, not each with each.")] = False,
+    changes: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a value.")] = None,
+    field: Annotated[
+        list[str] | None, typer.Option("--field", metavar="NAME", help="Surface field to bring together: `pressure`.")
+    ] = None,
+    scalar: Annotated[
+        list[str] | None, typer.Option("--scalar", metavar="NAME", help="Number to draw: `max_pressure`.")
+    ] = None,
+    shared_grid: Annotated[bool, typer.Option("--shared-grid", help="One window for all variants.")] = False,
+    workers: Annotated[int, typer.Option("--workers", help="Processes that share the variants.")] = 1,
+    pictures: Annotated[bool, typer.Option("--pictures", help="Also draw the pictures of each variant.")] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default ./SCENE-sweep.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print files and failures as JSON.")] = False,
+) -> None:
+    """Run every variant of a scene: one dataset, one table and a figure for each number. Finished ones are kept.
+
+    Example: `eigencontact sweep hertz --vary steps.normal-load="0.1 N:10 N:7:log" --vary geometry.radius="1 mm,2 mm"`
+    """
+    from eigencontact.errors import EigencontactError
+
+    try:
+        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, told={
+            "pairs": pairs, "fields": field or [], "scalars": scalar or [], "pictures": pictures,
+            "grid": "shared" if shared_grid else "own",
+        })  # fmt: skip
+    except EigencontactError as problem:
+        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
+        raise typer.Exit(problem.exit_code) from None
+    except KeyboardInterrupt:
+        typer.echo("eigencontact: interrupted; finished variants are kept, the same command continues", err=True)
+        raise typer.Exit(130) from None
+
+
+def _run(
+    scene: str, vary: list[str], changes: list[str], output: Path | None, *, as_json: bool, workers: int,
+    told: dict[str, Any],
+) -> None:  # fmt: skip
+    import json
+
+    from eigencontact.app import load_scene
+    from eigencontact.sweep.sweep import read_sweep_file
+    from eigencontact.sweep.sweep import sweep as run_sweep
+
+    given: dict[str, Any] = {"scene": scene, "vary": vary}
+    if not vary and Path(scene).is_file():
+        given = read_sweep_file(Path(scene))
+    loaded = load_scene(given.pop("scene"), changes)
+    folder = output or Path(f"{Path(scene).stem if Path(scene).is_file() else loaded.label}-sweep")
+    options = {**given, **{name: value for name, value in told.items() if value not in (False, [], "own")}}
+    with _progress(enabled=not as_json) as tell:
+        found = run_sweep(loaded, options.pop("vary"), folder, workers=workers, told=tell, **options)
+    if as_json:
+        typer.echo(json.dumps({"folder": str(folder), "files": found.files, "failed": found.failed}, indent=2))
+    else:
+        _report(found)
+    if found.failed:
+        raise typer.Exit(1)
+
+
+def _progress(*, enabled: bool) -> Any:
+    """Bar on a terminal, else a line for each variant."""
+    from contextlib import contextmanager
+
+    @contextmanager
+    def bar() -> Any:
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        console = Console(stderr=True)
+        if not enabled:
+            yield None
+            return
+        if not console.is_terminal:
+            yield lambda outcome, done, total: typer.echo(
+                f"variant {done} of {total}: {outcome.failed or f'{outcome.seconds:.2g} s'}", err=True
+            )
+            return
+        columns = (TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        with Progress(*columns, console=console, transient=True) as shown:
+            task = shown.add_task("variants", total=None)
+            yield lambda outcome, done, total: shown.update(task, completed=done, total=total)  # noqa: ARG005
+
+    return bar()
+
+
+def _report(found: Any) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    files = Table.grid(padding=(0, 2))
+    for name, text in found.files.items():
+        files.add_row(f"  {name}", text)
+    console.print(f"in {found.folder.resolve()}:", soft_wrap=True)
+    console.print(files)
+    for label, reason in found.failed.items():
+        typer.echo(f"eigencontact: variant {label} failed: {reason}", err=True)

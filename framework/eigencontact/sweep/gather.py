@@ -1,0 +1,154 @@
+"""All numbers of a sweep in one dataset, with what was varied as coordinates; and as a table of text."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.quantities import QUANTITIES, unit_of
+from eigencontact.core.units import parse_quantity
+from eigencontact.errors import ResultsError
+from eigencontact.reference.places import key_at
+from eigencontact.results.layout import SCALARS
+from eigencontact.scene.installed import installed_plugins
+
+if TYPE_CHECKING:
+    import xarray
+
+    from eigencontact.sweep.axes import Axis
+    from eigencontact.sweep.runner import Outcome
+    from eigencontact.sweep.variants import Variant
+
+__all__ = ["as_csv", "gathered"]
+
+def gathered(
+    axes: Sequence[Axis], variants: Sequence[Variant], found: Sequence[Outcome], title: str, *, pairs: bool
+) -> xarray.Dataset:
+    """Dataset of all numbers at the last load step.
+
+    Parameters
+    ----------
+    axes, variants : sequence
+        What was varied.
+    found : sequence of Outcome
+        What came of the variants, in any order.
+    title : str
+        Of the scene.
+    pairs : bool
+        Whether the axes go in step; the dimension is then ``variant``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Numbers by the dimensions of the axes; NaN where a variant failed or has none, and ``failed`` says why.
+        Chosen fields have ``y`` and ``x`` as well.
+    """
+    import xarray as xr
+
+    shape = (len(axes[0].values),) if pairs else tuple(len(axis.values) for axis in axes)
+    dims = ("variant",) if pairs else tuple(axis.name for axis in axes)
+    data: dict[str, Any] = {}
+    numbers = {outcome.place: _numbers(outcome.summary) for outcome in found}
+    units: dict[str, str] = next((outcome.summary["units"] for outcome in found if outcome.summary), {})
+    for name in dict.fromkeys(name for row in numbers.values() for name in row):
+        values = np.full(shape, np.nan)
+        for place, row in numbers.items():
+            values[place] = row.get(name, np.nan)
+        known = SCALARS.get(name)
+        attrs = {"long_name": known.long_name} if known else {}
+        data[name] = (dims, values, attrs | {"units": units.get(name, known.unit if known else "1")})
+    failed, seconds = np.full(shape, "", dtype=object), np.zeros(shape)
+    for outcome in found:
+        failed[outcome.place], seconds[outcome.place] = outcome.failed, outcome.seconds
+    data["failed"] = (dims, failed.astype(str), {"long_name": "why a variant failed"})
+    data["variant_seconds"] = (dims, seconds, {"units": "s", "long_name": "wall time of a variant"})
+    coordinates = {axis.name: (dims if pairs else (axis.name,), *_coordinate(axis, variants, k))
+                   for k, axis in enumerate(axes)}  # fmt: skip
+    dataset = xr.Dataset(data, coordinates, {"title": title, "source": "eigencontact sweep"})
+    return _with_fields(dataset, dims, shape, found)
+
+
+def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Numbers of a summary: those of the last step, sums, and what observers say."""
+    plain = {**summary, **summary.get("observed", {})}
+    return {name: float(value) for name, value in plain.items()
+            if isinstance(value, int | float) and not isinstance(value, bool)}  # fmt: skip
+
+
+def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, dict[str, str]]:
+    """Values of an axis in SI units, as the scenes hold them; texts where they are no numbers."""
+    held: dict[int, Any] = {}
+    key = None
+    for variant in variants:
+        at = variant.place[min(k, len(variant.place) - 1)]
+        if at not in held and variant.scene is not None:
+            tables = variant.scene.resolved()
+            held[at] = _at(tables, axis.key)
+            key = key or key_at(installed_plugins(), tables, axis.key)
+    written = [held.get(at, value) for at, value in enumerate(axis.values)]
+    if key is not None and key.unit:  # tables of plugins keep texts with units
+        written = [parse_quantity(value, key.unit, key.name) for value in written]
+    plain = all(isinstance(value, int | float) and not isinstance(value, bool) for value in written)
+    attrs = {"long_name": axis.key, **({"units": key.unit} if key is not None and key.unit else {})}
+    return (np.array(written, dtype=float), attrs) if plain else (np.array([str(v) for v in axis.values]), attrs)
+
+
+def _at(table: Any, key: str) -> Any:
+    for part in key.split("."):
+        if isinstance(table, list):
+            number = part.isdigit()
+            table = table[int(part)] if number else table[0]
+            if number:
+                continue
+        table = next((value for name, value in table.items() if name.replace("_", "-") == part.replace("_", "-")), None)
+        if table is None:
+            return None
+    return table
+
+
+def _with_fields(
+    dataset: xarray.Dataset, dims: tuple[str, ...], shape: tuple[int, ...], found: Sequence[Outcome]
+) -> xarray.Dataset:
+    """Dataset with the chosen fields; their cells must be the same in all variants."""
+    holding = [outcome for outcome in found if outcome.fields]
+    if not holding:
+        return dataset
+    first = holding[0].fields
+    for outcome in holding:
+        for name in ("x", "y"):
+            mine, other = first[name], outcome.fields[name]
+            if mine.shape != other.shape or not np.allclose(mine, other, rtol=1e-9, atol=1e-12 * np.abs(mine).max()):
+                raise ResultsError(
+                    f"fields must lie on the same cells in all variants (got {mine.size} and {other.size} along {name} "
+                    'or others); give grid = "shared" (--shared-grid), or grid.cells and grid.size'
+                )
+    dataset = dataset.assign_coords({name: ((name,), first[name], {"units": "m"}) for name in ("x", "y")})
+    for name in first:
+        if name in ("x", "y"):
+            continue
+        values = np.full((*shape, *first[name].shape), np.nan)
+        for outcome in holding:
+            values[outcome.place] = outcome.fields[name]
+        attrs = {"units": unit_of(name), "long_name": QUANTITIES[name].long_name} if name in QUANTITIES else {}
+        dataset[f"field_{name}" if name in dataset else name] = ((*dims, "y", "x"), values, attrs)
+    return dataset
+
+
+def as_csv(axes: Sequence[Axis], variants: Sequence[Variant], found: Sequence[Outcome]) -> str:
+    """One line for each variant: its values as they were given, its numbers in SI units, why it failed."""
+    rows = {outcome.place: _numbers(outcome.summary) for outcome in found}
+    names = list(dict.fromkeys(name for row in rows.values() for name in row))
+    text = io.StringIO()
+    sheet = csv.writer(text, lineterminator="\n")
+    sheet.writerow([*(axis.key for axis in axes), *names, "failed"])
+    failed = {outcome.place: outcome.failed for outcome in found}
+    for variant in variants:
+        row = rows.get(variant.place, {})
+        numbers = [repr(row[name]) if name in row and math.isfinite(row[name]) else "" for name in names]
+        sheet.writerow([*variant.values.values(), *numbers, failed.get(variant.place, "")])
+    return text.getvalue()

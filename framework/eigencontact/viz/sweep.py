@@ -1,0 +1,131 @@
+"""Figures of a sweep: a number against what was varied, as curves or as a map."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_sweep"]
+
+#: Values of each of two numbers from which on a map shows more than curves; curves that a legend can hold.
+_MAP, _CURVES = 5, len(COLOURS)
+#: Marks that tell curves apart in print.
+_MARKS = "os^Dv<"
+
+
+def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
+    """Figure of one number.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+    name : str
+        Variable to draw: against the one parameter, as a map over two numbers of five values and more each, else in
+        curves against the first parameter.
+
+    Returns
+    -------
+    Figure
+    """
+    values = dataset[name]
+    with paper_style():
+        figure = new_figure(4.6, 3.2)
+        axes = figure.add_subplot()
+        dims = [str(dim) for dim in values.dims]
+        numeric = [dataset[dim].dtype.kind == "f" if dim in dataset else False for dim in dims]
+        if len(dims) == 2 and all(numeric) and min(values.shape) >= _MAP:
+            _map(axes, values)
+        else:
+            _curves(axes, dataset, values)
+        title = str(values.attrs.get("long_name", name)).replace("_", " ")
+        axes.set_title(title[:1].upper() + title[1:])
+    return figure
+
+
+def _map(axes: Axes, values: xarray.DataArray) -> None:
+    across, up = (str(dim) for dim in values.dims)
+    scale = scale_for(values, str(values.attrs.get("units", "1")))
+    x, y = _edges(_axis(axes, "x", values[across])), _edges(_axis(axes, "y", values[up]))
+    mesh = axes.pcolormesh(x, y, scale(values).T, cmap="viridis", rasterized=True)
+    axes.figure.colorbar(mesh, ax=axes, label=_with_unit(str(values.name), scale.unit))
+
+
+def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray) -> None:
+    first, *others = (str(dim) for dim in values.dims)
+    scale = scale_for(values, str(values.attrs.get("units", "1")))
+    along = _along(dataset, first)
+    x = _axis(axes, "x", along)
+    places = list(product(*(range(dataset.sizes[dim]) for dim in others)))
+    for k, place in enumerate(places[:_CURVES]):
+        chosen = values.isel(dict(zip(others, place, strict=True)))
+        words = ", ".join(_value(dataset, dim, at) for dim, at in zip(others, place, strict=True))
+        axes.plot(x, scale(chosen), marker=_MARKS[k % len(_MARKS)], color=COLOURS[k], label=words or None)
+    axes.set_ylabel(_with_unit(str(values.name), scale.unit))
+    if len(places) > 1:
+        more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
+        axes.legend(title=", ".join(_long(dataset, dim) for dim in others) + more, title_fontsize=8)
+
+
+def _along(dataset: xarray.Dataset, dim: str) -> Any:
+    """What the axis shows: the parameter of its dimension, of paired ones the first that is a number."""
+    if dim in dataset.coords:
+        return dataset[dim]
+    paired = [field for field in dataset.coords.values() if field.dims == (dim,)]
+    return next((field for field in paired if field.dtype.kind == "f"), paired[0])
+
+
+def _axis(axes: Axes, which: str, along: Any) -> Any:
+    """Label and scale of an axis; returns its positions. Texts stand side by side."""
+    label = str(along.attrs.get("long_name", along.name))
+    if along.dtype.kind != "f":
+        getattr(axes, f"set_{which}label")(label)
+        getattr(axes, f"set_{which}ticks")(range(along.size), [str(value) for value in along.values])
+        return np.arange(along.size)
+    scale = scale_for(along, str(along.attrs.get("units", "1")))
+    getattr(axes, f"set_{which}label")(_with_unit(label, scale.unit))
+    if _by_ratio(along.values):
+        getattr(axes, f"set_{which}scale")("log")
+    return scale(along.values)
+
+
+def _by_ratio(values: Any) -> bool:
+    """Whether values are spaced by ratios rather than by differences."""
+    if values.size < 3 or values.min() <= 0 or values.max() < 8 * values.min():
+        return False
+    ratios, steps = np.diff(np.log(np.sort(values))), np.diff(np.sort(values))
+    return bool(np.ptp(ratios) / ratios.mean() < np.ptp(steps) / steps.mean())
+
+
+def _edges(order: Any) -> Any:
+    """Borders of the cells of a map, half way between the values, by ratio on a logarithmic axis."""
+    ratio = _by_ratio(order)
+    at = np.log(order) if ratio else order
+    middle = 0.5 * (at[1:] + at[:-1])
+    edges = np.concatenate(([at[0] - (middle[0] - at[0])], middle, [at[-1] + (at[-1] - middle[-1])]))
+    return np.exp(edges) if ratio else edges
+
+
+def _value(dataset: xarray.Dataset, dim: str, at: int) -> str:
+    along = dataset[dim]
+    if along.dtype.kind != "f":
+        return str(along.values[at])
+    return scale_for(along.values[at], str(along.attrs.get("units", "1"))).text(along.values[at])
+
+
+def _long(dataset: xarray.Dataset, dim: str) -> str:
+    return str(dataset[dim].attrs.get("long_name", dim))
+
+
+def _with_unit(name: str, unit: str) -> str:
+    words = name.replace("_", " ")
+    return f"{words} [{unit}]" if unit else words

@@ -1,0 +1,246 @@
+"""Sweeps: what is varied, which variants run again, what fails without taking others along, one dataset of all."""
+
+import csv
+import json
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import eigencontact as ec
+from close import close
+from eigencontact.errors import EigencontactError, SceneError
+from eigencontact.sweep.axes import axes_of, axis_of_text
+from eigencontact.sweep.runner import outcomes
+from eigencontact.sweep.sweep import read_sweep_file, sweep
+from eigencontact.sweep.variants import variants_of
+from eigencontact.viz.sweep import draw_sweep
+
+#: Cells few enough for tests, in a window that holds the contacts of all variants.
+SCENE = {
+    "name": "ball",
+    "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
+    "geometry": {"type": "sphere", "radius": "100 um"},
+    "grid": {"cells": 32, "size": "30 um"},
+    "steps": {"normal-load": "0.5 N"},
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("a=1,2,3", (1, 2, 3)),
+        ("a=1 um, 2 um", ("1 um", "2 um")),
+        ("a=[1, 2],[3, 4]", ([1, 2], [3, 4])),
+        ("a='x,y',z", ("x,y", "z")),
+        ("a=0:1:3", (0, 0.5, 1)),
+        ("a=1:5:3", (1, 3, 5)),
+        ("a=1 mm:3 mm:3", ("1 mm", "2 mm", "3 mm")),
+        ("a=1e-3:10:5:log", (1e-3, 1e-2, 0.1, 1.0, 10.0)),
+        ("a=true,false", (True, False)),
+    ],
+)
+def test_values_of_a_text(text, values):
+    assert axis_of_text(text).values == values
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a", "--vary must be key=a,b,c or key=from:to:n"),
+        ("a=", "--vary must be"),
+        ("a=1 um:2 nm:3", "one unit at both ends"),
+        ("a=1:2:0", "2 to 100000 values (got 0)"),
+        ("a=1:2:x", "2 to 100000 values (got 'x')"),
+        ("a=0:2:3:log", "above 0 to be spaced by logarithms"),
+        ("a=1:2:3:lin", "from:to:n or from:to:n:log"),
+        ("a=1,1", "each value once"),
+    ],
+)
+def test_texts_that_are_refused(text, words):
+    with pytest.raises(SceneError) as refused:
+        axis_of_text(text)
+    assert words in str(refused.value)
+
+
+def test_a_key_is_varied_once_and_something_is():
+    with pytest.raises(SceneError, match="each key once"):
+        axes_of(["body1.poisson-ratio=0,0.1", "body1.poisson_ratio=0.2,0.3"])
+    with pytest.raises(SceneError, match="must vary something"):
+        axes_of({})
+
+
+@pytest.fixture(scope="module")
+def loads_and_radii(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sweep")
+    vary = {"steps.normal-load": ["0.125 N", "1 N"], "geometry.radius": {"from": "50 um", "to": "150 um", "count": 3}}
+    return sweep(SCENE, vary, folder, fields=["pressure"])
+
+
+def test_numbers_are_those_of_single_runs(loads_and_radii):
+    data = loads_and_radii.dataset
+    assert data.max_pressure.dims == ("steps_normal_load", "geometry_radius")
+    assert data.geometry_radius.values == close([50e-6, 100e-6, 150e-6], rel=1e-12)
+    assert data.geometry_radius.attrs["units"] == "m"
+    for load in (0.125, 1.0):
+        for radius in (50e-6, 150e-6):
+            tables = {"steps": {"normal-load": load}, "geometry": {"type": "sphere", "radius": radius}}
+            alone = ec.run(SCENE | tables)
+            here = data.sel(steps_normal_load=load, geometry_radius=radius, method="nearest")
+            assert float(here.max_pressure) == close(alone.summary["max_pressure"], rel=1e-9)
+            assert here.pressure.values == close(alone.dataset.pressure.values[-1], abs=1e3)
+
+
+def test_loads_follow_hertz(loads_and_radii):
+    """p0 ~ P^(1/3), so eight times the load is twice the pressure; 32 cells show it to some percent."""
+    ratio = loads_and_radii.dataset.max_pressure.isel(steps_normal_load=1) / loads_and_radii.dataset.max_pressure[0]
+    assert np.all(np.abs(ratio.values - 2.0) < 0.05)
+
+
+def test_files_open(loads_and_radii):
+    folder, files = loads_and_radii.folder, loads_and_radii.files
+    assert set(files) <= {path.name for path in folder.iterdir()}
+    with xr.open_dataset(folder / "sweep.nc", engine="h5netcdf") as stored:
+        assert stored.max_pressure.equals(loads_and_radii.dataset.max_pressure)
+        assert stored.pressure.attrs["units"] == "Pa"
+    rows = list(csv.DictReader((folder / "sweep.csv").read_text(encoding="utf-8").splitlines()))
+    assert [row["geometry.radius"] for row in rows] == ["50 um", "100 um", "150 um"] * 2
+    assert float(rows[4]["max_pressure"]) == float(loads_and_radii.dataset.max_pressure[1, 1])
+    assert len(json.loads((folder / "sweep.json").read_text(encoding="utf-8"))["variants"]) == 6
+    assert (folder / "max_pressure.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_finished_variants_are_not_run_again(loads_and_radii, monkeypatch):
+    folder = loads_and_radii.folder
+    monkeypatch.setattr("eigencontact.app.run", lambda *_, **__: pytest.fail("ran again"))
+    again = sweep(SCENE, {"steps.normal-load": ["1 N"], "geometry.radius": ["50 um", "100 um"]}, folder)
+    assert again.failed == {}
+    assert again.dataset.max_pressure.values == close(loads_and_radii.dataset.max_pressure.values[1:, :2], rel=1e-15)
+
+
+def test_another_scene_in_the_same_folder_is_run(tmp_path):
+    first = sweep(SCENE, {"steps.normal-load": ["1 N"]}, tmp_path)
+    larger = SCENE | {"geometry": {"type": "sphere", "radius": "200 um"}}
+    second = sweep(larger, {"steps.normal-load": ["1 N"]}, tmp_path)
+    assert float(second.dataset.max_pressure[0]) < 0.9 * float(first.dataset.max_pressure[0])
+
+
+def test_what_fails_is_told_and_stops_nothing(tmp_path):
+    vary = {"body1.poisson-ratio": [0.3, 0.7, 0.5], "steps.normal-load": ["0.5 N", "500 N"]}
+    found = sweep(SCENE, vary, tmp_path)
+    assert len(found.failed) == 4
+    assert "must be in (-1, 0.5]" in found.failed["poisson-ratio=0.7_normal-load=0.5N"]
+    assert np.isfinite(found.dataset.max_pressure.values[[0, 2], 0]).all()
+    assert np.isnan(found.dataset.max_pressure.values[:, 1]).all()  # more than the window can carry
+    told = json.loads((tmp_path / "poisson-ratio=0.3_normal-load=500N" / "failed.json").read_text(encoding="utf-8"))
+    assert told["failed"] == str(found.dataset.failed.values[0, 1])
+
+
+def test_a_sweep_of_nothing_but_refused_variants_is_refused(tmp_path):
+    with pytest.raises(SceneError, match=r"every variant of the sweep is refused; the first: .*did you mean 'steps'"):
+        sweep(SCENE, {"stps.normal-load": [1.0, 2.0]}, tmp_path)
+
+
+def test_pairs():
+    vary = {"steps.normal-load": [0.1, 0.8], "geometry.radius": ["50 um", "100 um"]}
+    found = sweep(SCENE, vary, pairs=True)
+    assert found.dataset.max_pressure.dims == ("variant",)
+    assert found.dataset.geometry_radius.dims == ("variant",)
+    with pytest.raises(SceneError, match="as many values of each key"):
+        sweep(SCENE, vary | {"body1.poisson-ratio": [0.3]}, pairs=True)
+
+
+def test_one_grid_for_all(tmp_path):
+    scene = {**SCENE, "grid": {"cells-per-contact-radius": 6}}
+    vary = {"steps.normal-load": ["0.1 N", "0.8 N"]}
+    with pytest.raises(EigencontactError, match=r"same cells in all variants .* grid = \"shared\""):
+        sweep(scene, vary, fields=["pressure"])
+    found = sweep(scene, vary, tmp_path, fields=["pressure"], grid="shared")
+    area = (found.dataset.x[1] - found.dataset.x[0]) * (found.dataset.y[1] - found.dataset.y[0])
+    assert (found.dataset.pressure.sum(("x", "y")) * area).values == close([0.1, 0.8], rel=1e-6)
+
+
+def test_an_unknown_field_names_the_nearest():
+    failed = sweep(SCENE, {"steps.normal-load": [0.1]}, fields=["presure"]).failed
+    assert "did you mean 'pressure'?" in failed["normal-load=0.1"]
+
+
+@pytest.mark.parametrize("name", ["max_pressure", "approach"])
+def test_figures_show_all_values(loads_and_radii, name):
+    figure = draw_sweep(loads_and_radii.dataset, name)
+    (axes,) = figure.axes
+    assert len(axes.lines) == 3
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["50 µm", "100 µm", "150 µm"]
+    assert axes.get_xlabel() == "steps.normal-load [N]"
+    drawn, found = axes.lines[2].get_ydata(), loads_and_radii.dataset[name].values[:, 2]
+    assert drawn[1] / drawn[0] == close(found[1] / found[0], rel=1e-12)
+
+
+def test_a_map_of_two_parameters():
+    values = np.outer(np.arange(1.0, 6.0), np.arange(1.0, 7.0))
+    one = xr.DataArray(values, dims=("a", "b"), name="z", attrs={"units": "Pa"})
+    data = xr.Dataset({"z": one}, {"a": np.geomspace(1.0, 1e4, 5), "b": np.linspace(0.0, 1.0, 6)})
+    axes, bar = draw_sweep(data, "z").axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
+    assert axes.collections[0].get_array().reshape(6, 5)[3, 2] == 12.0
+    assert bar.get_ylabel() == "z [Pa]"
+
+
+def test_a_file_describes_a_sweep(tmp_path):
+    path = tmp_path / "vary.toml"
+    path.write_text('scene = "hertz"\npairs = true\n[vary]\nsteps.normal-load = [1, 2]\n"geometry.radius" = '
+                    '{from = 1e-4, to = 2e-4, count = 2}\n')  # fmt: skip
+    read = read_sweep_file(path)
+    assert set(read["vary"]) == {"steps.normal-load", "geometry.radius"}
+    assert [axis.values for axis in axes_of(read["vary"])] == [(1, 2), (1e-4, 2e-4)]
+    path.write_text('scene = "hertz"\nvari = 1\n')
+    with pytest.raises(SceneError, match=r"unknown key 'vari' in the sweep; .* did you mean 'vary'\?"):
+        read_sweep_file(path)
+
+
+@pytest.mark.slow
+def test_workers_give_the_numbers_of_one_process(tmp_path):
+    vary = {"steps.normal-load": [0.1, 0.2, 0.4], "geometry.radius": ["50 um", "150 um"]}
+    alone, shared = sweep(SCENE, vary), sweep(SCENE, vary, tmp_path, workers=2)
+    assert shared.failed == {}
+    assert shared.dataset.max_pressure.values == close(alone.dataset.max_pressure.values, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_costs_its_variant_alone(tmp_path):
+    """A law that kills its process takes no other variant along: those are run again."""
+    axes = axes_of({"steps.normal-load": [0.1, 0.2, 0.4]})
+    variants = variants_of(ec.load_scene(SCENE), axes, pairs=False, pictures=False)
+    found = []
+    for outcome in outcomes(variants, tmp_path, workers=2):
+        found.append(outcome)
+        if len(found) == 1:
+            for child in _children():
+                os.kill(child, signal.SIGKILL)
+    assert sorted(outcome.place for outcome in found) == [(0,), (1,), (2,)]
+    assert all(outcome.failed == "" for outcome in found)
+
+
+def _children():
+    """Workers of this process; its tracker of resources lives on."""
+    listed = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children")
+    if not listed.exists():
+        pytest.skip("this system does not list the children of a process")
+    numbers = [int(number) for number in listed.read_text(encoding="ascii").split()]
+    return [number for number in numbers if b"spawn_main" in Path(f"/proc/{number}/cmdline").read_bytes()]
+
+
+def test_the_command_writes_and_tells(command, tmp_path):
+    changes = ["--set", "stress=[]", "--set", 'grid={cells=16, size="30 um"}']
+    vary = ["--vary", "steps.normal-load=0.1,0.4", "--vary", "geometry.radius=50 um,-1"]
+    done = command("sweep", "hertz", *changes, *vary, "-o", tmp_path, "--scalar", "approach")
+    assert done.code == 1
+    assert "variant normal-load=0.1_radius=-1 failed: " in done.err
+    assert "variant 4 of 4: " in done.err
+    assert "approach.png" in done.out
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["approach.png"]
+    refused = command("sweep", "hertz", *changes)
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
