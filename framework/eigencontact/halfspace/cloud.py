@@ -28,7 +28,7 @@ from eigencontact.halfspace.points import field_at_points, unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["cloud_sources", "field_of_cloud", "is_large", "relaxed", "uses_point_sources"]
+__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed", "uses_point_sources"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -40,8 +40,11 @@ _BLOCK = 256
 # Pairs of a region and a point that are evaluated together: their 36 fields take 12 MB.
 _PAIRS = 40_000
 # Points at which the error of a hierarchical sum is measured, and the factor for those at which it is not: in 48 sums
-# of 12 clouds the largest error of 80 000 points was 4 times that of these on average, and 14 at most.
-_CHECKED, _UNSEEN = 64, 15.0
+# the largest error of 40 000 points was 3.6 times that of these on average, and 7 times at most.
+_CHECKED, _UNSEEN = 256, 10.0
+# Point sources, the fewest of all regions together, from which on expansions are faster than sums: they cost some 200
+# sources of every point (128 x 128 x 64 points, spheres and ellipsoids).
+_WORTH = 300
 # Tolerance below which the sums without expansions differ as much.
 _LEAST = 1e-13
 # So many pairs are summed to round-off: nothing is gained by less.
@@ -67,6 +70,11 @@ def cloud_sources(shape: HasPotentials) -> PointSources | None:
 def is_large(regions: int, points: int, tolerance: float) -> bool:
     """Whether a sum to a tolerance is hierarchical."""
     return tolerance > 0 and regions * points > _SMALL
+
+
+def expansions_pay(regions: Sequence[PointSources]) -> bool:
+    """Whether regions are so many that expansions are faster than their sums."""
+    return sum(far.levels[0].volumes.size for far in regions) > _WORTH
 
 
 def relaxed(finest: PointSources, tolerance: float) -> PointSources:
@@ -120,7 +128,7 @@ def field_of_cloud(
     if distant:
         finder = _Finder(x, y, z)
         if large:
-            out += _hierarchical(shapes, distant, eigenstrains, (x, y, z), tolerance, space=space, **given)
+            out += _hierarchical(shapes, distant, eigenstrains, finder, tolerance, space=space, **given)
         else:
             sources = _Sources(list(distant.values()), list(eigenstrains[list(distant)]))
             # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
@@ -134,28 +142,31 @@ def _hierarchical(
     shapes: Sequence[HasPotentials],
     distant: Mapping[int, PointSources],
     eigenstrains: FloatArray,
-    points: tuple[FloatArray, FloatArray, FloatArray],
+    finder: _Finder,
     tolerance: float,
     *,
     space: str,
     **given: Any,
 ) -> FloatArray:
-    """Sum of the point sources by expansions, with an error below `tolerance` of its largest value.
+    """Sum of the point sources with an error below `tolerance` of its largest value, by expansions where these pay.
 
     The error is the largest difference at points drawn at random from the sum without expansions, times a factor for
     points that were not drawn. A sum that is not good enough is taken again with a tenth of the tolerance.
     """
-    chosen = np.random.default_rng(0).choice(points[0].size, min(_CHECKED, points[0].size), replace=False)
-    x, y, z = (np.ascontiguousarray(values[chosen]) for values in points)
+    points = np.ascontiguousarray(finder.points.T)
+    count = points.shape[1]
+    chosen = np.random.default_rng(0).choice(count, min(_CHECKED, count), replace=False)
+    x, y, z = np.ascontiguousarray(points[:, chosen])
     strains = list(eigenstrains[list(distant)])
     exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **given)
-    out = np.empty((len(exact), points[0].size))
+    out = np.empty((len(exact), count))
     wanted = tolerance
     while True:
-        sources = _Sources(_relaxed(shapes, distant, tolerance), strains)
-        tree = Tree.over(np.array(points), degree_for(tolerance))
-        x, y, z = (values[tree.order] for values in points)
-        out[:, tree.order] = _sum_of_sources(sources, (x, y, z), space=space, tree=tree, **given)
+        regions = _relaxed(shapes, distant, tolerance)
+        tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions) else None
+        order = finder.order if tree is None else tree.order
+        x, y, z = np.ascontiguousarray(points[:, order])
+        out[:, order] = _sum_of_sources(_Sources(regions, strains), (x, y, z), space=space, tree=tree, **given)
         error = _UNSEEN * float(np.abs(out[:, chosen] - exact).max())
         if error <= wanted * float(np.abs(out).max()) or tolerance < _LEAST:
             return out

@@ -20,7 +20,7 @@ __all__ = ["grow", "moments", "pass_down", "polynomials"]
 FloatArray = NDArray[np.float64]
 
 # Points at which polynomials are evaluated together.
-_PART = 128
+_PART = 64
 
 _inner: Any = numba.njit(fastmath=True, error_model="numpy", cache=True)
 _compiled: Any = numba.njit(parallel=True, fastmath=True, error_model="numpy", cache=True)
@@ -96,8 +96,8 @@ def _add(x: Any, y: Any, z: Any, center: Any, coefficients: Any, degree: int, ou
     """Add an expansion at some points to ``out (c, n)``."""
     radius = center[3]
     values = polynomials((x - center[0]) / radius, (y - center[1]) / radius, (z - center[2]) / radius, degree)
-    for c in range(out.shape[0]):
-        for row in range(values.shape[0]):
+    for row in range(values.shape[0]):
+        for c in range(out.shape[0]):
             factor = coefficients[c, row]
             for i in range(x.size):
                 out[c, i] += factor * values[row, i]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -62,7 +63,7 @@ class ClosedForms(Route):
         tolerance, expanded = self.half_space.numerics.cloud_tolerance, np.inf
         if is_large(len(self.sources), int(np.prod(self.lattice.shape)), tolerance):
             finest = relaxed(finest, tolerance)
-            expanded = finest.reach + self._node_radius(tolerance)
+            expanded = finest.reach + self._node_radius(tolerance) if self._expands else np.inf
         distance, above = (
             np.linalg.norm([x - c for x, c in zip(points, finest.center * (1.0, 1.0, side), strict=True)], axis=0)
             for side in (1.0, -1.0)
@@ -74,6 +75,14 @@ class ClosedForms(Route):
         images = 0.0 if self.half_space.full else 2.0 * float(np.mean(above < finest.distance))
         near = float(np.mean(distance < finest.distance)) + images
         return float((used * shares).mean()) * _PAIR + (near * self._point_pace(source) if near else 0.0)
+
+    @cached_property
+    def _expands(self) -> bool:
+        """Whether what is far reaches the points by expansions."""
+        from eigencontact.halfspace.cloud import cloud_sources, expansions_pay
+
+        regions = [cloud_sources(cast("HasPotentials", source.shape)) for source in self.sources]
+        return expansions_pay([far for far in regions if far is not None])
 
     def _node_radius(self, tolerance: float) -> float:
         """Distance [m] from which a region reaches the smallest nodes of points by their expansions."""
