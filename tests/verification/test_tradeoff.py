@@ -86,6 +86,7 @@ def test_a_given_window_keeps_its_place_and_size():
         ("fretting-wear-partial-slip", [], "jump-error", ["jump-error 0.03", "jump-error 0.1"]),
         ("fretting-wear-partial-slip", ["wear.jump-error=0.05"], "jump-error", ["jump-error 0.1"]),
         ("coated-sphere", ["grid.cells-per-contact-radius=8"], "layers", ["layers cells"]),
+        ("buried-cuboid", [], "cloud-tolerance", []),
     ],
 )  # fmt: skip
 def test_each_fidelity_is_there_where_a_scene_has_what_it_is_about(scene, changes, key, expected):
@@ -94,6 +95,21 @@ def test_each_fidelity_is_there_where_a_scene_has_what_it_is_about(scene, change
     assert [variant.words for variant in found] == expected
     for variant in found:  # and every one is a scene
         app.load_scene(tables_of(plan.scene.resolved(), variant))
+
+
+def test_the_tolerance_of_clouds_is_varied_where_there_are_many_regions():
+    cubes = [
+        {"type": "cuboid", "center": [x, y, 3e-6], "edges": [1e-6] * 3, "eigenstrain": 0.01}
+        for x in np.arange(20) * 2e-6
+        for y in np.arange(20) * 2e-6
+    ]
+    body = {"young-modulus": 210e9, "poisson-ratio": 0.3}
+    tables = {"body1": body, "inclusions": cubes, "grid": {"cells": [80, 80], "size": [4e-5, 4e-5]}}
+    plan = app.plan(tables)
+    reference, _, *found = variants(plan, Fidelities(), ["cloud-tolerance"])
+    assert reference.changes["numerics"]["cloud-tolerance"] == 1e-9
+    assert [variant.changes["numerics"]["cloud-tolerance"] for variant in found] == [0.0, 1e-4, 1e-2]
+    app.load_scene(tables_of(plan.scene.resolved(), found[0]))
 
 
 def test_cells_of_the_box_are_varied_by_their_height():
@@ -215,6 +231,8 @@ def test_where_the_scene_stands():
     assert time == "front of time: the scene stands on it, point 2 of 2 from the cheapest"
     assert memory == "front of memory: the scene is not on it; 3 (tolerance 3) is as accurate at 0.4 of its memory"
     assert standing(studied(*rows[1:])) == []
+    near = standing(studied(("scene", 0.01, 2.0, 5e6), ("grid", 0.01, 1.99, 5e6)))
+    assert near[0] == "front of time: the scene is within 2 % of it; 2 (grid 2) is as accurate at 0.99 of its time"
 
 
 def crowded():

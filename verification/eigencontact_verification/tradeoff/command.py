@@ -54,8 +54,9 @@ def tradeoff(
 
     What is varied follows from the scene: grid, precision and tolerance of a contact, coupling with friction, treatment
     of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
-    layers that are exact or cells. Each is solved in a process of its own, one after the other, and compared
-    with a reference that has the finest of everything; what the reference itself is wrong by is not seen.
+    layers that are exact or cells, sums over many inclusions. Each is solved in a process of its own, one after the
+    other, and compared with a reference that has the finest of everything; what the reference itself is wrong by is not
+    seen.
 
     Exit codes: 0 done (read what failed), 1 nothing to compare, 2 wrong input, 130 interrupted.
 

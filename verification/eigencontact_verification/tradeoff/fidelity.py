@@ -124,6 +124,18 @@ def _worn_layers(plan: Plan) -> bool:
     return wear is not None and any(getattr(plan.bodies[body - 1], "interfaces", ()) for body in wear.parts)
 
 
+def _clouds(plan: Plan) -> bool:
+    """Whether a field of whole regions is summed by expansions, or would be to a tolerance."""
+    from math import prod
+
+    from eigencontact.halfspace.cloud import is_large
+    from eigencontact.model.regions import region_lattice
+
+    whole = len(plan.sources) - len(_cut(plan))
+    points = [prod(region_lattice(request, plan.grid).shape) for request in plan.requests]
+    return whole > 0 and is_large(whole, max([plan.grid.nx * plan.grid.ny, *points]), 1e-6)
+
+
 def _jump(value: float | None) -> Changes:
     return {"wear": {"jump-error": value, "cycles-per-update": None}}
 
@@ -225,6 +237,12 @@ FIDELITIES: tuple[Fidelity, ...] = (
         others=lambda plan: [2.0 * _height(plan)],
         finest=lambda plan: 0.5 * _height(plan),
         seen=_lattices,
+    ),
+    Fidelity(
+        key="cloud-tolerance",
+        has=_clouds,
+        others=lambda plan: [0.0, *_above(plan.numerics.cloud_tolerance, 1e-4, 1e-2)],
+        finest=lambda plan: min(1e-9, plan.numerics.cloud_tolerance),
     ),
     Fidelity(
         key="plastic-error",

@@ -186,8 +186,9 @@ def standing(study: Study) -> list[str]:
             if row.error is not None and _beats((row.error, getattr(row, name)), point)
         ]
         for share, number, words in sorted(better)[:1]:
+            beside = "within 2 % of it" if share * _SAME > 1.0 else "not on it"
             cheaper = f"{number} ({words}) is as accurate at {share:.2g} of its {word}"
-            found.append(f"front of {word}: the scene is not on it; {cheaper}")
+            found.append(f"front of {word}: the scene is {beside}; {cheaper}")
     return found
 
 

@@ -31,8 +31,8 @@ __all__ = ["CellRoute", "HalfSpace", "Pace", "Route"]
 
 FloatArray = NDArray[np.float64]
 
-#: Seconds of the interpreter, whatever the sizes, for each kernel of some layers and each spectrum: fitted to sections of
-#: 31 and 61 depths through boxes of 8 to 21 layers, which held 40 000 spectra in 10 s where points alone told 3.
+#: Seconds of the interpreter, whatever the sizes, for each kernel of some layers and each spectrum: fitted to sections
+#: of 31 and 61 depths through boxes of 8 to 21 layers, which held 40 000 spectra in 10 s where points alone told 3.
 _CALLS, _SPECTRUM = 1.5e-4, 6e-5
 #: Components of each quantity.
 _ROWS = {"displacement": 3, "strain": 6, "stress": 6}
