@@ -10,7 +10,17 @@ import pytest
 from scipy.integrate import dblquad
 
 from close import close
-from eigencontact_verification.benchmarks import cloud, eigenstrain, hertz, layers, plasticity, trade, wear
+from eigencontact_verification.benchmarks import (
+    cloud,
+    eigenstrain,
+    hertz,
+    layers,
+    plasticity,
+    predictions,
+    store,
+    trade,
+    wear,
+)
 from eigencontact_verification.benchmarks.__main__ import main, parser
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.campaign import run_campaign
@@ -614,3 +624,38 @@ def test_the_trade_is_measured_judged_and_drawn(tmp_path):
         rows.append(trade.BENCHMARK.summarise(task, [sample]))
     trade.draw(rows, tmp_path / "trade.png")
     assert (tmp_path / "trade.png").stat().st_size > 10_000
+
+
+# --- storing, and predictions ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("layout", ["used", *store.LAYOUTS])
+@pytest.mark.parametrize("case", store.BENCHMARK.cases[:2])
+def test_every_layout_gives_back_what_was_stored(layout, case):
+    task = Task(benchmark="store", code=layout, n=1, case=case)
+    sample = store.measure(store.BENCHMARK.methods[layout], task)
+    assert sample["same"]
+    assert (sample["step_ms"] is None) == (layout != "used")
+
+
+def test_steps_with_friction_differ_and_slip_outside_of_the_stick_circle():
+    first, last = (store.fields_of(40, step, friction=True) for step in (1, 51))
+    assert not np.array_equal(first["shear_x"], last["shear_x"])
+    for fields in (first, last):
+        sticks = fields["contact_zone"] == 2.0
+        assert np.all(fields["slip_x"][sticks] == 0)
+        assert np.all(fields["shear_x"][fields["slip_x"] > 0] == fields["pressure"][fields["slip_x"] > 0])
+
+
+def test_predictions_are_set_against_what_a_scene_takes_block_by_block():
+    bundled = predictions.BENCHMARK.cases
+    assert "hertz" in bundled
+    assert len(bundled) > 40
+    sample = perform(Task(benchmark="predictions", code="eigencontact", n=1, case="rough-surface"))
+    assert sample["status"] == "ok"
+    assert sample["factor"] == sample["predicted_s"] / sample["took_s"]
+    predicted, took = sample["blocks"]["normal-contact"]
+    assert 0 < predicted <= sample["predicted_s"]
+    assert 0 < took <= sample["took_s"]
+    rows = [{"factor": 0.6}, {"factor": 1.9}, {"factor": 2.1}, {"factor": 0.4}]
+    assert predictions.BENCHMARK.remarks(rows) == ["predicted within a factor of 2: 2 of 4 scenes"]

@@ -12,6 +12,7 @@ from eigencontact_verification.benchmarks import (
     plasticity,
     predictions,
     rough,
+    store,
     stress,
     tangential,
     trade,
@@ -35,5 +36,6 @@ _MODULES = (
     wear,
     rough,
     predictions,
+    store,
 )
 BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}
