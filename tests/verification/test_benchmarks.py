@@ -17,6 +17,7 @@ from eigencontact_verification.benchmarks import (
     layers,
     plasticity,
     predictions,
+    start,
     store,
     trade,
     wear,
@@ -491,6 +492,22 @@ def test_a_surface_that_wears_is_timed():
     assert row["peak"] == close(0.067 * 1.5 * 12.307 / (np.pi * 20e-6**2), rel=0.05)
     assert 0 < row["solve_s"] + row["move_s"] < row["run_s"]
     assert 0 < row["stored"] < 1
+
+
+def test_a_command_is_timed_in_turn_with_bare_imports():
+    asked = Task(benchmark="start", code="eigencontact", n=1, case="help", warm=0)
+    sample = perform(asked)
+    assert sample["status"] == "ok", sample
+    assert len(sample["again_s"]) == 3
+    row = start.BENCHMARK.summarise(asked, [sample])
+    assert row["again_per_imports"] == close(row["again_s"] / row["imports_s"], rel=1e-12)
+    assert min(row["again_min_s"], row["imports_s"]) > 0.01  # an interpreter was started
+
+
+def test_a_command_that_fails_is_no_measurement(monkeypatch):
+    monkeypatch.setitem(start._COMMANDS, "help", ("no-such-command",))
+    with pytest.raises(subprocess.CalledProcessError):
+        start.measure(start._CODE, Task(benchmark="start", code="eigencontact", n=1, case="help"))
 
 
 def test_nothing_measured_is_a_failure(fake, capsys):

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
+from eigencontact.core.numba_cache import compiled
 
 __all__ = ["GROUP", "add_packed", "collect", "contract"]
 
 # Products added at a time; rows have a multiple of this many entries, of neighbouring columns.
 GROUP = 3
 
-_compiled: Any = numba.njit(cache=True, nogil=True, fastmath={"contract"})
+_compiled: Any = compiled(nogil=True, fastmath={"contract"})
 
 
 @_compiled

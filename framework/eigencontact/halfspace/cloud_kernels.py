@@ -28,10 +28,12 @@ from typing import Any
 import numba
 import numpy as np
 
+from eigencontact.core.numba_cache import compiled
+
 __all__ = ["sum_displacement", "sum_stress"]
 
-_inner: Any = numba.njit(fastmath=True, error_model="numpy", cache=True)
-_compiled: Any = numba.njit(parallel=True, fastmath=True, error_model="numpy", cache=True)
+_inner: Any = compiled(fastmath=True, error_model="numpy")
+_compiled: Any = compiled(parallel=True, fastmath=True, error_model="numpy")
 
 
 @_inner
@@ -83,7 +85,7 @@ def _all_near(box: Any, center: Any, side: float) -> Any:
     return square < 0.999 * center[4] ** 2
 
 
-@numba.njit(cache=True)
+@compiled()
 def _clear(x: Any, y: Any, z: Any, center: Any, side: float, own: Any) -> None:
     """Take from points what they are too close to get; rounded as numpy does, for the caller decides likewise."""
     least = center[4] * center[4]

@@ -15,6 +15,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.numba_cache import compiled
+
 __all__ = ["grow", "moments", "pass_down", "polynomials"]
 
 FloatArray = NDArray[np.float64]
@@ -22,8 +24,8 @@ FloatArray = NDArray[np.float64]
 # Points at which polynomials are evaluated together.
 _PART = 64
 
-_inner: Any = numba.njit(fastmath=True, error_model="numpy", cache=True)
-_compiled: Any = numba.njit(parallel=True, fastmath=True, error_model="numpy", cache=True)
+_inner: Any = compiled(fastmath=True, error_model="numpy")
+_compiled: Any = compiled(parallel=True, fastmath=True, error_model="numpy")
 
 
 @_inner
@@ -152,7 +154,7 @@ def pass_down(
                     _add(x[start:stop], y[start:stop], z[start:stop], center, expansion, degree, out[:, start:stop])
 
 
-@numba.njit(cache=True)
+@compiled()
 def grow(points: Any, least: int, block: int) -> Any:
     """Binary tree over points ``(3, n)``, halved along their longest extent until a leaf holds at most `block`.
 

@@ -12,6 +12,7 @@ from eigencontact_verification.benchmarks import (
     plasticity,
     predictions,
     rough,
+    start,
     store,
     stress,
     tangential,
@@ -36,6 +37,7 @@ _MODULES = (
     wear,
     rough,
     predictions,
+    start,
     store,
 )
 BENCHMARKS: dict[str, Benchmark] = {module.BENCHMARK.name: module.BENCHMARK for module in _MODULES}
