@@ -328,7 +328,6 @@ def _add_pairs(
         if not np.array_equal(rounded[first][inverse], rounded):  # two of them have one hash
             first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
     at = np.ascontiguousarray((offsets[first] + far.center).T)
-    # Where few of them agree, the fields of each region's eigenstrain are fewer than those of all six unit strains.
     for start in range(0, first.size, _PAIRS):
         part = slice(start, start + _PAIRS)
         parts = [unit_fields_at_points(canonical, tuple(at[:, part]), space=space, **given) for space in spaces]
@@ -342,23 +341,23 @@ class _Pairs:
     """Values at points, collected until there are enough of them to be added to a field at once."""
 
     def __init__(self, out: FloatArray) -> None:
-        self._out, self._index, self._values, self._size = out, [np.empty(0, dtype=np.intp)], [out[:, :0]], 0
+        self._out, self._index, self._values = out, list[IntArray](), list[FloatArray]()
 
     def add(self, index: IntArray, values: FloatArray) -> None:
         """Add values ``(components, pairs)`` at points, a point maybe several times."""
         self._index.append(index)
         self._values.append(values)
-        self._size += index.size
-        if self._size > self._out.shape[1]:
+        if sum(part.size for part in self._index) > self._out.shape[1]:
             self.flush()
 
     def flush(self) -> None:
         """Add what was collected."""
-        index, values = np.concatenate(self._index), np.concatenate(self._values, axis=1)
-        if index.size:
-            for component, row in enumerate(values):
-                self._out[component] += np.bincount(index, weights=row, minlength=self._out.shape[1])
-        self.__init__(self._out)  # type: ignore[misc]
+        if self._index:
+            index = np.concatenate(self._index)
+            for component, values in enumerate(np.concatenate(self._values, axis=1)):
+                self._out[component] += np.bincount(index, weights=values, minlength=self._out.shape[1])
+        self._index.clear()
+        self._values.clear()
 
 
 class _Finder:
