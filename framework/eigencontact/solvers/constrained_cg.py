@@ -237,6 +237,15 @@ class _Iteration:
         least, forces = zip(*self.sweep(one), strict=True)
         return min(least), sum(forces)
 
+    def carry(self, forces: Array) -> bool:
+        """Make `rest`, which carries some forces, carry those that are prescribed; whether it can."""
+        factor = self.modes.factor(forces, self.problem.forces)
+        if factor is None:
+            self.rest = self.modes.carry(self.rest, self.problem.forces)
+            return self.modes.carries(self.rest, self.problem.forces)
+        self.rest *= self.dtype.type(factor)
+        return True
+
     def release(self, descent: float) -> bool | None:
         """Take a step without the cells that would pull, found before the displacement of the step is computed.
 
@@ -250,18 +259,9 @@ class _Iteration:
         least, forces = self.go(descent / curvature)
         if least >= 0:
             return None
-        factor = self.modes.factor(forces, problem.forces)
-        if factor is None:
-            factor, self.rest = 1.0, self.modes.carry(self.rest, problem.forces)
-            if not self.modes.carries(self.rest, problem.forces):
-                return False
-
-        def moved(_: int, rows: slice) -> None:
-            rest = self.rest[rows]
-            rest *= self.dtype.type(factor)
-            np.subtract(rest, self.p[rows], out=self.z[rows])
-
-        self.sweep(moved)
+        if not self.carry(forces):
+            return False
+        self.sweep(lambda _, rows: np.subtract(self.rest[rows], self.p[rows], out=self.z[rows]))
         response = problem.apply(self.z)
         sums = self.sweep(lambda _, rows: (dot(self.r[rows], self.z[rows]), dot(self.z[rows], response[rows])))
         if sum(gain for gain, _ in sums) < 0.5 * sum(cost for _, cost in sums):
@@ -300,6 +300,7 @@ class _Iteration:
                 self.judge(state.rigid, overlap)
             # The gaps then carry no force on the loaded cells, so the rigid part of z is not in the products with it.
             self.level()
+            del self.z  # its memory is needed anew
             self.z = problem.precondition(self.r)
             slope, crossed = self.products()
             beta = max(0.0, (slope - crossed) / slope_old) if slope_old > 0 else 0.0
@@ -317,16 +318,16 @@ class _Iteration:
             if not curvature > 0:
                 break
             step = descent / curvature
-            least, _ = self.go(step)
+            least, forces = self.go(step)
             if least >= 0:
                 self.p, self.rest = self.rest, self.p
                 self.gauge(response, step)
+                del response
                 continue
             # The cells that pull are released and the gap is computed anew.
             releasing = problem.energy is not None
-            if len(modes):
-                self.rest = modes.carry(self.rest, problem.forces)
-            if modes.carries(self.rest, problem.forces):
+            del self.g, response
+            if self.carry(forces):
                 self.p, self.rest = self.rest, self.p
                 self.hold()
             else:  # too few cells are left for the moments: go to the first that would pull, and release that one
