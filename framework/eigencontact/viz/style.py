@@ -205,7 +205,7 @@ def save(figure: Figure, path: Path) -> None:
         When it cannot be stored.
     """
     said = {"Software": f"eigencontact {__version__}"}
-    with paper_style(), replacing(path, f"picture {path.name}") as sink:
+    with paper_style(), replacing(path, f"picture {path.name}", lasting=False) as sink:  # `plot` draws it again
         # What bbox_inches="tight" does, without drawing everything once more to find the box.
         figure.set_dpi(DPI)
         canvas = cast("FigureCanvasAgg", figure.canvas)
