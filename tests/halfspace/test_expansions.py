@@ -63,7 +63,7 @@ def test_levels_of_sources_do_from_the_distances_told(semi_axes):
     far = shape.far_field()
     for level, distance in zip(far.levels, distances_for(far, tolerance), strict=True):
         x, y, z = directions * distance + level.center[:, None]
-        sources = cloud._Sources([cloud.replace(level, distance=0.0, coarser=None)], [strain])
+        sources = cloud._Sources([cloud.replace(level, distance=0.0, coarser=None)], strain[None])
         found = cloud._sum_of_sources(sources, (x, y, z), space="full", threads=1, **STRESS)
         exact = field_at_points(shape, strain, (x, y, z), space="full", **STRESS)
         errors.append(np.abs(found - exact).max() * distance**3 / (far.volumes.sum() * np.linalg.norm(strain)))

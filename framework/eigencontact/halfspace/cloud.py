@@ -45,6 +45,8 @@ _CHECKED, _UNSEEN = 256, 10.0
 # Point sources, the fewest of all regions together, from which on expansions are faster than sums: they cost some 200
 # sources of every point (128 x 128 x 64 points, spheres and ellipsoids).
 _WORTH = 300
+# Points up to which few nodes of a tree hold enough of them and are far from anything.
+_FEW = 20_000
 # Tolerance below which the sums without expansions differ as much.
 _LEAST = 1e-13
 # So many pairs are summed to round-off: nothing is gained by less.
@@ -72,9 +74,9 @@ def is_large(regions: int, points: int, tolerance: float) -> bool:
     return tolerance > 0 and regions * points > _SMALL
 
 
-def expansions_pay(regions: Sequence[PointSources]) -> bool:
-    """Whether regions are so many that expansions are faster than their sums."""
-    return sum(far.levels[0].volumes.size for far in regions) > _WORTH
+def expansions_pay(regions: Sequence[PointSources], points: int) -> bool:
+    """Whether regions and points are so many that expansions are faster than sums."""
+    return points > _FEW and sum(far.levels[0].volumes.size for far in regions) > _WORTH
 
 
 def relaxed(finest: PointSources, tolerance: float) -> PointSources:
@@ -130,7 +132,7 @@ def field_of_cloud(
         if large:
             out += _hierarchical(shapes, distant, eigenstrains, finder, tolerance, space=space, **given)
         else:
-            sources = _Sources(list(distant.values()), list(eigenstrains[list(distant)]))
+            sources = _Sources(list(distant.values()), eigenstrains[list(distant)])
             # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
             order = finder.order
             out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **given)
@@ -155,15 +157,15 @@ def _hierarchical(
     """
     points = np.ascontiguousarray(finder.points.T)
     count = points.shape[1]
-    chosen = np.random.default_rng(0).choice(count, min(_CHECKED, count), replace=False)
+    chosen = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
     x, y, z = np.ascontiguousarray(points[:, chosen])
-    strains = list(eigenstrains[list(distant)])
+    strains = eigenstrains[list(distant)]
     exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **given)
     out = np.empty((len(exact), count))
     wanted = tolerance
     while True:
         regions = _relaxed(shapes, distant, tolerance)
-        tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions) else None
+        tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions, count) else None
         order = finder.order if tree is None else tree.order
         x, y, z = np.ascontiguousarray(points[:, order])
         out[:, order] = _sum_of_sources(_Sources(regions, strains), (x, y, z), space=space, tree=tree, **given)
@@ -199,19 +201,26 @@ def _at_distances(finest: PointSources, distances: Sequence[float]) -> PointSour
 class _Sources:
     """Point sources of regions, as tables for the compiled sums."""
 
-    def __init__(self, regions: Sequence[PointSources], eigenstrains: Sequence[FloatArray]) -> None:
-        rows, levels, starts, table = [], [], [0], []
-        total = 0
-        for finest, eigenstrain in zip(regions, eigenstrains, strict=True):
-            tensor = from_mandel(eigenstrain)
-            for far in finest.levels:
-                count = len(far.volumes)
-                rows.append(np.column_stack([far.positions, far.volumes, far.spreads, np.tile(tensor, (count, 1))]))
-                levels.append((far.distance**2, total, total + count))
-                total += count
-            starts.append(len(levels))
-            table.append((*finest.center, finest.reach, finest.distance))
-        self.tables = (np.concatenate(rows), np.array(table), np.array(starts), np.array(levels, dtype=float))
+    def __init__(self, regions: Sequence[PointSources], eigenstrains: FloatArray) -> None:
+        levels = [far for region in regions for far in region.levels]
+        counts = np.array([far.volumes.size for far in levels])
+        depths = np.array([len(region.levels) for region in regions])
+        ends, starts = np.cumsum(counts), np.cumsum([0, *depths])
+        owner = np.repeat(np.repeat(np.arange(len(regions)), depths), counts)  # of each source
+        positions = np.concatenate([far.positions for far in levels])
+        centers, distances = np.array([far.center for far in regions]), np.array([far.distance for far in regions])
+        away = np.sqrt(((positions - centers[owner]) ** 2).sum(axis=1))
+        reaches = np.maximum.reduceat(away, (ends - counts)[starts[:-1]])
+        rows = np.column_stack(
+            [
+                positions,
+                np.concatenate([far.volumes for far in levels]),
+                np.concatenate([far.spreads for far in levels]),
+                from_mandel(eigenstrains.T).T[owner],
+            ]
+        )
+        table = np.column_stack([[far.distance**2 for far in levels], ends - counts, ends])
+        self.tables = (rows, np.column_stack([centers, reaches, distances]), starts, table)
 
 
 def _blocks(count: int, node: int = -1, role: int = 0, first: int = 0) -> IntArray:

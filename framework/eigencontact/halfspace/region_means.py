@@ -103,7 +103,7 @@ class RegionMeans:
         threads: int | None = 1,
     ) -> FloatArray:
         x, y, z = (np.ascontiguousarray(values) for values in points)
-        sources = _Sources(regions, list(eigenstrains))
+        sources = _Sources(regions, eigenstrains)
         return _sum_of_sources(sources, (x, y, z), space=space or self._space, threads=threads, **self._given)
 
     def _close_pairs(self, rules: list[Rule]) -> tuple[IntArray, IntArray, FloatArray]:

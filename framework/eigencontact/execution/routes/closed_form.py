@@ -82,7 +82,7 @@ class ClosedForms(Route):
         from eigencontact.halfspace.cloud import cloud_sources, expansions_pay
 
         regions = [cloud_sources(cast("HasPotentials", source.shape)) for source in self.sources]
-        return expansions_pay([far for far in regions if far is not None])
+        return expansions_pay([far for far in regions if far is not None], int(np.prod(self.lattice.shape)))
 
     def _node_radius(self, tolerance: float) -> float:
         """Distance [m] from which a region reaches the smallest nodes of points by their expansions."""
