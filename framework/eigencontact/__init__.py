@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from eigencontact.errors import EigencontactError, NotConverged
     from eigencontact.inclusions import inclusion_field
     from eigencontact.scene.schema import Scene
-    from eigencontact.sweep.sweep import sweep
+    from eigencontact.sweeps.sweep import sweep
 
 __all__ = [
     "EigencontactError",
@@ -34,7 +34,7 @@ _HOMES = dict.fromkeys(
     ("explain", "load_scene", "make", "open_results", "plan", "rectangle_field", "region", "run"), "app"
 )
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
-_HOMES |= {"inclusion_field": "inclusions", "sweep": "sweep.sweep"}
+_HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep"}
 
 
 def __getattr__(name: str) -> Any:

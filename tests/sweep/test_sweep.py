@@ -13,10 +13,10 @@ import xarray as xr
 import eigencontact as ec
 from close import close
 from eigencontact.errors import EigencontactError, SceneError
-from eigencontact.sweep.axes import axes_of, axis_of_text
-from eigencontact.sweep.runner import outcomes
-from eigencontact.sweep.sweep import read_sweep_file, sweep
-from eigencontact.sweep.variants import variants_of
+from eigencontact.sweeps.axes import axes_of, axis_of_text
+from eigencontact.sweeps.runner import outcomes
+from eigencontact.sweeps.sweep import read_sweep_file, sweep
+from eigencontact.sweeps.variants import variants_of
 from eigencontact.viz.sweep import draw_sweep
 
 #: Cells few enough for tests, in a window that holds the contacts of all variants.

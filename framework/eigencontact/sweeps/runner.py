@@ -24,7 +24,7 @@ from eigencontact.errors import EigencontactError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from eigencontact.sweep.variants import Variant
+    from eigencontact.sweeps.variants import Variant
 
 __all__ = ["Outcome", "outcomes"]
 

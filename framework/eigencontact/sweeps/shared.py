@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import ceil
 
 from eigencontact.errors import EigencontactError, PlanError
-from eigencontact.sweep.variants import Variant
+from eigencontact.sweeps.variants import Variant
 
 __all__ = ["on_one_grid"]
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from eigencontact.errors import SceneError, nearest, shown
-from eigencontact.sweep.axes import Axis, axes_of
-from eigencontact.sweep.gather import as_csv, gathered
-from eigencontact.sweep.runner import Outcome, outcomes
-from eigencontact.sweep.variants import Variant, variants_of
+from eigencontact.sweeps.axes import Axis, axes_of
+from eigencontact.sweeps.gather import as_csv, gathered
+from eigencontact.sweeps.runner import Outcome, outcomes
+from eigencontact.sweeps.variants import Variant, variants_of
 
 if TYPE_CHECKING:
     import xarray
@@ -116,7 +116,7 @@ def sweep(
     place = None if folder is None else Path(folder)
     variants = variants_of(loaded, axes, pairs=pairs, pictures=pictures and place is not None)
     if grid == "shared":
-        from eigencontact.sweep.shared import on_one_grid
+        from eigencontact.sweeps.shared import on_one_grid
 
         variants = on_one_grid(variants)
     if place is not None:

@@ -20,9 +20,9 @@ from eigencontact.scene.installed import installed_plugins
 if TYPE_CHECKING:
     import xarray
 
-    from eigencontact.sweep.axes import Axis
-    from eigencontact.sweep.runner import Outcome
-    from eigencontact.sweep.variants import Variant
+    from eigencontact.sweeps.axes import Axis
+    from eigencontact.sweeps.runner import Outcome
+    from eigencontact.sweeps.variants import Variant
 
 __all__ = ["as_csv", "gathered"]
 

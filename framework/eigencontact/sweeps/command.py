@@ -61,8 +61,8 @@ def _run(
     import json
 
     from eigencontact.app import load_scene
-    from eigencontact.sweep.sweep import read_sweep_file
-    from eigencontact.sweep.sweep import sweep as run_sweep
+    from eigencontact.sweeps.sweep import read_sweep_file
+    from eigencontact.sweeps.sweep import sweep as run_sweep
 
     given: dict[str, Any] = {"scene": scene, "vary": vary}
     if not vary and Path(scene).is_file():

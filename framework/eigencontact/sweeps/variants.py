@@ -15,7 +15,7 @@ from eigencontact.scene.loader import put_values
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene
-    from eigencontact.sweep.axes import Axis
+    from eigencontact.sweeps.axes import Axis
 
 __all__ = ["Variant", "variants_of"]
 
