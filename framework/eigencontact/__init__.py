@@ -6,7 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from eigencontact.app import explain, load_scene, make, open_results, plan, rectangle_field, region, run
+    from eigencontact.afterwards import open_results, region
+    from eigencontact.app import explain, load_scene, make, plan, rectangle_field, run
     from eigencontact.errors import EigencontactError, NotConverged
     from eigencontact.inclusions import inclusion_field
     from eigencontact.scene.schema import Scene
@@ -30,9 +31,8 @@ __all__ = [
 __version__ = "0.1.0"
 
 # Public names and the module that defines each: resolved on first use, so that importing the package stays light.
-_HOMES = dict.fromkeys(
-    ("explain", "load_scene", "make", "open_results", "plan", "rectangle_field", "region", "run"), "app"
-)
+_HOMES = dict.fromkeys(("explain", "load_scene", "make", "plan", "rectangle_field", "run"), "app")
+_HOMES |= {"open_results": "afterwards", "region": "afterwards"}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
 _HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep"}
 

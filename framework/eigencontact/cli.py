@@ -298,10 +298,11 @@ def plot(
     With `--region` the stress, strain or displacement in a region that the run did not have, without solving again:
     `eigencontact plot hertz --region 'name = "below", shape = "plane", normal = "z", position = "50 um"'`
     """
-    from eigencontact import app as calls
+    from eigencontact import afterwards
 
     try:
-        files = calls.draw(results, output, vtk=vtk, table=region, step=step, animation="mp4" if mp4 else animation)
+        moving = "mp4" if mp4 else animation
+        files = afterwards.draw(results, output, vtk=vtk, table=region, step=step, animation=moving)
     except EigencontactError as problem:
         _fail(problem)
     if as_json:

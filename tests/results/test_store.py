@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from eigencontact.app import draw
+from eigencontact.afterwards import draw
 from eigencontact.errors import ResultsError
 from eigencontact.results import netcdf
 from eigencontact.results.reader import open_results

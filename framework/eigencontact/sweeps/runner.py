@@ -133,7 +133,8 @@ def _outcome(task: _Task) -> Outcome:
 
 
 def _computed(task: _Task) -> tuple[dict[str, Any], dict[str, Any]]:
-    from eigencontact.app import open_results, run
+    from eigencontact.afterwards import open_results
+    from eigencontact.app import run
 
     scene, folder = task.variant.scene, task.folder
     assert scene is not None

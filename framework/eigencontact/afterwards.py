@@ -1,0 +1,162 @@
+"""What is done with stored results: open them, draw them, look at another region; nothing is solved again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from eigencontact.errors import ResultsError
+from eigencontact.library import installed_plugins
+
+if TYPE_CHECKING:
+    import xarray
+
+    from eigencontact.results.stored import Results
+
+__all__ = ["draw", "open_results", "region"]
+
+
+def draw(
+    results: str | Path,
+    folder: str | Path | None = None,
+    *,
+    vtk: bool = False,
+    table: Mapping[str, Any] | str | None = None,
+    step: int | None = None,
+    animation: Literal[False, True, "gif", "mp4"] = False,
+) -> dict[Path, str]:
+    """Pictures, and an animation and VTK files if wanted, of stored results; returns each file and what it shows.
+
+    Parameters
+    ----------
+    results : str or Path
+        A folder of results or its ``results.nc``.
+    folder : str or Path, optional
+        Where the files go; by default beside the results. Files of others there are never replaced
+        (`eigencontact.results.ownership`).
+    vtk : bool
+        Whether to write VTK files.
+    table : mapping or str, optional
+        Another region: its fields are found, stored and drawn, and nothing else; see `region`.
+    step : int, optional
+        Number of the load step to draw, from 1.
+    animation : bool or str
+        Whether to draw the history as an animation, a GIF; ``"mp4"`` takes the program ffmpeg.
+    """
+    from eigencontact.results.atomic import DAMAGE, reason
+    from eigencontact.results.ownership import refuse_foreign
+    from eigencontact.results.reader import results_file
+    from eigencontact.results.stored import open_stored
+    from eigencontact.viz.figures import draw_all
+
+    source = results_file(results)
+    target = Path(folder) if folder is not None else source.parent
+    stored: dict[Path, str] = {}
+    with open_stored(results) if table is None else region(results, table, step=step, folder=target) as dataset:
+        names = list(json.loads(dataset.attrs["regions"]))
+        if table is not None:
+            stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
+        refuse_foreign(target, names, summary=False, pictures=True, vtk=vtk, animation=bool(animation))
+        _make_folder(target)
+        try:
+            shown = None if step is None or table is not None else _place_of(dataset, step)
+            named = {}
+            if animation:  # refused before anything is drawn
+                from eigencontact.viz.animation import animate
+
+                named = animate(dataset, target, animation)
+            named |= draw_all(dataset, target, shown, solid=vtk)
+            files = {target / name: text for name, text in named.items()}
+            if vtk:
+                from eigencontact.viz.vtk import write_vtk
+
+                files |= dict.fromkeys(write_vtk(dataset, target), "fields for ParaView")
+        except DAMAGE as problem:
+            raise ResultsError(
+                f"{source} must hold results as this version writes them (got {type(problem).__name__}: "
+                f"{reason(problem)}); run the scene again with --overwrite"
+            ) from problem
+    return stored | files
+
+
+def _region_file(name: str) -> str:
+    return f"region-{name}.nc"
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as problem:
+        raise ResultsError(f"output folder {folder} must be writable (got {problem}); choose another with -o") from None
+
+
+def _place_of(dataset: Results, step: int) -> int:
+    """Position of a stored step."""
+    steps = [int(number) for number in dataset["step"].values]
+    if step not in steps:
+        raise ResultsError(f"step must be one that is stored, {steps[0]} to {steps[-1]} (got {step})")
+    return steps.index(step)
+
+
+def region(
+    results: str | Path,
+    table: Mapping[str, Any] | str,
+    *,
+    step: int | None = None,
+    folder: str | Path | None = None,
+) -> xarray.Dataset:
+    """Stress, strain or displacement in another region of a finished run; nothing is solved again.
+
+    Parameters
+    ----------
+    results : str or Path
+        A folder of results or its ``results.nc``.
+    table : mapping or str
+        What a table ``[[stress]]`` of a scene says, or its text: ``'shape = "plane", depth-max = "2 mm"'``.
+    step : int, optional
+        Number of the load step, from 1; the last by default. Where bodies remember something, of inhomogeneities or
+        laws, an earlier one needs a run with ``output.history = "all"``.
+    folder : str or Path, optional
+        Where ``region-<name>.nc`` is stored, which opens and is drawn like results; by default nothing is stored.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of results, with this region alone.
+
+    Raises
+    ------
+    SceneError, ResultsError
+        A region that is refused; a step, or what the bodies remember after it, that is not stored.
+    """
+    from eigencontact.planning.revisit import region_table, revisit
+    from eigencontact.results.join import dataset_of, join_steps
+    from eigencontact.results.ownership import refuse_foreign_file
+    from eigencontact.results.reader import results_file
+    from eigencontact.results.stepfile import step_part
+
+    wanted = region_table(table) if isinstance(table, str) else table
+    info, record = revisit(results_file(results), wanted, installed_plugins(), step)
+    part = step_part(info, record, copied=False)
+    if folder is None:
+        return dataset_of([part])
+    target = Path(folder) / _region_file(next(iter(record.regions)))
+    refuse_foreign_file(target)
+    _make_folder(target.parent)
+    join_steps(target, [part])
+    return open_results(target)
+
+
+def open_results(path: str | Path) -> xarray.Dataset:
+    """Open stored results, a folder or its ``results.nc``, with coordinates, units and provenance.
+
+    Raises
+    ------
+    ResultsError
+        Missing, unfinished or foreign files.
+    """
+    from eigencontact.results.reader import open_results as open_stored
+
+    return open_stored(path)
