@@ -301,8 +301,9 @@ def plot(
     from eigencontact import afterwards
 
     try:
-        moving = "mp4" if mp4 else animation
-        files = afterwards.draw(results, output, vtk=vtk, table=region, step=step, animation=moving)
+        files = afterwards.draw(
+            results, output, vtk=vtk, table=region, step=step, animation="mp4" if mp4 else animation
+        )
     except EigencontactError as problem:
         _fail(problem)
     if as_json:
