@@ -55,6 +55,10 @@ WRONG_SHAPES = [3.0, [], [[]], [1.0, 2.0, 3.0, 4.0], [[1.0, 2.0]], np.zeros((2, 
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("value", WRONG_SHAPES, ids=[str(np.shape(value)) for value in WRONG_SHAPES])
 def test_wrong_shapes_are_refused(value, call):
+    if np.ndim(value) == 0 and call == "inclusion_field.eigenstrain":
+        same = 3.0 * np.eye(3)
+        assert np.array_equal(CALLS[call](value), CALLS[call](same))  # one number is the same along all axes
+        return
     with pytest.raises(ec.EigencontactError, match=rf"^{call} must be "):
         CALLS[call](value)
 

@@ -45,8 +45,9 @@ def inclusion_field(
     shape : InclusionShape or list of them
         The region, of `eigencontact.make` or your own; of several regions the fields add up (hundreds of them are
         summed in one compiled loop). In a half-space they must lie in z >= 0; they may touch the surface.
-    eigenstrain : (3, 3) or (number of shapes, 3, 3) [-]
-        Symmetric stress-free strain, of all shapes or of each; expansion is positive, any trace.
+    eigenstrain : float, (3, 3) or (number of shapes, 3, 3) [-]
+        Symmetric stress-free strain, of all shapes or of each; one number is the same along all axes. Expansion is
+        positive, any trace.
     points : (n, 3) [m]
         Field points, z >= 0 in a half-space.
     young_modulus, poisson_ratio : float
@@ -91,8 +92,9 @@ def inclusion_field(
     shapes = list(shape) if isinstance(shape, list | tuple) else [shape]
     for item in shapes:
         require(isinstance(item, InclusionShape), _HERE, "shape", item, "an inclusion shape, as make() returns")
-    rule = f"of shape (3, 3) or ({len(shapes)}, 3, 3) [-]"
+    rule = f"one number, or of shape (3, 3) or ({len(shapes)}, 3, 3) [-]"
     strain = real_array(eigenstrain, _HERE, "eigenstrain", rule)
+    strain = strain * np.eye(3) if strain.ndim == 0 else strain
     allowed = strain.shape in ((3, 3), (len(shapes), 3, 3))
     require(allowed, _HERE, "eigenstrain", strain.shape, rule)
     require(np.all(np.abs(strain) <= LARGEST), _HERE, "eigenstrain", strain.tolist(), "finite [-]")

@@ -1,0 +1,161 @@
+"""Pages of the bundled scenes, each made by running it: its pictures, its words, its TOML and how long it took.
+
+A run is kept under the hash of the scene and of the code, so that a page is never older than what it shows.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+import time
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from content import code_hash
+from PIL import Image
+from sphinx.util.display import status_iterator
+
+from eigencontact.scene.loader import bundled_names, bundled_text
+
+GROUPS = {
+    "wear": "Wear",
+    "yielding": "Plasticity and damage",
+    "layers": "Coatings",
+    "regions": "Regions of other materials",
+    "eigenstrain": "Eigenstrain",
+    "friction": "Friction",
+    "contact": "Normal contact",
+}
+THUMBNAIL = 480
+
+
+def write_gallery(docs: Path, chosen: list[str]) -> None:
+    """Pages of all bundled scenes, or of those chosen, and their index in ``docs/gallery``."""
+    names = chosen or list(bundled_names())
+    runs = dict(_runs(names, docs / "_cache" / "gallery"))
+    pages, pictures = docs / "gallery", docs / "gallery" / "pictures"
+    shutil.rmtree(pictures, ignore_errors=True)
+    groups: dict[str, list[str]] = {key: [] for key in GROUPS}
+    for name, folder in runs.items():
+        scene = tomllib.loads(bundled_text(name))
+        groups[_group(scene)].append(name)
+        shutil.copytree(folder, pictures / name, ignore=shutil.ignore_patterns("*.json"))
+        write(pages / f"{name}.md", _page(name, scene, folder))
+    for stale in set(pages.glob("*.md")) - {pages / f"{name}.md" for name in (*names, "index")}:
+        stale.unlink()
+    write(pages / "index.md", _index(groups, runs))
+
+
+def write(path: Path, text: str) -> None:
+    """Text of a generated page; untouched if it is the same, so that Sphinx does not read it again."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_text("utf-8") != text:
+        path.write_text(text, "utf-8")
+
+
+def _runs(names: list[str], cache: Path) -> Any:
+    kept = set()
+    for name in status_iterator(names, "bundled scenes ... ", "darkgreen", len(names)):
+        key = hashlib.sha256(f"{code_hash()} {bundled_text(name)}".encode()).hexdigest()[:24]
+        folder = cache / f"{name}-{key}"
+        kept.add(folder)
+        if not (folder / "run.json").exists():
+            _run(name, folder)
+        yield name, folder
+    for stale in set(cache.iterdir()) - kept:
+        shutil.rmtree(stale)
+
+
+def _run(name: str, folder: Path) -> None:
+    """Pictures of a run, its summary, and the time of the whole command."""
+    shutil.rmtree(folder, ignore_errors=True)
+    work = folder / name
+    work.mkdir(parents=True)
+    start = time.perf_counter()
+    command = ["eigencontact", "run", name, "-o", name]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"scene {name} must run (exit code {done.returncode}): {done.stderr.strip()}")
+    seconds = time.perf_counter() - start
+    for picture in work.glob("*.png"):
+        shutil.copy(picture, folder)
+        with Image.open(picture) as image:
+            image.thumbnail((THUMBNAIL, THUMBNAIL))
+            image.save(folder / f"small-{picture.name}")
+    shutil.rmtree(work)
+    (folder / "run.json").write_text(json.dumps({"seconds": seconds, "said": done.stdout}), "utf-8")
+
+
+def _group(scene: Mapping[str, Any]) -> str:
+    bodies = [scene.get("body1", {}), scene.get("body2", {})]
+    regions = [*scene.get("inclusions", ()), *(part for body in bodies for part in body.get("inclusions", ()))]
+    materials = [part["material"] for part in regions if "material" in part]
+    if "wear" in scene:
+        return "wear"
+    if any("law" in body for body in bodies) or any(part.get("type") in {"j2", "brittle"} for part in materials):
+        return "yielding"
+    if any("medium" in body for body in bodies) or "coat" in scene.get("title", "").lower():
+        return "layers"
+    if materials:
+        return "regions"
+    if regions or "eigenstrain" in scene:
+        return "eigenstrain"
+    return "friction" if "friction" in scene else "contact"
+
+
+def _pictures(folder: Path) -> list[str]:
+    names = sorted(path.name for path in folder.glob("*.png") if not path.name.startswith("small-"))
+    first = [name for name in names if name.startswith("stress")] or [name for name in names if "pressure" in name]
+    return sorted(names, key=lambda name: (name not in first[:1], name))
+
+
+def _words(text: str) -> str:
+    """Description as paragraphs of Markdown; names of scenes in quotes become links."""
+    plain = re.sub(r"([*_<>$\\`\[\]#|])", r"\\\1", text.strip())
+    known = set(bundled_names())
+    return re.sub(
+        r"'([a-z0-9-]+)'", lambda hit: f"[{hit[1]}]({hit[1]}.md)" if hit[1] in known else f"`{hit[1]}`", plain
+    )
+
+
+def _page(name: str, scene: Mapping[str, Any], folder: Path) -> str:
+    run = json.loads((folder / "run.json").read_text("utf-8"))
+    pictures = _pictures(folder)
+    shown = [f"![{_words(scene['title'])}: {Path(file).stem}](pictures/{name}/{file})" for file in pictures]
+    lines = [
+        f"# {_words(scene.get('title', name))}",
+        _words(scene.get("description", "")),
+        (f"`eigencontact run {name}` took {run['seconds']:.1f} s here, pictures included. "
+        f"`eigencontact gallery show {name} > my.toml` copies the scene to start from."),
+        *shown[:1],
+        "```toml\n" + bundled_text(name).strip() + "\n```",
+        "What the terminal says:",
+        "```text\n" + run["said"].rstrip() + "\n```",
+        *shown[1:],
+    ]
+    return "\n\n".join(lines) + "\n"
+
+
+def _index(groups: Mapping[str, list[str]], runs: Mapping[str, Path]) -> str:
+    lines = [
+        "# Gallery",
+        ("Every bundled scene, run by the code that these pages describe. Each is a file to start from: "
+        "`eigencontact gallery show NAME > my.toml`."),
+    ]
+    for key, names in groups.items():
+        if not names:
+            continue
+        lines += [f"## {GROUPS[key]}", "::::{grid} 1 2 3 3\n:gutter: 3"]
+        for name in names:
+            title = _words(tomllib.loads(bundled_text(name)).get("title", name))
+            picture = next(iter(_pictures(runs[name])), None)
+            image = f":img-top: pictures/{name}/small-{picture}\n" if picture else ""
+            lines.append(f":::{{grid-item-card}} {name}\n:link: {name}\n:link-type: doc\n{image}\n{title}\n:::")
+        lines.append("::::")
+        lines.append("```{toctree}\n:hidden:\n\n" + "\n".join(names) + "\n```")
+    return "\n\n".join(lines) + "\n"

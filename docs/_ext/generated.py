@@ -1,0 +1,90 @@
+"""Pages that are made before the site is read: the gallery, the keys of scenes, the plugins, the commands."""
+
+from __future__ import annotations
+
+import subprocess
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+from click import Context
+from gallery import write, write_gallery
+from sphinx.application import Sphinx
+from sphinx.config import Config
+from typer.main import get_command
+
+from eigencontact.cli import app as command_line
+from eigencontact.library import installed_plugins
+from eigencontact.listing import plugin_data
+from eigencontact.reference.tables import all_tables
+from eigencontact.reference.text import as_markdown
+
+
+def _scene_page(docs: Path) -> None:
+    text = as_markdown(all_tables(installed_plugins()).values())
+    lead = (
+        "# Keys of a scene\n\nEvery table and key that a scene may hold, as the program itself knows them. "
+        "`eigencontact schema TABLE` prints a part of this page; `eigencontact schema --json` writes a JSON Schema, "
+        "by which editors of TOML complete and check keys. The parameters of what `type` names are on the page of "
+        "[plugins](plugins.md).\n\n"
+    )
+    write(docs / "reference" / "scene.md", lead + text)
+
+
+def _cell(text: Any) -> str:
+    return str(text).replace("``", "`").replace("|", "\\|").replace("\n", " ")
+
+
+def _key_table(keys: list[dict[str, Any]]) -> str:
+    rows = ["| key | takes | default | meaning |", "|---|---|---|---|"]
+    for key in keys:
+        default = "*required*" if key["required"] else "" if key["default"] in (None, "", []) else f"`{key['default']}`"
+        rows.append(f"| `{key['name']}` | {_cell(key['takes'])} | {_cell(default)} | {_cell(key['meaning'])} |")
+    return "\n".join(rows)
+
+
+def _plugin_page(docs: Path) -> None:
+    kinds = defaultdict(list)
+    for entry in plugin_data(installed_plugins())["plugins"]:
+        kinds[entry["kind"]].append(entry)
+    parts = [
+        "# Plugins",
+        ("What `type` may name in each table, with its parameters and sources. `eigencontact plugins KEY` prints one, "
+        "those of your own packages too; [how to write one](../plugins/index.md)."),
+    ]
+    for kind, entries in kinds.items():
+        parts.append(f"## {kind.replace('-', ' ').capitalize()}")
+        for entry in entries:
+            parts += [f"### {entry['type']}", _cell(entry["summary"])]
+            if entry["parameters"]:
+                parts.append(_key_table(entry["parameters"]))
+            for name, keys in entry["tables"].items():
+                parts += [f"In each table of `{name}`:", _key_table(keys)]
+            if entry["references"]:
+                parts.append("Sources: " + "; ".join(map(_cell, entry["references"])) + ".")
+    write(docs / "reference" / "plugins.md", "\n\n".join(parts) + "\n")
+
+
+def _command_page(docs: Path) -> None:
+    parts = ["# Commands", "What `eigencontact --help` and the help of each command say."]
+    group = get_command(command_line)
+    for words in ((), *((name,) for name in group.list_commands(Context(group)))):
+        command = ["eigencontact", *words, "--help"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise RuntimeError(f"command {words} must have a help (got: {done.stderr.strip()})")
+        parts += [f"## {' '.join(words) or 'eigencontact'}", f"```text\n{done.stdout.strip()}\n```"]
+    write(docs / "reference" / "commands.md", "\n\n".join(parts) + "\n")
+
+
+def _generate(app: Sphinx, config: Config) -> None:
+    docs = Path(app.srcdir)
+    for make in (_scene_page, _plugin_page, _command_page):
+        make(docs)
+    write_gallery(docs, [name for name in config.gallery_scenes.split(",") if name])
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.add_config_value("gallery_scenes", "", "env", str)  # a few, while a page is being written
+    app.connect("config-inited", _generate)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
