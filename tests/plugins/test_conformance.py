@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from eigencontact.core.held_arrays import hold
 from eigencontact_verification.conformance import checks_for, parametrize_with_checks
+
+GRAIN = hold(labels=np.array([[[0, 2], [2, 2], [2, 1]], [[0, 0], [0, 2], [1, 1]]]))
+BOWL = hold(x=np.arange(-3.0, 4.0), y=np.arange(-2.0, 3.0), gap=np.hypot(*np.ogrid[-2:3, -3:4]) ** 2)
 
 
 def shape(key, **parameters):
@@ -29,6 +33,7 @@ SHAPES = [
     shape("polyhedron", file=str(Path(__file__).with_name("wedge.off")), scale="1 um", rotation=(0.3, 0.0, 0.0)),
     shape("layer", size=(2.0, 1.0), thickness=0.1, top=0.2),
     shape("layer", size=(2e-3, 1e-3), thickness=1e-4, center=(1e-3, 0.0)),
+    shape("voxels", file=GRAIN.name, value=2, spacing=(0.4, 0.5, 0.3), origin=(0.1, 0.2, 0.3)),
 ]
 
 
@@ -74,6 +79,7 @@ GEOMETRIES = [
     ec.make("cylinder", kind="geometry", radius=1e-3, length=2e-3),
     ec.make("rounded-punch", kind="geometry", flat_radius=1e-4, edge_radius=1e-5),
     ec.make("rounded-cone", kind="geometry", half_angle=1.4, tip_radius=1e-5),
+    ec.make("gap-map", file=BOWL.name),
 ]
 
 

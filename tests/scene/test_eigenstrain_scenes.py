@@ -182,10 +182,6 @@ REFUSED = {
         {"eigenstrain": {name: value for name, value in PATCH.items() if name != "depth"}},
         "eigenstrain.depth must be given",
     ),
-    "displacement under a contact": (
-        CONTACT | {"stress": {"shape": "plane", "depth-max": 1e-6, "fields": ["displacement"]}},
-        "fields of stress region 'plane_y1' must be stress or strain in a scene with a contact (got displacement)",
-    ),
     "a region of a body without eigenstrain": (
         {"body2": STEEL, "stress": {"shape": "plane", "depth-max": 1e-6, "body": 2}},
         "stress region 'plane_y2' must lie in a body with eigenstrain (body2 has none, and there is no contact)",

@@ -163,6 +163,7 @@ def test_kernels_whose_depths_share_work_are_asked_for_all_of_them(periodic):
     class Alone:
         def __init__(self, kernel):
             self.parity, self.table, self.response = kernel.parity, kernel.table, kernel.response
+            self.components = kernel.components
 
     body = Material(young_modulus=1.0, poisson_ratio=0.3)
     loads, where = tractions(grid, 8), {"source": Box(0, 10, 0, 12), "target": grid.shape, "depths": depths}

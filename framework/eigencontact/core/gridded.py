@@ -1,5 +1,7 @@
 """Files of numbers on a lattice: NumPy archives, NetCDF, columns of text; read once, with one line for what is wrong.
 
+Arrays that are held in memory (`core.held_arrays`) are read as those of an archive.
+
 Components read them when they are made. `read_gridded` gives values at the points of ascending axes; `read_arrays` and
 `read_columns` give what a file holds to those who look at it in another way.
 """
@@ -14,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.held_arrays import PREFIX, held
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError
 
@@ -205,6 +208,8 @@ def read_columns(where: str, file: str, names: Sequence[str]) -> list[FloatArray
 
 
 def _stored(where: str, file: str) -> dict[str, _Stored]:
+    if file.startswith(PREFIX):
+        return _in_memory(where, file)
     path = _existing(where, file)
     try:
         if path.suffix.lower() in (".npy", ".npz"):
@@ -223,6 +228,14 @@ def _stored(where: str, file: str) -> dict[str, _Stored]:
     except Exception as problem:  # readers raise errors of many kinds for files that are none of their own
         rule = f"a readable .npy, .npz, NetCDF or text ({', '.join(TEXT_FILES)}) file"
         raise _refusal(where, rule, file, _first_line(problem)) from problem
+
+
+def _in_memory(where: str, file: str) -> dict[str, _Stored]:
+    arrays = held(file)
+    if arrays is None:
+        reason = "arrays of a library call are gone with its result, and with the process; give them again, or a file"
+        raise _refusal(where, "arrays that are held in memory", file, reason)
+    return {name: _Stored(values) for name, values in arrays.items()}
 
 
 def _lattice_of_columns(where: str, file: str, names: tuple[str, ...], values: tuple[str, ...]) -> dict[str, _Stored]:

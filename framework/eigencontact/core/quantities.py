@@ -123,7 +123,7 @@ QUANTITIES: dict[str, Quantity] = {
     "residual_displacement_z": Quantity("m", "surface displacement by eigenstrain into the bodies, both summed"),
     "residual_displacement_x": Quantity("m", "surface displacement by eigenstrain along x, body 1 minus body 2"),
     "residual_displacement_y": Quantity("m", "surface displacement by eigenstrain along y, body 1 minus body 2"),
-    "displacement": Quantity("m", "displacement by eigenstrain"),
+    "displacement": Quantity("m", "displacement against distant points of the body"),
     "strain": Quantity("1", "total strain, expansion positive"),
     "stress": Quantity("Pa", "sub-surface stress, positive in tension"),
     "von_mises": Quantity("Pa", "von Mises stress"),

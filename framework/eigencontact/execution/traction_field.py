@@ -1,4 +1,4 @@
-"""Stress and strain that the tractions of a contact cause at the points of a region."""
+"""Stress, strain and displacement that the tractions of a contact cause at the points of a region."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ FloatArray = NDArray[np.float64]
 
 #: What is told of a region that has points next to the surface.
 _NOTE = "stress by tractions above a depth of {:.3g} m is a mean over each cell, linear between their centres"
+_WORDS = {"stress": "stress (6 components)", "displacement": "displacement x, y, z"}
 #: Tables for one mean over a cell, and means for one point between cells.
 _TABLES, _MEANS = 4, 4
 #: Depths of a close-up whose coefficients are held at once.
@@ -40,7 +41,8 @@ class TractionField:
 
     Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
     stress is that of body 1 under those. Next to the surface of a window that is not periodic, stress is a mean over
-    cells (`eigencontact.solvers.surface_means`).
+    cells (`eigencontact.solvers.surface_means`). The displacement is that against distant points of the body, in a
+    periodic window against the mean of the surface.
     """
 
     def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice) -> None:
@@ -54,26 +56,36 @@ class TractionField:
             lambda: plane_round_off() if lattice.points is None and lattice.finer == (1, 1) else None,
         )  # fmt: skip
         self._tractions = model.tractions
-        self._kernels = [StressCoefficients(model.influences[item.name], body) for item in model.tractions]
+        stress = not {"stress", "strain"}.isdisjoint(request.fields)
+        self._quantities = [*(["stress"] if stress else []), *({"displacement"} & set(request.fields))]
+        self._kernels = {
+            quantity: [StressCoefficients(model.influences[item.name], body, quantity) for item in model.tractions]
+            for quantity in self._quantities
+        }
         self.requires = frozenset(item.field for item in model.tractions)
         depths = lattice.depths if lattice.points is None else lattice.points[:, 2]
-        self._near = np.zeros(depths.shape, dtype=bool) if model.periodic else depths < depth_of_means(model.grid)
-        self.note = _NOTE.format(depth_of_means(model.grid)) if self._near.any() else ""
-        self._operators: dict[bool, Any] = {}
-        self._declare(model)
+        far = np.zeros(depths.shape, dtype=bool)
+        near = far if model.periodic else depths < depth_of_means(model.grid)
+        self._near = {"stress": near, "displacement": far}  # no displacement is infinite
+        self.note = _NOTE.format(depth_of_means(model.grid)) if stress and near.any() else ""
+        self._operators: dict[tuple[str, bool], Any] = {}
+        self.cost, self.kernels = Cost(), tuple[KernelUse, ...]()
+        for quantity in self._quantities:
+            self._declare(model, quantity)
 
-    def _declare(self, model: Model) -> None:
-        """Price and kernels."""
+    def _declare(self, model: Model, quantity: str) -> None:
+        """Price and kernels of a quantity; three coefficients of displacement count as six of stress."""
         lattice, numerics, pressure = self._lattice, self._numerics, model.influences["p"]
         sampling, count = sampling_seconds(pressure, self._body, periodic=self._periodic), len(self._tractions)
+        near = self._near[quantity]
         if lattice.points is not None:
-            tables = int(np.where(self._near, _TABLES * _MEANS, 1).sum())
+            tables = int(np.where(near, _TABLES * _MEANS, 1).sum())
             text = f"{len(lattice.points)} points, superposed directly"
             cells, workers = model.contact_box[0] * model.contact_box[1], numerics.threads or available_threads()
             seconds = tables * (sampling * count * cells + 1e-4) / working_threads(workers)
             cost = Cost(memory=cells * 8.0 * 30 * workers, seconds_per_step=seconds)
         else:
-            tables = int(np.where(self._near, _TABLES, lattice.finer[0] * lattice.finer[1]).sum())
+            tables = int(np.where(near, _TABLES, lattice.finer[0] * lattice.finer[1]).sum())
             text = lattice.words
             price = section_cost if self._in_section else spectra_cost
             cost = price(self._layout(model), tables, sampling, numerics, tractions=count)
@@ -82,15 +94,15 @@ class TractionField:
                     seconds_per_step=cost.seconds_once + cost.seconds_per_step,
                     transient=cost.memory * min(1.0, _AT_ONCE / tables),
                 )
-        self.cost = cost
+        self.cost += cost
         if not isinstance(self._body, Material):
             from eigencontact.execution.layered_cost import layered_stress_cost
 
             anew = lattice.points is not None
             self.cost += layered_stress_cost(self._body, tables * count, numerics, anew=anew)
-        self.kernels = tuple(
+        self.kernels += tuple(
             KernelUse(
-                "stress (6 components)", item.words, kernel_key(model.influences[item.name], [self._body]), text,
+                _WORDS[quantity], item.words, kernel_key(model.influences[item.name], [self._body]), text,
                 1 if lattice.points is not None else tables,
             )
             for item in self._tractions
@@ -113,10 +125,11 @@ class TractionField:
         return Layout(model.contact_box, (target[0], target[1]), origin)
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
-        """Stress, and strain where it is wanted, ``(6, *lattice.shape)``."""
+        """Stress, and strain and displacement where they are wanted, ``(6 or 3, *lattice.shape)``."""
         tractions = loads(self._number, self._tractions, step.fields)
-        stress = self._on_lattice(tractions) if self._lattice.points is None else self._at_points(tractions)
-        return {"stress": stress, "strain": self._strain(stress)} if "strain" in self._wanted else {"stress": stress}
+        evaluate = self._on_lattice if self._lattice.points is None else self._at_points
+        found = {quantity: evaluate(quantity, tractions) for quantity in self._quantities}
+        return found | ({"strain": self._strain(found["stress"])} if "strain" in self._wanted else {})
 
     def _strain(self, stress: FloatArray) -> FloatArray:
         """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""
@@ -129,75 +142,73 @@ class TractionField:
             strain[:, there] = _hooke(stress[:, there], self._body.material_at(float(depth) + 0.0))
         return strain
 
-    def _at_points(self, tractions: list[FloatArray]) -> FloatArray:
+    def _at_points(self, quantity: str, tractions: list[FloatArray]) -> FloatArray:
         from eigencontact.solvers.subsurface import stress_at_points
         from eigencontact.solvers.surface_means import means_at_points
 
-        points, near = self._lattice.points, self._near
+        points, near, kernels = self._lattice.points, self._near[quantity], self._kernels[quantity]
         assert points is not None
-        stress = np.empty((6, len(points)))
+        values = np.empty((len(kernels[0].components), len(points)))
         for some, found in ((near, means_at_points), (~near, stress_at_points)):
             if some.any():
-                stress[:, some] = found(
-                    self._grid, self._kernels, tractions, points[some], threads=self._numerics.threads
-                )  # fmt: skip
-        return stress
+                values[:, some] = found(self._grid, kernels, tractions, points[some], threads=self._numerics.threads)
+        return values
 
-    def _on_lattice(self, tractions: list[FloatArray]) -> FloatArray:
-        box, near = Box.around(tractions[0] > 0), self._near
+    def _on_lattice(self, quantity: str, tractions: list[FloatArray]) -> FloatArray:
+        box, near = Box.around(tractions[0] > 0), self._near[quantity]
+        values = np.zeros((len(self._kernels[quantity][0].components), *self._lattice.shape))
         if box is None:
-            return np.zeros((6, *self._lattice.shape))
-        stress = np.empty((6, *self._lattice.shape))
+            return values
         if near.any():
-            stress[:, near] = self._kept(box, near=True).apply(tractions)
+            values[:, near] = self._kept(quantity, box, near=True).apply(tractions)
         if self._lattice.finer != (1, 1):
-            self._close_up(tractions, box, stress)
+            self._close_up(quantity, tractions, box, values)
         elif not near.all():
-            stress[:, ~near] = self._kept(box, near=False).apply(tractions)
-        return stress
+            values[:, ~near] = self._kept(quantity, box, near=False).apply(tractions)
+        return values
 
-    def _kept(self, box: Box, *, near: bool) -> Any:
+    def _kept(self, quantity: str, box: Box, *, near: bool) -> Any:
         """Operator of the points next to the surface, or below; with a margin where the contact has left its box."""
-        operator = self._operators.pop(near, None)
+        operator = self._operators.pop((quantity, near), None)
         if operator is None or not operator.covers(box):
             margin = 0 if operator is None else max(2, max(box.shape) // 6)
             operator = None  # its memory goes before the next is made
-            operator = self._operator(box.grown(margin, margin, self._grid.shape), near=near)
-        self._operators[near] = operator
+            operator = self._operator(quantity, box.grown(margin, margin, self._grid.shape), near=near)
+        self._operators[quantity, near] = operator
         return operator
 
-    def _operator(self, source: Box, *, near: bool) -> Any:
+    def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:
         from eigencontact.solvers.surface_means import MeansOnLattice
 
-        lattice, numerics = self._lattice, self._numerics
+        lattice, numerics, kernels = self._lattice, self._numerics, self._kernels[quantity]
         precision, threads = numerics.precision, numerics.threads
-        depths = lattice.depths[self._near == near]
+        depths = lattice.depths[self._near[quantity] == near]
         if near:
             return MeansOnLattice(
-                self._grid, self._kernels, source=source, x=lattice.x, y=lattice.y, depths=depths,
+                self._grid, kernels, source=source, x=lattice.x, y=lattice.y, depths=depths,
                 precision=precision, threads=threads,
             )  # fmt: skip
         where = {"source": source, "target": lattice.target, "origin": lattice.origin, "depths": depths}
         if self._in_section:
             from eigencontact.solvers.section_stress import SectionStress
 
-            return SectionStress(self._grid, self._kernels, **where, precision=precision, threads=threads)
+            return SectionStress(self._grid, kernels, **where, precision=precision, threads=threads)
         from eigencontact.solvers.subsurface import SubsurfaceStress
 
         return SubsurfaceStress(
-            self._grid, self._kernels, **where, periodic=self._periodic, precision=precision, threads=threads
+            self._grid, kernels, **where, periodic=self._periodic, precision=precision, threads=threads
         )
 
-    def _close_up(self, tractions: list[FloatArray], box: Box, out: FloatArray) -> None:
-        """Stress on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
+    def _close_up(self, quantity: str, tractions: list[FloatArray], box: Box, out: FloatArray) -> None:
+        """Field on points finer than the cells: lattices of the cells' pitch, one after the other, few depths each."""
         from eigencontact.solvers.subsurface import SubsurfaceStress
 
-        for begin in range(int(self._near.sum()), self._lattice.depths.size, _AT_ONCE):
+        for begin in range(int(self._near[quantity].sum()), self._lattice.depths.size, _AT_ONCE):
             layers = slice(begin, begin + _AT_ONCE)
             for (rows, columns), lattice in self._lattice.shifted:
                 operator = SubsurfaceStress(
                     self._grid,
-                    self._kernels,
+                    self._kernels[quantity],
                     source=box,
                     target=lattice.target,
                     origin=lattice.origin,

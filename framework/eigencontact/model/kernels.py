@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.material import Material
 from eigencontact.core.symmetry import parity
+from eigencontact.core.tensors import COMPONENTS
 from eigencontact.core.tractions import TRACTIONS, side
 from eigencontact.errors import PlanError
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
@@ -88,20 +89,32 @@ class PairCoefficients:
 
 @dataclass(frozen=True, slots=True)
 class StressCoefficients:
-    """Mandel stress in one body under one traction component."""
+    """Mandel stress in one body under one traction component, or its displacement.
+
+    Attributes
+    ----------
+    quantity : "stress" or "displacement"
+        Values are per unit traction, [-] or [m/Pa].
+    """
 
     influence: SurfaceInfluence
     body: Any
+    quantity: str = "stress"
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Components of the quantity, in their order."""
+        return COMPONENTS if self.quantity == "stress" else ("x", "y", "z")
 
     def parity(self, component: str) -> tuple[int, int]:
-        """Parity (in y, in x) of one stress component."""
+        """Parity (in y, in x) of one component."""
         return parity(component, TRACTIONS[self.influence.traction].direction)
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
-        """Stress at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)`` [-]."""
-        return self.influence.sample("stress", components, x, y, z, half_widths, self.body)
+        """Values at offsets x, y and depth z [m] of a rectangle under unit traction, ``(n, ny, nx)``."""
+        return self.influence.sample(self.quantity, components, x, y, z, half_widths, self.body)
 
     def at_depths(
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
@@ -111,7 +124,7 @@ class StressCoefficients:
             return lambda number, x, y: self.table(components, x, y, float(depths[number]), half_widths)
         layered: Any = self.influence  # the influence that knows layers goes with such a body
         table: Callable[[int, FloatArray, FloatArray], FloatArray]
-        table = layered.at_depths("stress", components, depths, half_widths, reach, self.body).on_lattice
+        table = layered.at_depths(self.quantity, components, depths, half_widths, reach, self.body).on_lattice
         return table
 
     def sums_at(
@@ -127,22 +140,22 @@ class StressCoefficients:
             return None
         layered: Any = self.influence
         sums: Callable[[int, FloatArray, FloatArray], FloatArray]
-        sums = layered.at_depths("stress", components, depths, half_widths, reach, self.body).superposing(load)
+        sums = layered.at_depths(self.quantity, components, depths, half_widths, reach, self.body).superposing(load)
         return sums
 
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
-        """Amplitudes of the stress of a unit traction wave at depth z, ``(n, nky, nkx)`` [-]."""
-        return _with_waves(self.influence).wavenumber_response("stress", components, kx, ky, z, self.body)
+        """Amplitudes for a unit traction wave at depth z, ``(n, nky, nkx)``."""
+        return _with_waves(self.influence).wavenumber_response(self.quantity, components, kx, ky, z, self.body)
 
     def responses(
         self, components: list[str], kx: FloatArray, ky: FloatArray, depths: FloatArray
     ) -> Iterable[NDArray[np.complex128]]:
-        """Amplitudes of the stress of a unit traction wave at several depths, ``(n, nky, nkx)`` each [-]."""
+        """Amplitudes for a unit traction wave at several depths, ``(n, nky, nkx)`` each."""
         if isinstance(self.body, Material):
             return (self.response(components, kx, ky, float(z)) for z in depths)
         layered: Any = self.influence
-        values: NDArray[np.complex128] = layered.wavenumber_responses("stress", components, kx, ky, depths, self.body)
-        return np.moveaxis(values, 1, 0)
+        values = layered.wavenumber_responses(self.quantity, components, kx, ky, depths, self.body)
+        return np.asarray(np.moveaxis(values, 1, 0))
 
 
 def _with_waves(influence: SurfaceInfluence) -> HasWavenumberResponse:

@@ -238,11 +238,6 @@ def _check_region(scene: Scene, request: StressRequest) -> None:
         raise ValueError(f"!stress region {request.label!r} must lie in an elastic body (body{request.body} is rigid)")
     if request.around is not None or request.refinement is not None:
         _check_close_up(scene, request)
-    if scene.geometry and "displacement" in request.fields:
-        raise ValueError(
-            f"!fields of stress region {request.label!r} must be stress or strain in a scene with a contact "
-            "(got displacement); that of eigenstrain is given without a geometry"
-        )
     if scene.numerics.boundary == "periodic" and request.shape in ("line", "points"):
         raise ValueError("!stress of a periodic scene must be asked for on planes or volumes (got a line or points)")
 

@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from eigencontact.core.held_arrays import PREFIX
 from eigencontact.core.quantities import FileMark
 from eigencontact.errors import PluginError
 from eigencontact.hooks.registry import Registry
@@ -43,6 +44,8 @@ def anchored(scene: Scene, registry: Registry) -> tuple[Scene, tuple[Path, ...]]
     def place(name: str) -> str:
         if name.startswith(GALLERY):
             found[Path(str(files("eigencontact") / "gallery")) / name.removeprefix(GALLERY)] = None
+            return name
+        if name.startswith(PREFIX):
             return name
         path = Path(name) if folder is None else folder / name
         found[path] = None

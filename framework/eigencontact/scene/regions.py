@@ -59,7 +59,8 @@ class StressRequest(Table):
     refinement : int, optional
         Points to an edge of a cell in x and y; 8 by default around an inclusion, else 1.
     fields : list of {"stress", "strain", "displacement"}
-        What is stored; the displacement is that of eigenstrain, without a contact.
+        What is stored; the displacement is that against distant points of the body, in a periodic window against the
+        mean of its surface.
     quantities : list of {"von_mises", "tresca", "principal", "hydrostatic"}
         What is read off the stress and stored beside it.
     """

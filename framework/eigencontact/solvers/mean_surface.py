@@ -56,6 +56,11 @@ class MeanStressKernel:
     kernel: StressKernel
     height: float
 
+    @property
+    def components(self) -> Sequence[str]:
+        """See `StressKernel`."""
+        return self.kernel.components
+
     def parity(self, component: str) -> tuple[int, int]:
         """Parity (in y, in x)."""
         return self.kernel.parity(component)

@@ -1,4 +1,4 @@
-"""Stress on a section along x or y: one row of target points at each depth.
+"""Stress or displacement on a section along x or y: one row of target points at each depth.
 
 Transforms run along the row alone; across it the rows of the source are summed as they are. Against transforms in both
 directions (`eigencontact.solvers.subsurface`) that is exact in the same sense, keeps half of the numbers, or a quarter
@@ -18,7 +18,6 @@ from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.convolution.layout import Axis
 from eigencontact.convolution.spectrum import parity_transform
 from eigencontact.core.grid import Box, Grid
-from eigencontact.core.tensors import COMPONENTS
 from eigencontact.solvers.subsurface import StressKernel, TableAt, all_tables, folded, mirrored
 
 __all__ = ["SectionStress"]
@@ -27,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 
 class SectionStress:
-    """Stress on one row of target points at several depths, from kernels that are sampled and transformed once.
+    """Stress, or displacement, on one row of points at several depths, from kernels sampled and transformed once.
 
     Parameters
     ----------
@@ -61,11 +60,12 @@ class SectionStress:
         self._images = mirrored(self._offsets)
         self._threads = threads or available_threads()
         self._precision = precision
-        self._parities = [[kernel.parity(name) for name in COMPONENTS] for kernel in kernels]
+        self._names = tuple(kernels[0].components)
+        self._parities = [[kernel.parity(name) for name in self._names] for kernel in kernels]
         x, y = (self._offsets, self._row.lattice) if self._across else (self._row.lattice, self._offsets)
         reach = max(float(np.abs(x).max()) * grid.dx, float(np.abs(y).max()) * grid.dy)
         prepared = all_tables(kernels, self.depths, (0.5 * grid.dx, 0.5 * grid.dy), reach, self._threads)
-        #: Transformed kernels ``(6, tractions, rows across, wavenumbers)`` at each depth.
+        #: Transformed kernels ``(components, tractions, rows across, wavenumbers)`` at each depth.
         self._kernels: list[NDArray[Any]] = [np.empty(0)] * self.depths.size
         in_parallel(self._threads, [partial(self._fill, k, prepared) for k in range(self.depths.size)])
 
@@ -73,7 +73,7 @@ class SectionStress:
         """Sample and transform all components at one depth."""
         grid, row, kept = self.grid, self._row, self._offsets[self._images :]
         x, y = (kept, row.lattice) if self._across else (row.lattice, kept)
-        shape = (len(COMPONENTS), len(prepared), kept.size, row.half)
+        shape = (len(self._names), len(prepared), kept.size, row.half)
         real, whole = ("f4", "c8") if self._precision == "single" else ("f8", "c16")
         out = np.empty(shape, real if row.symmetric else whole)
         for t, tables in enumerate(prepared):
@@ -90,11 +90,11 @@ class SectionStress:
         return self.source.covers(box)
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
-        """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]."""
+        """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]; or displacement, ``(3, ...)`` [m]."""
         waves = self._waves(tractions)
         parts = [np.ascontiguousarray(part) for part in (waves.real, waves.imag)]
         row = self._row
-        out = np.empty((len(COMPONENTS), self.depths.size, row.targets))
+        out = np.empty((len(self._names), self.depths.size, row.targets))
 
         def superpose(k: int) -> None:
             real, imaginary = (np.einsum("ctrk,ctrk->ck", self._kernels[k], part) for part in parts)
@@ -105,14 +105,14 @@ class SectionStress:
         return np.expand_dims(out, 2 + self._across)
 
     def _waves(self, tractions: Sequence[FloatArray]) -> NDArray[np.complex128]:
-        """Transformed tractions ``(6, tractions, rows across, wavenumbers)``, as each component feels them."""
+        """Transformed tractions ``(components, tractions, rows across, wavenumbers)``, as each component feels them."""
         row, images = self._row, self._images
         loads = np.array([np.moveaxis(traction[self.source.slices], self._across, 0) for traction in tractions])
         loads = loads[:, ::-1]  # offsets (target minus source) ascend
         padded = np.zeros((*loads.shape[:2], row.length))
         padded[..., row.source_start : row.source_start + row.sources] = loads
         waves = np.fft.rfft(padded, axis=2)
-        out = np.empty((len(COMPONENTS), waves.shape[0], waves.shape[1] - images, waves.shape[2]), complex)
+        out = np.empty((len(self._names), waves.shape[0], waves.shape[1] - images, waves.shape[2]), complex)
         for t, parities in enumerate(self._parities):
             for c, parity in enumerate(parities):
                 out[c, t] = folded(waves[t], images, 0, parity[self._across])

@@ -1,4 +1,4 @@
-"""Stress below the surface from tractions on it, at chosen depths or points and nowhere else."""
+"""Stress or displacement below the surface from tractions on it, at chosen depths or points and nowhere else."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.grid import Box, Grid
-from eigencontact.core.tensors import COMPONENTS
 
 __all__ = [
     "HasDepths",
@@ -40,7 +39,12 @@ _POINTS, _WAVES = 128, 8
 
 
 class StressKernel(Protocol):
-    """Mandel stress of one uniformly loaded rectangle, per unit traction."""
+    """Mandel stress of one uniformly loaded rectangle, or its displacement, per unit traction."""
+
+    @property
+    def components(self) -> Sequence[str]:
+        """Components of the stress, or of the displacement."""
+        ...
 
     def parity(self, component: str) -> tuple[int, int]:
         """Parity (in y, in x)."""
@@ -92,7 +96,7 @@ class HasSums(Protocol):
 
 def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:
     """Tables of all components at depths ``(nz,)`` for offsets up to `reach` [m]."""
-    names = list(COMPONENTS)
+    names = list(kernel.components)
     if isinstance(kernel, HasDepths):
         return kernel.at_depths(names, depths, half_widths, reach)
     return lambda number, x, y: kernel.table(names, x, y, float(depths[number]), half_widths)
@@ -102,11 +106,12 @@ def _sums_at(
     kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float, load: FloatArray
 ) -> SumAt:
     """Sums of a load over tables of all components at depths ``(nz,)``."""
-    found = kernel.sums_at(list(COMPONENTS), depths, half_widths, reach, load) if isinstance(kernel, HasSums) else None
+    names = list(kernel.components)
+    found = kernel.sums_at(names, depths, half_widths, reach, load) if isinstance(kernel, HasSums) else None
     if found is not None:
         return found
     table = tables_at(kernel, depths, half_widths, reach)
-    parities = [kernel.parity(name) for name in COMPONENTS]
+    parities = [kernel.parity(name) for name in names]
 
     def sum_at(number: int, x: FloatArray, y: FloatArray) -> FloatArray:
         left, below = mirrored(x), mirrored(y)
@@ -139,7 +144,7 @@ def _responses(
     kernel: StressKernel, kx: FloatArray, ky: FloatArray, depths: FloatArray
 ) -> Iterable[NDArray[np.complex128]]:
     """Amplitudes of all components at some depths, one after the other."""
-    names = list(COMPONENTS)
+    names = list(kernel.components)
     if isinstance(kernel, HasDepths):
         return kernel.responses(names, kx, ky, depths)
     return (kernel.response(names, kx, ky, float(z)) for z in depths)
@@ -169,14 +174,14 @@ def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[A
 
 
 class SubsurfaceStress:
-    """Stress on a lattice of target points at several depths, as a convolution whose spectra are made once.
+    """Stress, or displacement, on a lattice of points at several depths: a convolution whose spectra are made once.
 
     Parameters
     ----------
     grid : Grid
         Cells of the tractions.
     kernels : sequence of StressKernel
-        One for each traction given to `apply`.
+        One for each traction given to `apply`, all of one quantity.
     source : Box
         Cells that may be loaded.
     target : (int, int)
@@ -222,7 +227,8 @@ class SubsurfaceStress:
         self._convolver = Convolver(self._layout, precision=precision, threads=threads)
         self._threads = threads or available_threads()
         #: Spectra ``[depth][component][traction]``.
-        self._spectra: list[list[list[Spectrum]]] = [[[] for _ in COMPONENTS] for _ in self.depths]
+        self._names = tuple(kernels[0].components)
+        self._spectra: list[list[list[Spectrum]]] = [[[] for _ in self._names] for _ in self.depths]
         in_parallel(self._threads, self._waves(list(kernels)) if periodic else self._coefficients(list(kernels)))
 
     def _waves(self, kernels: list[StressKernel]) -> list[Callable[[], None]]:
@@ -235,7 +241,7 @@ class SubsurfaceStress:
             depths = self.depths[begin : begin + few]
             for kernel in kernels:
                 for k, values in enumerate(_responses(kernel, kx[None, :], ky[:, None], depths), begin):
-                    for row, (name, value) in enumerate(zip(COMPONENTS, values, strict=True)):
+                    for row, (name, value) in enumerate(zip(self._names, values, strict=True)):
                         parity = kernel.parity(name)
                         spectrum = self._layout.spectrum_from_response(value, parity, precision=self._precision)
                         self._spectra[k][row].append(spectrum)
@@ -252,7 +258,7 @@ class SubsurfaceStress:
 
         def fill(k: int) -> None:
             for kernel, tables in zip(kernels, prepared, strict=True):
-                for row, (name, part) in enumerate(zip(COMPONENTS, tables(k, x[left:], y[below:]), strict=True)):
+                for row, (name, part) in enumerate(zip(self._names, tables(k, x[left:], y[below:]), strict=True)):
                     parity = kernel.parity(name)
                     table = _whole(_whole(part, below, 0, parity[0]), left, 1, parity[1])
                     spectrum = self._layout.spectrum(table, parity, precision=self._precision)
@@ -275,13 +281,13 @@ class SubsurfaceStress:
         return self._box.covers(box)
 
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
-        """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]."""
+        """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]; or displacement, ``(3, ...)`` [m]."""
         sources = np.array([self._shifted(traction[self._box.slices]) for traction in tractions])
         flat = [row for depth in self._spectra for row in depth]
         values = self._convolver.apply(sources, flat)
         if self._periodic:
             values = values[:, self._crop[0]][:, :, self._crop[1]]
-        stacked = values.reshape(self.depths.size, len(COMPONENTS), *values.shape[1:])
+        stacked = values.reshape(self.depths.size, len(self._names), *values.shape[1:])
         return np.moveaxis(stacked, 1, 0)
 
     def _shifted(self, traction: FloatArray) -> FloatArray:
@@ -305,7 +311,7 @@ def stress_at_points(
     *,
     threads: int | None = None,
 ) -> FloatArray:
-    """Mandel stress at scattered points by direct superposition of the loaded cells.
+    """Mandel stress, or displacement, at scattered points by direct superposition of the loaded cells.
 
     Seen from a point the cells are a lattice, so neighbouring cells share their corners here too.
 
@@ -316,11 +322,11 @@ def stress_at_points(
 
     Returns
     -------
-    (6, n)
-        Stress [Pa].
+    (6, n) or (3, n)
+        Stress [Pa], or displacement [m].
     """
     points = np.asarray(points, dtype=float)
-    out = np.zeros((len(COMPONENTS), len(points)))
+    out = np.zeros((len(kernels[0].components), len(points)))
     box = Box.around(np.any([traction != 0 for traction in tractions], axis=0))
     if box is None:
         return out

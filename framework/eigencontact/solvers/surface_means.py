@@ -40,6 +40,7 @@ class CellMeans:
 
     def __init__(self, kernel: StressKernel) -> None:
         self._kernel = kernel
+        self.components = kernel.components
         self.parity, self.response = kernel.parity, kernel.response  # waves are smooth: no cell has edges there
 
     def table(

@@ -1,0 +1,76 @@
+"""Arrays of the running process under a name that stands where a scene names a data file.
+
+A component that takes a data file reads arrays that are held as it reads those of an archive (`core.gridded`), so that
+a library call can hand over what it was given and nothing is written to disk. The name is made of the content: a scene
+with other arrays is another scene. Arrays are held as long as somebody keeps what `hold` returned.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from typing import Any
+from weakref import WeakValueDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["PREFIX", "HeldArrays", "held", "hold"]
+
+#: What the name of held arrays begins with.
+PREFIX = "memory:"
+
+
+class HeldArrays(Mapping[str, "NDArray[Any]"]):
+    """Copies of arrays by name, which nobody changes.
+
+    Attributes
+    ----------
+    name : str
+        Stands for them where a file may stand.
+    """
+
+    def __init__(self, arrays: Mapping[str, ArrayLike]) -> None:
+        self._arrays = {name: np.array(values, order="C") for name, values in arrays.items()}
+        digest = hashlib.sha256()
+        for name, values in sorted(self._arrays.items()):
+            values.flags.writeable = False
+            digest.update(f"{name} {values.dtype.str} {values.shape} ".encode())
+            digest.update(values.data)
+        self.name = f"{PREFIX}{digest.hexdigest()[:24]}"
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self._arrays[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, HeldArrays) and self.name == other.name
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+
+_HELD: WeakValueDictionary[str, HeldArrays] = WeakValueDictionary()
+
+
+def hold(**arrays: ArrayLike) -> HeldArrays:
+    """Hold copies of arrays as long as what is returned is kept; the same arrays are held once.
+
+    Examples
+    --------
+    >>> gap = hold(gap=np.zeros((2, 2)))
+    >>> held(gap.name) is gap
+    True
+    """
+    new = HeldArrays(arrays)
+    return _HELD.setdefault(new.name, new)
+
+
+def held(name: str) -> HeldArrays | None:
+    """Arrays that are held under a name, or None."""
+    return _HELD.get(name)

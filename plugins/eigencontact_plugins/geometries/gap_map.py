@@ -1,0 +1,76 @@
+"""Separation given as numbers at the points of a raster."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.plugin import DataFile, Geometry, Grid, GriddedData, hookimpl, read_gridded, require
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["GapMap"]
+
+FloatArray = NDArray[np.float64]
+
+#: Steps of an axis that differ by more than this part of it are uneven.
+_EVEN = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class GapMap(Geometry):
+    """Separation of two surfaces at the points of an even raster, with its own datum.
+
+    Numbers are exact at the points of the raster, which are the cells of an automatic grid; bilinear between them, and
+    beyond them that of the nearest border. The approach counts from a separation of 0, wherever the first touch is.
+
+    Parameters
+    ----------
+    file : str
+        ``.npz`` or NetCDF with ascending, even ``y (ny,)`` and ``x (nx,)`` [m] and ``gap (ny, nx)`` [m]; text with
+        columns x, y, gap (`eigencontact.plugin.read_gridded`).
+    """
+
+    key: ClassVar[str] = "gap-map"
+    references: ClassVar[tuple[str, ...]] = ("bilinear interpolation of given numbers: elementary",)
+
+    file: DataFile
+
+    def __post_init__(self) -> None:
+        rule = "a raster of equal steps along x, and along y"
+        for axis in self._data.axes:  # read and checked now, not in the middle of a run
+            steps = np.diff(axis)
+            require(float(np.ptp(steps)) <= _EVEN * float(steps.mean()), self.key, "file", self.file, rule)
+
+    @cached_property
+    def _data(self) -> GriddedData:
+        return read_gridded(f"{self.key}.file", self.file, {"gap": "m"}, axes=("y", "x"))
+
+    def native_grid(self) -> Grid:
+        """Grid whose cells are centred on the points."""
+        (dy, cy), (dx, cx) = (
+            (float(axis[-1] - axis[0]) / (axis.size - 1), 0.5 * float(axis[0] + axis[-1])) for axis in self._data.axes
+        )
+        ny, nx = self._data.shape
+        return Grid(nx=nx, ny=ny, dx=dx, dy=dy, center=(cx, cy))
+
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Separation [m]."""
+        (rows, columns), grid = self._data.axes, self.native_grid()
+        on_raster = (
+            (x.shape, y.shape) == ((1, columns.size), (rows.size, 1))
+            and np.abs(x[0] - columns).max() <= 1e-9 * grid.dx
+            and np.abs(y[:, 0] - rows).max() <= 1e-9 * grid.dy
+        )
+        return self._data.values["gap"] if on_raster else self._data.at("gap", y, x)
+
+
+@hookimpl
+def eigencontact_register() -> Iterable[type[Geometry]]:
+    """Register the given separation."""
+    return [GapMap]
