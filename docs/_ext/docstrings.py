@@ -1,8 +1,9 @@
-"""Docstrings as they stand in the code, read by Sphinx: bars of absolute values are no substitutions."""
+"""Docstrings read by Sphinx: bars of absolute values are no substitutions, sections of modules no headings."""
 
 from __future__ import annotations
 
 import re
+from types import GenericAlias
 from typing import Any
 
 from sphinx.application import Sphinx
@@ -10,7 +11,11 @@ from sphinx.application import Sphinx
 LITERAL = re.compile(r"(``.*?``|`[^`]*`)")
 
 
-def _escape(_app: Sphinx, _what: str, _name: str, _obj: Any, _options: Any, lines: list[str]) -> None:
+def _escape(_app: Sphinx, what: str, _name: str, _obj: Any, _options: Any, lines: list[str]) -> None:
+    if what == "module":  # numpydoc leaves the sections of modules as they are
+        for number in range(len(lines) - 1, 0, -1):
+            if lines[number] and not lines[number].strip("-"):
+                lines[number - 1 : number + 1] = [f".. rubric:: {lines[number - 1]}", ""]
     code = False
     for number, line in enumerate(lines):
         if line.lstrip().startswith(">>>"):
@@ -24,6 +29,11 @@ def _escape(_app: Sphinx, _what: str, _name: str, _obj: Any, _options: Any, line
             )
 
 
+def _skip(_app: Sphinx, _what: str, _name: str, obj: Any, _skipped: bool, _options: Any) -> bool | None:  # noqa: FBT001
+    return True if isinstance(obj, GenericAlias) else None  # Sphinx takes an alias of a tuple for a class
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-docstring", _escape, priority=900)  # after numpydoc
+    app.connect("autodoc-skip-member", _skip)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

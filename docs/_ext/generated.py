@@ -7,6 +7,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
+from api import api_pages
 from click import Context
 from gallery import write, write_gallery
 from sphinx.application import Sphinx
@@ -81,6 +82,8 @@ def _generate(app: Sphinx, config: Config) -> None:
     docs = Path(app.srcdir)
     for make in (_scene_page, _plugin_page, _command_page):
         make(docs)
+    for name, text in api_pages():
+        write(docs / "api" / "generated" / f"{name}.md", text)
     write_gallery(docs, [name for name in config.gallery_scenes.split(",") if name])
 
 

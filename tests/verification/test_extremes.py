@@ -147,7 +147,7 @@ def test_features_are_listed_and_unknown_ones_refused(command):
 
 
 def test_the_page_has_every_feature_and_every_corner_without_a_fault():
-    """Written by `eigencontact extremes --markdown docs/measured/extremes.md`; what is new in a feature must be in it."""
+    """Written by `eigencontact extremes --markdown FILE`; what is new in a feature must be in it."""
     parts = PAGE.read_text(encoding="utf-8").split("\n## ")
     assert "0 at fault" in parts[0]
     sections = {part.partition("\n")[0]: part for part in parts[1:]}
