@@ -8,8 +8,6 @@ import pkgutil
 from collections.abc import Iterator
 from types import GenericAlias
 
-from eigencontact.reference.docstrings import summary
-
 PACKAGES = {
     "eigencontact.solvers": "Solvers",
     "eigencontact.convolution": "Convolution",
@@ -51,8 +49,9 @@ def _is_class(value: object) -> bool:
 
 
 def _first(value: object) -> str:
-    documented = _is_class(value) or inspect.isroutine(value)
-    return summary(value).replace("``", "`").replace("|", "\\|") if documented else ""
+    if not (_is_class(value) or inspect.isroutine(value)):
+        return ""
+    return (inspect.getdoc(value) or "").split("\n")[0].replace("``", "`").replace("|", "\\|")
 
 
 def _modules(package: str, title: str) -> str:

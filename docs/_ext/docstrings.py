@@ -29,11 +29,18 @@ def _escape(_app: Sphinx, what: str, _name: str, _obj: Any, _options: Any, lines
             )
 
 
-def _skip(_app: Sphinx, _what: str, _name: str, obj: Any, _skipped: bool, _options: Any) -> bool | None:  # noqa: FBT001
-    return True if isinstance(obj, GenericAlias) else None  # Sphinx takes an alias of a tuple for a class
+def _skip(_app: Sphinx, _what: str, name: str, obj: Any, _skipped: bool, _options: Any) -> bool | None:  # noqa: FBT001
+    """Aliases of tuples, which Sphinx takes for classes, and what pydantic adds."""
+    return True if isinstance(obj, GenericAlias) or name.startswith("model_") else None
+
+
+def _signature(_app: Sphinx, _what: str, _name: str, obj: Any, *_: Any) -> tuple[str, str] | None:
+    """Tables of a scene have no signature to read: their keys are in the reference."""
+    return ("", "") if hasattr(obj, "model_fields") else None
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-docstring", _escape, priority=900)  # after numpydoc
     app.connect("autodoc-skip-member", _skip)
+    app.connect("autodoc-process-signature", _signature)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
