@@ -12,7 +12,9 @@ import xarray as xr
 
 import eigencontact as ec
 from close import close
-from eigencontact.errors import EigencontactError, SceneError
+from eigencontact.core.kept import Kept, kept_or_made
+from eigencontact.errors import PlanError, SceneError
+from eigencontact.execution.traction_field import TractionField
 from eigencontact.sweeps.axes import axes_of, axis_of_text
 from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import read_sweep_file, sweep
@@ -153,14 +155,64 @@ def test_pairs():
         sweep(SCENE, vary | {"body1.poisson-ratio": [0.3]}, pairs=True)
 
 
-def test_one_grid_for_all(tmp_path):
+def test_one_grid_for_all(tmp_path, monkeypatch):
     scene = {**SCENE, "grid": {"cells-per-contact-radius": 6}}
     vary = {"steps.normal-load": ["0.1 N", "0.8 N"]}
-    with pytest.raises(EigencontactError, match=r"same cells in all variants .* grid = \"shared\""):
-        sweep(scene, vary, fields=["pressure"])
+    with monkeypatch.context() as patch:
+        patch.setattr("eigencontact.app.run", lambda *_, **__: pytest.fail("ran before it was refused"))
+        with pytest.raises(PlanError, match=r"same cells .*--shared-grid") as told:
+            sweep(scene, vary, fields=["pressure"])
+    assert "'normal-load=0.1N' and " in str(told.value)
     found = sweep(scene, vary, tmp_path, fields=["pressure"], grid="shared")
     area = (found.dataset.x[1] - found.dataset.x[0]) * (found.dataset.y[1] - found.dataset.y[0])
     assert (found.dataset.pressure.sum(("x", "y")) * area).values == close([0.1, 0.8], rel=1e-6)
+
+
+def test_a_file_may_ask_for_one_grid(command, tmp_path):
+    path = tmp_path / "vary.toml"
+    path.write_text("""
+        grid = "shared"
+        fields = ["pressure"]
+        scalars = ["approach"]
+        vary = {"steps.normal-load" = ["0.1 N", "0.4 N"]}
+        [scene]
+        body1 = {young-modulus = "210 GPa", poisson-ratio = 0.3}
+        geometry = {type = "sphere", radius = "100 um"}
+        grid = {cells-per-contact-radius = 4}
+        steps = {normal-load = "1 N"}
+    """)
+    done = command("sweep", path, "-o", tmp_path / "out")
+    assert done.code == 0, done.err
+    with xr.open_dataset(tmp_path / "out" / "sweep.nc", engine="h5netcdf") as stored:
+        assert stored.pressure.dims == ("steps_normal_load", "y", "x")
+
+
+def test_variants_share_what_they_agree_in(monkeypatch):
+    """Spectra of stress are made once for all friction coefficients, and the stress is the same to the last bit."""
+    made = []
+    real = TractionField._operator
+    monkeypatch.setattr(TractionField, "_operator", lambda *a, **k: (made.append(1), real(*a, **k))[1])
+    section = {"name": "cut", "shape": "plane", "normal": "y", "depth-max": "10 um", "depth-cells": 6}
+    scene = SCENE | {"stress": section, "friction": {"type": "coulomb", "coefficient": 0.3}, "steps": [
+        {"normal-load": "0.5 N"}, {"shift-x": "1 um"}], "numerics": {"coupling": "partial"}}  # fmt: skip
+    vary = {"friction.coefficient": [0.1, 0.2, 0.3]}
+    shared = sweep(scene, vary).dataset
+    together = len(made)
+    alone = [ec.run(scene | {"friction": {"type": "coulomb", "coefficient": f}}).summary for f in (0.1, 0.2, 0.3)]
+    assert len(made) - together == 3 * together
+    assert [float(value) for value in shared.max_von_mises] == [one["max_von_mises"] for one in alone]
+
+
+def test_what_is_kept_is_bounded():
+    kept = Kept(limit=100)
+    with kept.offered():
+        for number in range(5):
+            kept_or_made(lambda number=number: number, lambda: np.zeros(5))
+        assert kept.nbytes == 80
+        kept_or_made(lambda: 3, lambda: pytest.fail("made again"))
+        kept_or_made(lambda: "large", lambda: np.zeros(13))  # would push all others out
+    assert (kept.nbytes, kept.found) == (80, 1)
+    assert kept_or_made(lambda: pytest.fail("asked outside"), lambda: np.zeros(5)).size == 5
 
 
 def test_an_unknown_field_names_the_nearest():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Box
+from eigencontact.core.kept import kept_or_made
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.execution.block import Cost
@@ -173,9 +175,21 @@ class TractionField:
         if operator is None or not operator.covers(box):
             margin = 0 if operator is None else max(2, max(box.shape) // 6)
             operator = None  # its memory goes before the next is made
-            operator = self._operator(quantity, box.grown(margin, margin, self._grid.shape), near=near)
+            source = box.grown(margin, margin, self._grid.shape)
+            operator = kept_or_made(
+                lambda: self._key(quantity, source, near=near), lambda: self._operator(quantity, source, near=near)
+            )
         self._operators[quantity, near] = operator
         return operator
+
+    def _key(self, quantity: str, source: Box, *, near: bool) -> Hashable:
+        """All that determines an operator: variants of a sweep that agree in it share one (`core.kept`)."""
+        lattice, numerics = self._lattice, self._numerics
+        points = tuple(one.tobytes() for one in (lattice.x, lattice.y, lattice.depths, self._near[quantity]))
+        influences = [kernel.influence for kernel in self._kernels[quantity]]
+        kernels = tuple((type(one), one.key, one.traction) for one in influences)
+        how = (self._periodic, numerics.precision, numerics.threads, lattice.target, tuple(lattice.origin))
+        return (quantity, self._grid, self._body, kernels, source, near, points, how)
 
     def _operator(self, quantity: str, source: Box, *, near: bool) -> Any:
         from eigencontact.solvers.surface_means import MeansOnLattice

@@ -85,6 +85,11 @@ class SectionStress:
                     out[c, t] = np.fft.rfft(row.scatter(values, 1), axis=1)
         self._kernels[k] = out
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of the transformed kernels."""
+        return sum(one.nbytes for one in self._kernels)
+
     def covers(self, box: Box) -> bool:
         """Whether tractions on `box` can be handed to `apply`."""
         return self.source.covers(box)

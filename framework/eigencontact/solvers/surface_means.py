@@ -114,6 +114,11 @@ class MeansOnLattice:
             threads=threads,
         )
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of the stored spectra."""
+        return self._operator.nbytes
+
     def covers(self, box: Box) -> bool:
         """Whether tractions on `box` can be handed to `apply`."""
         return self._operator.covers(box)

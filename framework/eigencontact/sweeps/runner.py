@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.kept import Kept
+from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
 from eigencontact.errors import EigencontactError
 
@@ -30,6 +32,10 @@ __all__ = ["Outcome", "outcomes"]
 
 #: Beside the results of a variant: the scene that they belong to, and what could not be done.
 _MARK, _FAILED = "variant.json", "failed.json"
+#: Memory of what variants share [bytes], of all workers, and the part of the machine's that it may be.
+_MOST_KEPT, _PART_KEPT = 1e9, 0.1
+
+_OF_WORKER: Kept | None = None
 
 
 @dataclass(frozen=True)
@@ -87,7 +93,8 @@ def outcomes(
     tasks = [_Task(variant, None if folder is None else folder / variant.label, tuple(fields), threads)
              for variant in variants]  # fmt: skip
     if workers == 1:
-        yield from map(_outcome, tasks)
+        kept = _kept(1)
+        yield from (_outcome(task, kept) for task in tasks)
         return
     lost = yield from _in_pool(tasks, workers)
     for task in lost:  # whose process died, or that of a neighbour: each again, alone, so that one takes no other along
@@ -95,11 +102,27 @@ def outcomes(
             yield Outcome(task.variant.place, {}, {}, "its process died, twice (of memory, or killed)", 0.0)
 
 
+def _kept(workers: int) -> Kept:
+    """Store of what variants share within one process: spectra of stress in regions."""
+    return Kept(min(_MOST_KEPT, _PART_KEPT * machine_bytes()) / workers)
+
+
+def _begin_worker(workers: int) -> None:
+    global _OF_WORKER  # noqa: PLW0603 - a process that serves one sweep has one store
+    _OF_WORKER = _kept(workers)
+
+
+def _in_worker(task: _Task) -> Outcome:
+    assert _OF_WORKER is not None
+    return _outcome(task, _OF_WORKER)
+
+
 def _in_pool(tasks: Sequence[_Task], workers: int) -> Generator[Outcome, None, list[_Task]]:
     """Outcomes of tasks in processes; returns the tasks whose process died."""
     lost = list[_Task]()
-    with ProcessPoolExecutor(min(workers, len(tasks)), mp_context=get_context("spawn")) as pool:
-        running: dict[Future[Outcome], _Task] = {pool.submit(_outcome, task): task for task in tasks}
+    count = min(workers, len(tasks))
+    with ProcessPoolExecutor(count, get_context("spawn"), _begin_worker, (count,)) as pool:
+        running: dict[Future[Outcome], _Task] = {pool.submit(_in_worker, task): task for task in tasks}
         try:
             for done in as_completed(running):
                 try:
@@ -112,7 +135,7 @@ def _in_pool(tasks: Sequence[_Task], workers: int) -> Generator[Outcome, None, l
     return lost
 
 
-def _outcome(task: _Task) -> Outcome:
+def _outcome(task: _Task, kept: Kept) -> Outcome:
     """Run one variant, or read what it left."""
     began, variant = perf_counter(), task.variant
     summary: dict[str, Any] = {}
@@ -120,7 +143,8 @@ def _outcome(task: _Task) -> Outcome:
     failed = variant.refused
     try:
         if not failed:
-            summary, fields = _computed(task)
+            with kept.offered():
+                summary, fields = _computed(task)
     except (EigencontactError, MemoryError) as problem:
         failed = " ".join(str(problem).split()) or type(problem).__name__
     except Exception as problem:  # noqa: BLE001 - one variant must not take the others along, whatever it meets

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import ceil
+from math import ceil, isclose
 
+from eigencontact.core.grid import Grid
 from eigencontact.errors import EigencontactError, PlanError
 from eigencontact.sweeps.variants import Variant
 
-__all__ = ["on_one_grid"]
+__all__ = ["on_one_grid", "refuse_different_cells"]
 
 #: Cells of the shared window beyond which a sweep is refused rather than run for days unasked.
 _MOST = 2**24
@@ -23,19 +24,9 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
     PlanError
         No variant can be planned, or the window would have too many cells.
     """
-    from eigencontact.app import plan
     from eigencontact.scene.schema import GridSpec
 
-    grids, out = [], list[Variant]()
-    for variant in variants:
-        if variant.scene is None:
-            out.append(variant)
-            continue
-        try:
-            grids.append(plan(variant.scene).grid)
-            out.append(variant)
-        except EigencontactError as problem:
-            out.append(replace(variant, scene=None, refused=str(problem)))
+    out, grids = _planned(variants)
     if not grids:
         raise PlanError(f"every variant of the sweep is refused; the first: {out[0].refused}")
     edges = [min(getattr(grid, name) for grid in grids) for name in ("dx", "dy")]
@@ -57,5 +48,60 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
         size=(counts[0] * edges[0], counts[1] * edges[1]),
         center=(0.5 * sum(spans[0]), 0.5 * sum(spans[1])),
     )
-    return [one if one.scene is None else replace(one, scene=one.scene.model_copy(update={"grid": spec}).within(
-        one.scene.folder)) for one in out]  # fmt: skip
+    return [one if one.scene is None or one.refused else replace(one, scene=one.scene.model_copy(
+        update={"grid": spec}).within(one.scene.folder)) for one in out]  # fmt: skip
+
+
+def refuse_different_cells(variants: Sequence[Variant]) -> None:
+    """Refuse, before anything is run, variants whose fields could not be brought together.
+
+    Raises
+    ------
+    PlanError
+        Two variants have different cells.
+    """
+    if _plainly_alike(variants):
+        return
+    planned, grids = _planned(variants)
+    able = [one for one in planned if not one.refused]
+    for variant, grid in zip(able, grids, strict=True):
+        if not _same(grid, grids[0]):
+            raise PlanError(
+                f"fields must lie on the same cells in all variants (got {_words(grids[0])} in {able[0].label!r} and "
+                f'{_words(grid)} in {variant.label!r}); give grid = "shared" (--shared-grid), or grid.cells and '
+                "grid.size"
+            )
+
+
+def _plainly_alike(variants: Sequence[Variant]) -> bool:
+    """Whether all scenes give one window in numbers, so that no plan is needed to know it."""
+    specs = [one.scene.grid for one in variants if one.scene is not None]
+    given = all(spec.cells is not None and (spec.size is not None or spec.spacing is not None) for spec in specs)
+    return given and all(spec == specs[0] for spec in specs)
+
+
+def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
+    """Variants, those that no plan can be made of with the reason; and the windows of the others."""
+    from eigencontact.app import plan
+
+    grids, out = list[Grid](), list[Variant]()
+    for variant in variants:
+        refused = variant.refused
+        if variant.scene is not None and not refused:
+            try:
+                grids.append(plan(variant.scene).grid)
+            except EigencontactError as problem:
+                refused = str(problem)
+        out.append(replace(variant, refused=refused))
+    return out, grids
+
+
+def _same(one: Grid, other: Grid) -> bool:
+    """Whether cells are the same but for round-off."""
+    moved = max(abs(a - b) for a, b in zip(one.center, other.center, strict=True))
+    alike = isclose(one.dx, other.dx, rel_tol=1e-9) and isclose(one.dy, other.dy, rel_tol=1e-9)
+    return one.shape == other.shape and alike and moved < 1e-6 * min(one.dx, one.dy)
+
+
+def _words(grid: Grid) -> str:
+    return f"{grid.nx} x {grid.ny} of {grid.dx:.3g} m"

@@ -94,9 +94,9 @@ def sweep(
     Raises
     ------
     SceneError, PlanError
-        A description that no variant can follow.
+        A description that no variant can follow; chosen fields on different cells, before anything is run.
     ResultsError
-        Chosen fields on different cells, or a folder that cannot be written.
+        A folder that cannot be written.
 
     Examples
     --------
@@ -119,6 +119,10 @@ def sweep(
         from eigencontact.sweeps.shared import on_one_grid
 
         variants = on_one_grid(variants)
+    elif fields:
+        from eigencontact.sweeps.shared import refuse_different_cells
+
+        refuse_different_cells(variants)
     if place is not None:
         place.mkdir(parents=True, exist_ok=True)
     found: list[Outcome] = []

@@ -35,9 +35,9 @@ class Variant:
     values : dict
         Value of each key.
     scene : Scene or None
-        What is run; None where the values are refused.
+        What is run; None where the values make no scene.
     refused : str
-        Why they are.
+        Why the variant is not run: values that make no scene, or a scene that no plan can be made of.
     """
 
     label: str

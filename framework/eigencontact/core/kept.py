@@ -1,0 +1,109 @@
+"""Costly objects that runs of one process share while somebody lets them: the variants of a sweep, one after the other.
+
+Outside of `Kept.offered` nothing is kept: a run by itself gives up its memory.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Protocol, TypeVar
+
+__all__ = ["Kept", "kept_or_made"]
+
+
+class Sized(Protocol):
+    """What knows its memory."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory [bytes]."""
+        ...
+
+
+Made = TypeVar("Made", bound=Sized)
+
+
+class Kept:
+    """Objects by what determines them; those used longest ago go first.
+
+    Parameters
+    ----------
+    limit : float
+        Memory that they may hold together [bytes].
+    """
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit
+        self._held: OrderedDict[Hashable, Sized] = OrderedDict()
+        #: Times that an object was found.
+        self.found = 0
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of all that is held [bytes]."""
+        return sum(one.nbytes for one in self._held.values())
+
+    @contextmanager
+    def offered(self) -> Iterator[None]:
+        """While this lasts, `kept_or_made` finds what is here."""
+        token = _OFFERED.set(self)
+        try:
+            yield
+        finally:
+            _OFFERED.reset(token)
+
+    def get(self, key: Hashable) -> Sized | None:
+        """Return the object of a key, if it is held."""
+        one = self._held.get(key)
+        if one is not None:
+            self._held.move_to_end(key)
+            self.found += 1
+        return one
+
+    def put(self, key: Hashable, one: Sized) -> None:
+        """Hold an object, unless it alone passes the limit."""
+        if one.nbytes > self.limit:
+            return
+        self._held[key] = one
+        while self.nbytes > self.limit:
+            self._held.popitem(last=False)
+
+
+_OFFERED: ContextVar[Kept | None] = ContextVar("eigencontact_kept", default=None)
+
+
+def kept_or_made(key: Callable[[], Hashable], make: Callable[[], Made]) -> Made:
+    """Object of a key that an earlier run of a sweep left, else one made now.
+
+    Parameters
+    ----------
+    key : callable
+        Gives all that determines the object, to the last bit; asked for only where things are kept.
+    make : callable
+        Makes it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> store = Kept(limit=1e6)
+    >>> with store.offered():
+    ...     first = kept_or_made(lambda: "table", lambda: np.zeros(3))
+    >>> with store.offered():
+    ...     kept_or_made(lambda: "table", lambda: np.ones(3)) is first
+    True
+    >>> kept_or_made(lambda: "table", lambda: np.ones(3))
+    array([1., 1., 1.])
+    """
+    store = _OFFERED.get()
+    if store is None:
+        return make()
+    name = key()
+    known = store.get(name)
+    if known is not None:
+        return known  # type: ignore[return-value]  # what a key determines is of one kind
+    made = make()
+    store.put(name, made)
+    return made
