@@ -92,7 +92,8 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
     """
     from eigencontact.planning.planner import make_plan
 
-    return make_plan(load_scene(scene), registry or installed_plugins())
+    loaded = load_scene(scene)
+    return make_plan(loaded, loaded.known_plugins(registry))
 
 
 def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:

@@ -204,16 +204,22 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
 
 @app.command()
 def plugins(
-    key: Annotated[str | None, typer.Argument(help="Show one plugin: its parameters and sources.")] = None,
+    key: Annotated[
+        str | None, typer.Argument(help="Show one plugin, or those of a file: parameters and sources.")
+    ] = None,
     *,
     as_json: JsonOption = False,
 ) -> None:
-    """List installed plugins by kind, the package each comes from, and what failed to load."""
+    """List installed plugins by kind, the package each comes from, and what failed to load.
+
+    Example: `eigencontact plugins torus.py` tries a plugin file of your own.
+    """
     from eigencontact.app import installed_plugins
-    from eigencontact.listing import plugin_data, plugin_text
+    from eigencontact.listing import file_data, plugin_data, plugin_text
 
     try:
-        data = plugin_data(installed_plugins(), key)
+        of_file = key is not None and key.endswith(".py")
+        data = file_data(installed_plugins(), Path(str(key))) if of_file else plugin_data(installed_plugins(), key)
         typer.echo(json.dumps(data, indent=2) if as_json else plugin_text(data, detailed=key is not None))
     except EigencontactError as problem:
         _fail(problem)

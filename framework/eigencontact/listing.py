@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from eigencontact.errors import PluginError, ResultsError, SceneError
@@ -10,7 +11,7 @@ from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.reference.keys import keys_of
 from eigencontact.reference.text import key_lines
 
-__all__ = ["cache_data", "cache_text", "gallery_data", "plugin_data", "plugin_text"]
+__all__ = ["cache_data", "cache_text", "file_data", "gallery_data", "plugin_data", "plugin_text"]
 
 
 def gallery_data() -> dict[str, str]:
@@ -82,6 +83,25 @@ def plugin_data(registry: Registry, key: str | None = None) -> dict[str, Any]:
     entries = list(registry) if key is None else registry.named(key)
     if not entries:
         raise PluginError(registry.unknown(str(key)))
+    return _data(registry, entries)
+
+
+def file_data(registry: Registry, path: Path) -> dict[str, Any]:
+    """Plugins of a single file, as plain data.
+
+    Raises
+    ------
+    PluginError
+        A file that cannot be used; says which line of it, and why.
+    """
+    from eigencontact.hooks.files import with_files
+
+    known = {(entry.full_key, entry.kind) for entry in registry}
+    wider = with_files(registry, [path])
+    return _data(wider, [entry for entry in wider if (entry.full_key, entry.kind) not in known])
+
+
+def _data(registry: Registry, entries: Iterable[Entry]) -> dict[str, Any]:
     broken = [{"name": b.name, "package": b.package, "reason": b.reason} for b in registry.broken]
     plugins = []
     for entry in entries:

@@ -13,7 +13,7 @@ from eigencontact.errors import PluginError
 from eigencontact.hooks import hookspecs
 from eigencontact.hooks.registry import BrokenPlugin, Registry
 
-__all__ = ["load_plugins"]
+__all__ = ["add_module", "load_plugins"]
 
 
 def load_plugins(
@@ -35,9 +35,7 @@ def load_plugins(
     Registry
         With what could be loaded; ``registry.broken`` says what could not, from which package and why.
     """
-    registry = Registry(kinds)
-    manager = pluggy.PluginManager(hookspecs.NAMESPACE)
-    manager.add_hookspecs(hookspecs.specifications())
+    registry, manager = Registry(kinds), _manager()
     points = entry_points(group=hookspecs.NAMESPACE) if discovered is None else discovered
     named = cache(_named)  # each question to a distribution reads its metadata again
     for point in sorted(points, key=lambda point: (point.name, point.value)):
@@ -51,6 +49,23 @@ def load_plugins(
     for module in extra:
         _register(registry, manager, module, module.__name__, getattr(module, "__version__", ""))
     return registry
+
+
+def add_module(registry: Registry, module: Any, package: str, version: str) -> None:
+    """Add what the hook of a module registers, all of it or nothing.
+
+    Raises
+    ------
+    PluginError, or whatever the hook raises
+        What is wrong with it.
+    """
+    _register(registry, _manager(), module, package, version)
+
+
+def _manager() -> pluggy.PluginManager:
+    manager = pluggy.PluginManager(hookspecs.NAMESPACE)
+    manager.add_hookspecs(hookspecs.specifications())
+    return manager
 
 
 def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, package: str, version: str) -> None:

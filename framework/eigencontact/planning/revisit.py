@@ -86,7 +86,9 @@ def revisit(
     label = scene.stress[0].label
     if label in json.loads(stored["regions"]):
         raise ResultsError(f"region.name must differ from those that the run has stored (got {label!r}); give a name")
-    plan = make_plan(scene, registry)
+    plan = make_plan(scene, scene.known_plugins(registry))
+    info = run_info(plan)
+    _refuse_other_plugins(results, json.loads(stored["versions"]), info.versions)
     record = read_step(results, str(stored["scene_hash"]), index)
     history = read_history(results, str(stored["scene_hash"]), index)
     _refuse_other_window(results, record, plan.grid.shape)
@@ -103,7 +105,17 @@ def revisit(
     block.start()
     block.advance(seen)
     scalars = {**record.scalars, **seen.scalars}
-    return run_info(plan), replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
+    return info, replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
+
+
+def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
+    """A plugin file may have been written anew since the run: its fields would not be those of the run."""
+    for name, origin in now.items():
+        if " sha256:" in origin and before.get(name) != origin:
+            raise ResultsError(
+                f"{results} must be of the plugin file as it is now, {origin} (got {before.get(name, 'none')}); "
+                "run the scene again"
+            )
 
 
 def _refuse_other_window(results: Path, record: StepRecord, shape: tuple[int, int]) -> None:

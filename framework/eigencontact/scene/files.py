@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from eigencontact.core.held_arrays import PREFIX
-from eigencontact.core.quantities import FileMark
+from eigencontact.core.quantities import DataFile, FileMark
 from eigencontact.errors import PluginError
 from eigencontact.hooks.registry import Registry
 from eigencontact.scene.components import kind_within
@@ -64,6 +64,8 @@ def _in_model(model: Any, registry: Registry, place: Place) -> Any:
             changes[name] = _in_component(value, kind, registry, place)
         elif any(isinstance(mark, FileMark) for mark in item.metadata):
             changes[name] = place(value)
+        elif get_args(item.annotation)[:1] == (DataFile,):
+            changes[name] = [place(one) for one in value]
         elif isinstance(value, Table):
             changes[name] = _in_model(value, registry, place)
         elif isinstance(value, list) and value and isinstance(value[0], Table):

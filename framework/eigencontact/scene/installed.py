@@ -1,17 +1,32 @@
-"""The plugins of every installed package, loaded once."""
+"""The plugins of every installed package, loaded once, and those of single files."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
+from pathlib import Path
 
+from eigencontact.hooks.files import with_files
 from eigencontact.hooks.manager import load_plugins
 from eigencontact.hooks.registry import Registry
 from eigencontact.plugin import KINDS
 
-__all__ = ["installed_plugins"]
+__all__ = ["add_plugin_files", "installed_plugins"]
 
 
 @cache
 def installed_plugins() -> Registry:
     """Return the registry of every installed plugin; what failed to load is in its ``broken``."""
     return load_plugins(KINDS)
+
+
+def add_plugin_files(files: Iterable[str | Path]) -> None:
+    """Let this process know the plugins of files as if they were installed: for a command that has no scene.
+
+    Raises
+    ------
+    PluginError
+        See `eigencontact.hooks.files.with_files`; then none is added.
+    """
+    known = installed_plugins()
+    known.take(with_files(known, map(Path, files)))

@@ -10,8 +10,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from eigencontact.core.quantities import FileMark, Stress
+from eigencontact.core.quantities import DataFile, FileMark, Stress
 from eigencontact.core.units import LARGEST
+from eigencontact.hooks.registry import Registry
 from eigencontact.scene.checks import (
     at_least,
     both_alike,
@@ -261,6 +262,9 @@ class Scene(Table):
         One line for plots and lists.
     description : str
         What the scene shows, and where its numbers come from.
+    plugins : list of files
+        Python files with plugins of your own, used by this scene as if they were installed; they are run when it is
+        planned.
     body1 : Body
         The half-space that z points into.
     body2 : Body
@@ -303,6 +307,7 @@ class Scene(Table):
     name: Annotated[str, AfterValidator(folder_name)] = ""
     title: Annotated[str, AfterValidator(printable)] = ""
     description: Annotated[str, AfterValidator(printable)] = ""
+    plugins: Annotated[list[DataFile], BeforeValidator(one_or_many)] = Field([])
     body1: Body
     body2: Body = Body(rigid=True)
     geometry: Annotated[Tables, OfKind("geometry")] = Field([])
@@ -363,6 +368,20 @@ class Scene(Table):
         copy._folder = folder  # noqa: SLF001
         return copy
 
+    def known_plugins(self, registry: Registry | None = None) -> Registry:
+        """Plugins that the scene can name: those given, by default all that are installed, and those of its own files.
+
+        Raises
+        ------
+        PluginError
+            A file in ``plugins`` that cannot be used; says which line of it, and why.
+        """
+        from eigencontact.hooks.files import with_files
+        from eigencontact.scene.installed import installed_plugins
+
+        files = [Path(name) if self.folder is None else self.folder / name for name in self.plugins]
+        return with_files(installed_plugins() if registry is None else registry, files)
+
     @property
     def label(self) -> str:
         """Name for folders and headings: `name`, or the title's first words."""
@@ -374,9 +393,8 @@ class Scene(Table):
         scene = self
         if self.folder is not None:
             from eigencontact.scene.files import anchored
-            from eigencontact.scene.installed import installed_plugins
 
-            scene, _ = anchored(self, installed_plugins())
+            scene, _ = anchored(self, self.known_plugins())
         return scene.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 

@@ -15,7 +15,6 @@ from eigencontact.core.units import parse_quantity
 from eigencontact.errors import ResultsError
 from eigencontact.reference.places import key_at
 from eigencontact.results.layout import SCALARS
-from eigencontact.scene.installed import installed_plugins
 
 if TYPE_CHECKING:
     import xarray
@@ -89,7 +88,7 @@ def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, d
         if at not in held and variant.scene is not None:
             tables = variant.scene.resolved()
             held[at] = _at(tables, axis.key)
-            key = key or key_at(installed_plugins(), tables, axis.key)
+            key = key or key_at(variant.scene.known_plugins(), tables, axis.key)
     written = [held.get(at, value) for at, value in enumerate(axis.values)]
     if key is not None and key.unit:  # tables of plugins keep texts with units
         written = [parse_quantity(value, key.unit, key.name) for value in written]

@@ -67,11 +67,11 @@ def exposed_map(dataset: Results, step: int = -1) -> Figure:
 def _names(scene: str) -> dict[int, str]:
     """Names of materials by number; empty where the scene cannot be built again."""
     from eigencontact.model.model import build_model
-    from eigencontact.scene.installed import installed_plugins
     from eigencontact.scene.schema import Scene
 
     try:
-        exposed = build_model(Scene(**tomllib.loads(scene)), installed_plugins()).exposed
+        stored = Scene(**tomllib.loads(scene))
+        exposed = build_model(stored, stored.known_plugins()).exposed
     except EigencontactError:
         return {}
     return {} if exposed is None else dict(enumerate(exposed.names))

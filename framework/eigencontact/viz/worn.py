@@ -122,13 +122,14 @@ def initial_separation(dataset: Results, step: int = -1) -> NDArray[np.float64]:
 def interfaces(dataset: Results, body: int) -> tuple[float, ...]:
     """Depths [m] below the first surface at which the layers of a body end; none where its medium is not installed."""
     from eigencontact.scene.components import build_component
-    from eigencontact.scene.installed import installed_plugins
+    from eigencontact.scene.schema import Scene
 
     table: dict[str, Any] | None = _scene(dataset).get(f"body{body}", {}).get("medium")
     if table is None:
         return ()
     try:
-        medium = build_component(installed_plugins(), "layered-medium", table, f"body{body}.medium")
+        known = Scene(**_scene(dataset)).known_plugins()
+        medium = build_component(known, "layered-medium", table, f"body{body}.medium")
     except EigencontactError:
         return ()
     return tuple(medium.interfaces)
@@ -142,11 +143,11 @@ def coatings(dataset: Results) -> tuple[Source, ...]:
 @lru_cache(maxsize=1)
 def _coatings(scene: str) -> tuple[Source, ...]:
     from eigencontact.model.model import build_model
-    from eigencontact.scene.installed import installed_plugins
     from eigencontact.scene.schema import Scene
 
     try:
-        sources = build_model(Scene(**tomllib.loads(scene)), installed_plugins()).sources
+        stored = Scene(**tomllib.loads(scene))
+        sources = build_model(stored, stored.known_plugins()).sources
     except EigencontactError:
         return ()
     return tuple(one for one in sources if not one.guessed and one.shape.bounds[0][2] <= 0.0)

@@ -9,13 +9,14 @@ that wear. The radius of a circle under pressure is 1.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from eigencontact.library import installed_plugins
 from eigencontact_verification.campaign import inhomogeneities, layers, plastic_cases, plasticity, wear
 from eigencontact_verification.campaign.case import Case, Gap
 from eigencontact_verification.campaign.inclusions import EIGENSTRAINS, inclusion_case, shape_of
-from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside
+from eigencontact_verification.campaign.strangers import example_of, is_mirrored, is_revolved, point_inside, text_digest
 from eigencontact_verification.campaign.tractions import TRACTIONS, rectangle_case
 
 __all__ = ["cases_of", "gaps", "kernels", "why_not"]
@@ -122,13 +123,15 @@ def _stranger(kernel: str) -> tuple[Case, ...]:
     shape = shape_of(given)
     revolved, anchor = is_revolved(shape), point_inside(shape)
     planes = (is_mirrored(shape, 0), is_mirrored(shape, 1))
-    return (
+    text = {"text": text_digest(entry.component)}  # the elements ask `contains`
+    cases = (
         inclusion_case(
             given, "uniform", 0.3, name="example", revolved=revolved, mirrored=planes, anchor=anchor,
             quick=revolved,
         ),
         inclusion_case(given, "xz", 0.3, name="example", mirrored=planes, anchor=anchor, refine=0.5),
     )  # fmt: skip
+    return tuple(replace(case, parameters={**case.parameters, **text}) for case in cases)
 
 
 _OWN: dict[str, Callable[[], tuple[Case, ...]]] = {

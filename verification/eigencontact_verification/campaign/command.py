@@ -53,6 +53,14 @@ def verify(
         list[str] | None,
         typer.Option("--law", metavar="KEY", help="A law of a material, which the elements ask as well; repeatable."),
     ] = None,
+    plugin: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--plugin",
+            metavar="FILE",
+            help="A plugin file; without names, what it registers is verified; repeatable.",
+        ),
+    ] = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of report and finished solutions.")
     ] = Path("cross-check"),
@@ -107,21 +115,24 @@ def verify(
     from eigencontact.errors import EigencontactError
     from eigencontact_verification.benchmarks.table import check_section
 
-    names = [*(kernels or []), *(kernel or [])]
+    names, laws, files_given = [*(kernels or []), *(kernel or [])], law or [], plugin or []
     if not 0.0 < limit < 1.0:
         _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
     try:
         from eigencontact_verification.campaign import cases
 
-        chosen = _chosen(cases, names, quick=quick) if names or not law else ()
-        chosen += _of_laws(law or [], quick=quick)
+        own_shapes, own_laws = _of_files(files_given)
+        if not (names or laws):
+            names, laws = own_shapes, own_laws
+        chosen = _chosen(cases, names, quick=quick) if names or not laws else ()
+        chosen += _of_laws(laws, quick=quick)
         copies = _copies(chosen, figure or [])
         if markdown is not None:
             check_section(markdown, section, family="verify")
-        executor = _executor(workers or _cores(), memory * 1e9, cluster)
+        executor = _executor(workers or _cores(), memory * 1e9, cluster, files_given)
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
-    gaps = _gaps(cases, names, law or [])
+    gaps = _gaps(cases, names, laws)
     try:
         report, files = campaign(
             chosen, gaps, output, executor=executor, limit=limit, quick=quick, pictures=pictures,
@@ -151,11 +162,32 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _executor(workers: int, memory: float, cluster: str | None) -> Executor:
+def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Keys of the shapes and of the laws that files register; this process knows them from now on."""
+    if not files:
+        return [], []
+    from eigencontact.scene.installed import add_plugin_files, installed_plugins
+
+    before = {entry.component for entry in installed_plugins()}
+    add_plugin_files(files)
+    own = [entry for entry in installed_plugins() if entry.component not in before]
+    shapes = [entry.key for entry in own if entry.kind == "inclusion-shape"]
+    laws = [entry.key for entry in own if entry.kind in ("constitutive-law", "hardening-law", "damage-law")]
+    if not (shapes or laws):
+        raise ValueError(
+            f"--plugin must register a shape or a law (got {', '.join(entry.kind for entry in own) or 'nothing new'}); "
+            "`eigencontact check` asks the conformance kit about other kinds"
+        )
+    return shapes, laws
+
+
+def _executor(workers: int, memory: float, cluster: str | None, plugins: Sequence[str]) -> Executor:
     from eigencontact_verification.campaign.run import Limits, in_processes
 
     if cluster is None:
-        return partial(in_processes, workers=workers, limits=Limits(memory=memory))
+        return partial(in_processes, workers=workers, limits=Limits(memory=memory), plugins=plugins)
+    if plugins:
+        raise ValueError("--plugin must be without --cluster, whose workers have no such file; install it there")
     try:
         from distributed import Client
     except ImportError:

@@ -7,7 +7,6 @@ attribute ``example``, a mapping of its fields. Laws of hardening and of damage 
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,6 +22,7 @@ from eigencontact_verification.campaign.case import Profile
 from eigencontact_verification.campaign.indentation import VARIABLES
 from eigencontact_verification.campaign.plastic_cases import plastic_case
 from eigencontact_verification.campaign.plasticity import PlasticCase
+from eigencontact_verification.campaign.strangers import text_digest
 from eigencontact_verification.fem.yielding_law import Answer, PointLaw, State
 
 __all__ = ["LawCase", "LawOfPlugin", "law_cases"]
@@ -123,7 +123,7 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
         case = plastic_case(
             name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded"
         )
-        given = {**case.parameters, "text": _digest(component)}
+        given = {**case.parameters, "text": text_digest(component)}
         profiles = _with_variables(case.profiles, numbers)
         cases.append(
             LawCase(
@@ -223,16 +223,6 @@ def _onset(law: Any, young: float, nu: float) -> float:
         middle = float(np.sqrt(low * high))
         low, high = (middle, high) if elastic(middle) else (low, middle)
     return high * young
-
-
-def _digest(component: Any) -> str:
-    """Of the text of the law's module: a stored solution serves no other text."""
-    module = inspect.getmodule(component)
-    try:
-        text = inspect.getsource(module if module is not None else component)
-    except (OSError, TypeError):
-        text = repr(component)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _with_variables(profiles: tuple[Profile, ...], names: list[str]) -> tuple[Profile, ...]:

@@ -188,18 +188,18 @@ def _environment(threads: int) -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _start(threads: int) -> _Process:
+def _start(threads: int, plugins: Sequence[str]) -> _Process:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     with _environment(threads):
-        process = context.Process(target=serve, args=(theirs,), daemon=True)
+        process = context.Process(target=serve, args=(theirs, plugins), daemon=True)
         process.start()
     theirs.close()
     return _Process(process=process, connection=ours)
 
 
 def in_processes(
-    tasks: Sequence[Task], *, workers: int = 1, limits: Limits | None = None
+    tasks: Sequence[Task], *, workers: int = 1, limits: Limits | None = None, plugins: Sequence[str] = ()
 ) -> Iterator[tuple[Task, Outcome]]:
     """Perform tasks in fresh interpreters (spawned), each task within `limits`; yields them as they finish.
 
@@ -211,6 +211,8 @@ def in_processes(
         Processes at a time; each may use ``cores // workers`` threads.
     limits : Limits, optional
         A task beyond them is ended and reported, and a new process takes the next.
+    plugins : sequence of str
+        Plugin files that the cases name.
     """
     if workers < 1:
         raise ValueError(f"workers must be at least 1 (got {workers}); give the number of processes")
@@ -221,7 +223,7 @@ def in_processes(
     try:
         while waiting or busy:
             while waiting and len(busy) < workers:
-                one = idle.pop() if idle else _start(threads)
+                one = idle.pop() if idle else _start(threads, plugins)
                 one.task, one.since, one.peak = waiting.popleft(), time.monotonic(), 0
                 busy.append(one)
                 try:

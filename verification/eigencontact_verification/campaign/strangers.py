@@ -7,6 +7,8 @@ the shape accepts them and contains something; a field annotated `Place` puts it
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields
 from itertools import permutations
@@ -18,7 +20,7 @@ from numpy.typing import NDArray
 from eigencontact import EigencontactError, make
 from eigencontact.core.places import place_field
 
-__all__ = ["example_of", "is_mirrored", "is_revolved", "point_inside"]
+__all__ = ["example_of", "is_mirrored", "is_revolved", "point_inside", "text_digest"]
 
 FloatArray = NDArray[np.float64]
 
@@ -153,3 +155,13 @@ def is_revolved(shape: Any) -> bool:
         if np.mean(np.asarray(shape.contains(x, y, points[:, 2])) == inside) < 0.999:
             return False
     return True
+
+
+def text_digest(component: Any) -> str:
+    """Hash of the text of the module of a class: a stored solution serves no other text."""
+    module = inspect.getmodule(component)
+    try:
+        text = inspect.getsource(module if module is not None else component)
+    except (OSError, TypeError):
+        text = repr(component)
+    return hashlib.sha256(text.encode()).hexdigest()

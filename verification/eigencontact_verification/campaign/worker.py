@@ -12,6 +12,7 @@ import numpy as np
 from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, own_error
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from multiprocessing.connection import Connection
 
 __all__ = ["Outcome", "Status", "Task", "perform", "serve"]
@@ -118,9 +119,20 @@ def _checked(case: Case, found: Fields) -> Fields:
     return fields
 
 
-def serve(connection: Connection) -> None:
-    """Perform what comes through the pipe until None comes, or nobody is left at the other end."""
+def serve(connection: Connection, plugins: Sequence[str] = ()) -> None:
+    """Perform what comes through the pipe until None comes, or nobody is left at the other end.
+
+    Parameters
+    ----------
+    connection : Connection
+        The pipe.
+    plugins : sequence of str
+        Plugin files that the cases name.
+    """
+    from eigencontact.scene.installed import add_plugin_files
+
     try:
+        add_plugin_files(plugins)
         while (task := connection.recv()) is not None:
             connection.send(perform(task))
     except (EOFError, BrokenPipeError, KeyboardInterrupt):

@@ -1,0 +1,105 @@
+"""Plugins of a single file, which a scene or a command names: no package, and the same hook."""
+
+from __future__ import annotations
+
+import hashlib
+import linecache
+import re
+import sys
+import traceback
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+
+from eigencontact.errors import PluginError, nearest
+from eigencontact.hooks.manager import add_module
+from eigencontact.hooks.registry import Registry
+
+__all__ = ["with_files"]
+
+#: Digits of the hash by which results name the text of a file.
+_DIGITS = 16
+
+
+def with_files(registry: Registry, files: Iterable[Path]) -> Registry:
+    """Return the registry with the plugins of files added; it stays as it is.
+
+    A file stands for a package: its name is the package's, ``sha256:`` and the beginning of the hash of its text the
+    version. The same text at the same place is the same module, so that its classes stay the same; another text is
+    another one.
+
+    Parameters
+    ----------
+    registry : Registry
+        What is installed.
+    files : iterable of Path
+        Python files, each with a hook implementation as the module of a package has.
+
+    Raises
+    ------
+    PluginError
+        A file that is missing, cannot be run, registers nothing or what is refused, or registers a bundled key, which
+        would be another class in scenes without the file.
+    """
+    out = registry
+    for path in files:
+        module, version = _module(path)
+        out = out.copy() if out is registry else out
+        try:
+            add_module(out, module, path.name, version)
+        except Exception as problem:
+            raise PluginError(_broken(path, problem)) from problem
+        for entry in out:
+            if entry.component.__module__ == module.__name__:
+                _refuse_bundled(out, path, entry.kind, entry.key)
+    return out
+
+
+def _refuse_bundled(registry: Registry, path: Path, kind: str, key: str) -> None:
+    if any(other.bundled and other.kind == kind for other in registry.named(key)):
+        raise PluginError(f"plugin file {path.name} must register keys of its own (got {kind} {key!r}, a bundled one)")
+
+
+def _module(path: Path) -> tuple[ModuleType, str]:
+    """Module of a file, and the version that its text stands for."""
+    if path.suffix != ".py" or not path.is_file():
+        beside = [item.name for item in path.parent.glob("*.py")] if path.parent.is_dir() else []
+        found = "no Python file" if path.exists() else "no such file"
+        raise PluginError(
+            f"plugin file must be a Python file (got {str(path)!r}, {found}){nearest(path.name, beside)}"
+        )
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as problem:
+        raise PluginError(f"plugin file must be readable text (got {str(path)!r}): {problem}") from None
+    return _run(path.resolve(), text), f"sha256:{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
+
+
+@lru_cache(maxsize=64)
+def _run(path: Path, text: str) -> ModuleType:
+    """Run a text as a module; nothing is written beside it, and no other file is found by being beside it."""
+    digest = hashlib.sha256(f"{path}\n{text}".encode()).hexdigest()[:_DIGITS]
+    module = ModuleType(f"eigencontact_file_{re.sub(r'[^A-Za-z0-9_]', '_', path.stem)}_{digest}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module  # dataclasses and annotations look their module up
+    linecache.checkcache(str(path))
+    try:
+        exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102 - this is what a plugin file is for
+    except (Exception, SystemExit) as problem:  # a stranger's file may raise anything
+        del sys.modules[module.__name__]
+        raise PluginError(_broken(path, problem)) from problem
+    return module
+
+
+def _broken(path: Path, problem: BaseException) -> str:
+    """What is wrong with a file, and in which line of it."""
+    lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == str(path)]
+    line = problem.lineno if isinstance(problem, SyntaxError) else lines[-1] if lines else None
+    words = " ".join((problem.msg if isinstance(problem, SyntaxError) else str(problem)).split())
+    where = "" if line is None else f", line {line}"
+    kind = "" if isinstance(problem, PluginError) else f"{type(problem).__name__}: "
+    hint = ""
+    if isinstance(problem, ModuleNotFoundError) and (path.parent / f"{problem.name}.py").is_file():
+        hint = "; a plugin file stands alone: several files make a package, see `eigencontact new-plugin`"
+    return f"plugin file {path.name}{where} is broken: {kind}{words or '(no message)'}{hint}"

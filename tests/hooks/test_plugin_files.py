@@ -1,0 +1,306 @@
+"""Plugins of a single file: a scene names it and it works like an installed one; results say which text it was."""
+
+import hashlib
+import json
+from textwrap import dedent
+from types import SimpleNamespace
+
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.app import installed_plugins
+from eigencontact.errors import PluginError, ResultsError
+from eigencontact_verification.campaign import cases
+from eigencontact_verification.campaign.command import _of_files
+from eigencontact_verification.campaign.store import content_hash
+from eigencontact_verification.campaign.worker import serve
+
+BOWL = '''
+from dataclasses import dataclass
+from typing import ClassVar
+from eigencontact.plugin import Geometry, Length, hookimpl, require
+
+@dataclass(frozen=True, kw_only=True)
+class Bowl(Geometry):
+    """Paraboloid of one file."""
+
+    key: ClassVar[str] = "bowl"
+    references: ClassVar[tuple[str, ...]] = ("A. Stranger 2026, eq. (1)",)
+    example: ClassVar = {"bend": 1e-4}
+    bend: Length
+
+    def __post_init__(self):
+        require(0 < self.bend < float("inf"), self.key, "bend", self.bend, "positive and finite [m]")
+
+    def separation(self, x, y):
+        return (x**2 + y**2) / (2 * self.bend)
+
+@hookimpl
+def eigencontact_register():
+    return [Bowl]
+'''
+BALL = '''
+from dataclasses import dataclass
+from typing import ClassVar
+from eigencontact.plugin import InclusionShape, Length, Place, hookimpl, require
+
+@dataclass(frozen=True, kw_only=True)
+class Bead(InclusionShape):
+    """Ball of one file."""
+
+    key: ClassVar[str] = "bead"
+    center: Place
+    radius: Length
+
+    def __post_init__(self):
+        require(0 < self.radius < 1, self.key, "radius", self.radius, "positive, below 1 [m]")
+
+    @property
+    def bounds(self):
+        return tuple(tuple(c + side * self.radius for c in self.center) for side in (-1, 1))
+
+    def contains(self, x, y, z):
+        return sum((t - c) ** 2 for t, c in zip((x, y, z), self.center)) <= self.radius**2
+
+@hookimpl
+def eigencontact_register():
+    return [Bead]
+'''
+
+
+@pytest.fixture(autouse=True)
+def _known_to_this_test_alone():
+    installed_plugins.cache_clear()
+    yield
+    installed_plugins.cache_clear()
+
+
+@pytest.fixture
+def bowl(scene_file, tmp_path):
+    """A scene of a bowl, and the file beside it."""
+    scene = scene_file(geometry='type = "bowl"\nbend = "105 um"')
+    scene.write_text('plugins = ["bowl.py"]\n' + scene.read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "bowl.py").write_text(BOWL, encoding="utf-8")
+    return scene
+
+
+def test_a_scene_brings_its_own_plugins(bowl, scene_file, tmp_path, monkeypatch):
+    """From any folder; the results name the file and the hash of its text; the installed ones stay as they are."""
+    ours = ec.run(ec.load_scene(scene_file(name="ours")))
+    monkeypatch.chdir("/")
+    theirs = ec.run(ec.load_scene(bowl), tmp_path / "out")
+    assert theirs.summary["max_pressure"] == close(ours.summary["max_pressure"], rel=1e-9)
+    digest = hashlib.sha256(BOWL.encode()).hexdigest()[:16]
+    assert theirs.summary["versions"]["plugin geometry bowl"] == f"bowl.py sha256:{digest}"
+    assert "A. Stranger 2026, eq. (1)" in theirs.summary["references"]
+    assert installed_plugins().named("bowl") == []
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bowl.py", "ours.toml", "out", "small.toml"]
+
+
+def test_tables_name_files_too(bowl, tmp_path):
+    tables = ec.load_scene(bowl).resolved()
+    assert tables["plugins"] == [str(tmp_path / "bowl.py")]
+    assert ec.run(tables).summary["converged"]
+
+
+def test_another_text_is_another_scene(bowl, tmp_path):
+    """A run is not continued with another text, and nothing is looked at in it afterwards."""
+    first = ec.run(ec.load_scene(bowl), tmp_path / "out")
+    region = {"name": "axis", "shape": "points", "points": [[0.0, 0.0, 1e-6]]}
+    found = ec.region(tmp_path / "out", region)
+    assert float(found["axis_von_mises"].max()) > 1e9
+    (tmp_path / "bowl.py").write_text(BOWL.replace("2 * self.bend", "self.bend"), encoding="utf-8")
+    with pytest.raises(ResultsError, match="another scene"):
+        ec.run(ec.load_scene(bowl), tmp_path / "out", resume=True)
+    with pytest.raises(ResultsError, match=r"of the plugin file as it is now, bowl.py sha256:\w{16} \(got bowl"):
+        ec.region(tmp_path / "out", region)
+    second = ec.run(ec.load_scene(bowl))
+    assert second.summary["max_pressure"] == close(first.summary["max_pressure"] * 2 ** (2 / 3), rel=0.02)
+    (tmp_path / "bowl.py").unlink()
+    with pytest.raises(PluginError, match="no such file"):
+        ec.region(tmp_path / "out", region)
+
+
+#: Text of the file -> what is said of it.
+BROKEN = {
+    "import": ("import numpy\nimport nowhere_to_be_found\n", "bowl.py, line 2 is broken: ModuleNotFoundError: No"),
+    "syntax": ("x = 1\ndef (\n", "bowl.py, line 2 is broken: SyntaxError: invalid syntax"),
+    "raises": (f"{BOWL}\n1 / 0\n", "is broken: ZeroDivisionError: division by zero"),
+    "leaves": ("import sys\nsys.exit(3)\n", "bowl.py, line 2 is broken: SystemExit: 3"),
+    "no hook": (BOWL.partition("@hookimpl")[0], "is broken: it registers nothing: implement eigencontact_register"),
+    "no dataclass": (
+        BOWL.replace("@dataclass(frozen=True, kw_only=True)", ""),
+        "bowl.py is broken: Bowl must be a frozen dataclass: its fields are its scene table",
+    ),
+    "hook": (BOWL.replace("[Bowl]", "[Bowle]"), "is broken: NameError: name 'Bowle' is not defined"),
+    "sibling": ("import other\n", "a plugin file stands alone: several files make a package, see"),
+    "bundled": (
+        BOWL.replace('"bowl"', '"sphere"'),
+        "plugin file bowl.py must register keys of its own (got geometry 'sphere', a bundled one)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_a_broken_file_is_one_line(case, bowl, tmp_path, command):
+    text, words = BROKEN[case]
+    (tmp_path / "other.py").write_text("")
+    (tmp_path / "bowl.py").write_text(text, encoding="utf-8")
+    for arguments in (["run", bowl, "-o", tmp_path / "out"], ["plugins", tmp_path / "bowl.py"]):
+        outcome = command(*arguments)
+        assert outcome.code == 2
+        assert outcome.err.count("\n") == 1
+        assert words in outcome.err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("bowel.py", "bowel.py', no such file); did you mean 'bowl.py'?"),
+        ("small.toml", "small.toml', no Python file)"),
+        (".", "no Python file)"),
+    ],
+)
+def test_a_file_that_is_none(name, words, bowl):
+    with pytest.raises(PluginError) as refused:
+        ec.plan(ec.load_scene(bowl, [f"plugins=['{name}']"]))
+    assert words in str(refused.value)
+
+
+def test_two_files_with_one_key(bowl, tmp_path):
+    (tmp_path / "dish.py").write_text(BOWL.replace("2 * self.bend", "4 * self.bend"), encoding="utf-8")
+    both = "plugins=['bowl.py', 'dish.py']"
+    with pytest.raises(PluginError, match=r"say 'bowl.py:bowl' or 'dish.py:bowl'$"):
+        ec.plan(ec.load_scene(bowl, [both]))
+    chosen = ec.plan(ec.load_scene(bowl, [both, "geometry.type=dish.py:bowl"]))
+    assert chosen.geometries[0].separation(1.0, 0.0) == close(1 / (4 * 105e-6), rel=1e-12)
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "dish.py").rename(tmp_path / "sub" / "bowl.py")
+    with pytest.raises(PluginError, match=r"geometry 'bowl' is already registered by bowl.py sha256:\w+; choose an"):
+        ec.plan(ec.load_scene(bowl, ["plugins=['bowl.py', 'sub/bowl.py']"]))
+
+
+def test_a_sweep_and_its_numbers_know_it(bowl):
+    found = ec.sweep(bowl, {"geometry.bend": ["100 um", "200 um"]}).dataset
+    assert found["geometry_bend"].attrs["units"] == "m"
+    assert found["geometry_bend"].values.tolist() == [1e-4, 2e-4]
+    ratio = float(found["max_pressure"][0] / found["max_pressure"][1])
+    assert ratio == close(2 ** (2 / 3), rel=0.02)
+
+
+@pytest.mark.slow
+def test_processes_of_a_sweep_know_it(bowl, tmp_path):
+    found = ec.sweep(bowl, {"steps.normal-load": ["0.1 N", "0.2 N"]}, tmp_path / "out", workers=2)
+    assert found.failed == {}
+
+
+def test_pictures_of_stored_results_know_it(tmp_path):
+    """What draws layers builds the medium again from the stored scene, in a process of its own."""
+    from eigencontact.viz.worn import interfaces
+
+    (tmp_path / "stack.py").write_text(
+        dedent(
+            """
+            from dataclasses import dataclass
+            from typing import ClassVar
+            from eigencontact.plugin import hookimpl
+            from eigencontact_plugins.layered.stack import BondedLayers
+
+            @dataclass(frozen=True, kw_only=True)
+            class Stack(BondedLayers):
+                key: ClassVar[str] = "stack"
+
+            @hookimpl
+            def eigencontact_register():
+                return [Stack]
+            """
+        ),
+        encoding="utf-8",
+    )
+    layers = 'layers = [{ thickness = "1 um", young-modulus = "1 GPa", poisson-ratio = 0.3 }]'
+    scene = f"""
+plugins = ["{tmp_path / "stack.py"}"]
+[body1.medium]
+type = "stack"
+{layers}
+substrate = {{ young-modulus = "2 GPa", poisson-ratio = 0.3 }}
+[geometry]
+type = "sphere"
+radius = 1.0
+[steps]
+normal-load = 1.0
+"""
+    assert interfaces(SimpleNamespace(attrs={"scene": scene}), 1) == (1e-6,)
+
+
+def test_it_is_listed(bowl, tmp_path, command):
+    listed = command("plugins", tmp_path / "bowl.py")
+    assert listed.code == 0
+    assert "Paraboloid of one file.  (bowl.py sha256:" in listed.out
+    assert "bend: a length [m]; required" in listed.out
+    assert "sphere" not in listed.out
+
+
+# ---------------------------------------------------------------- the kit and the cross-check
+
+
+def test_check_asks_the_kit(bowl, tmp_path, command):
+    good = command("check", tmp_path / "bowl.py")
+    assert good.code == 0, good.err
+    assert "bowl.py:bowl" in good.out
+    assert "kept   check_separation_arrays" in good.out
+    assert "9 of 9 promises kept" in good.out
+    (tmp_path / "bowl.py").write_text(BOWL.replace("return (x", "x += 0; return (x"), encoding="utf-8")
+    installed_plugins.cache_clear()
+    bad = command("check", tmp_path / "bowl.py", "--json")
+    assert bad.code == 1
+    failed = [one["check"] for one in json.loads(bad.out)["bowl.py:bowl"] if one["failed"]]
+    assert "check_separation_pure" in failed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["bowl.py"], "geometry 'bowl' must say with which parameters it is to be checked (got none); give its class "),
+        (["bolw"], "unknown plugin 'bolw'"),
+        (["nowhere.py"], "no such file"),
+    ],
+)
+def test_check_refuses(arguments, words, bowl, tmp_path, command, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bowl.py").write_text(BOWL.replace("    example: ", "    sample: "), encoding="utf-8")
+    outcome = command("check", *arguments)
+    assert outcome.code == 2
+    assert outcome.err.count("\n") == 1
+    assert words in outcome.err
+
+
+def test_check_knows_what_is_installed(command):
+    outcome = command("check", "eigencontact:void")
+    assert outcome.code == 0, outcome.err
+    assert "kept   check_stiffness" in outcome.out
+
+
+def test_the_cross_check_knows_a_file_and_its_text(tmp_path):
+    file = tmp_path / "bead.py"
+    hashes = []
+    for text in (BALL, BALL.replace("<= self.radius**2", "< self.radius**2"), BALL):
+        installed_plugins.cache_clear()
+        file.write_text(text, encoding="utf-8")
+        assert _of_files([str(file)]) == (["bead"], [])
+        hashes.append(content_hash(cases.cases_of("bead")[0], 0, "fixed"))
+    assert hashes[0] == hashes[2] != hashes[1]
+
+
+def test_processes_of_the_cross_check_know_it(tmp_path):
+    (tmp_path / "bead.py").write_text(BALL, encoding="utf-8")
+    serve(SimpleNamespace(recv=lambda: None), [str(tmp_path / "bead.py")])
+    assert [entry.origin[:15] for entry in installed_plugins().named("bead")] == ["bead.py sha256:"]
+
+
+def test_the_cross_check_wants_a_shape_or_a_law(bowl, tmp_path, command):
+    outcome = command("verify", "--plugin", tmp_path / "bowl.py")
+    assert outcome.code == 2
+    assert "--plugin must register a shape or a law (got geometry)" in outcome.err

@@ -1,0 +1,112 @@
+"""The command `eigencontact check`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from eigencontact.hooks.registry import Entry
+
+__all__ = ["check"]
+
+
+def check(
+    plugins: Annotated[
+        list[str], typer.Argument(help="Plugin files, or keys of installed plugins.", metavar="FILE|KEY...")
+    ],
+    *,
+    finite_elements: Annotated[
+        bool, typer.Option("--finite-elements", help="Also the slow check of a shape: ten seconds to two minutes.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
+) -> None:
+    """Ask the conformance kit about plugins: what every one of its kind promises, one line a promise.
+
+    The parameters are those of the class attribute `example`; of a shape that has none, lengths are tried.
+
+    Exit codes: 0 all promises are kept, 1 some are not, 2 wrong input.
+
+    Example: `eigencontact check torus.py`
+    """
+    from eigencontact.errors import EigencontactError
+
+    try:
+        found = {entry.full_key: list(_verdicts(entry, finite_elements=finite_elements)) for entry in _entries(plugins)}
+    except (EigencontactError, ValueError) as problem:
+        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
+        raise typer.Exit(2) from None
+    if as_json:
+        typer.echo(json.dumps(found, indent=2))
+    else:
+        _print(found)
+    raise typer.Exit(1 if any(one["failed"] for verdicts in found.values() for one in verdicts) else 0)
+
+
+def _entries(plugins: list[str]) -> list[Entry]:
+    """What is to be checked; files are made known to this process first."""
+    from eigencontact.errors import PluginError
+    from eigencontact.scene.installed import add_plugin_files, installed_plugins
+
+    files = [name for name in plugins if name.endswith(".py")]
+    before = {entry.component for entry in installed_plugins()}
+    add_plugin_files(files)
+    registry = installed_plugins()
+    found = [entry for entry in registry if entry.component not in before]
+    for key in plugins:
+        named = [] if key in files else registry.named(key)
+        if not named and key not in files:
+            raise PluginError(registry.unknown(key))
+        found += named
+    return found
+
+
+def _verdicts(entry: Entry, *, finite_elements: bool) -> Iterator[dict[str, str]]:
+    from eigencontact_verification.conformance.kit import checks_for
+    from eigencontact_verification.conformance.report import ConformanceError
+
+    component = _example(entry)
+    for one in checks_for(component, finite_elements=finite_elements):
+        try:
+            one(component)
+            failed = ""
+        except ConformanceError as problem:
+            failed = " ".join(str(problem).split())
+        promise = (one.__doc__ or "").strip().split("\n")[0]
+        yield {"check": one.__name__, "promise": promise, "failed": failed}
+
+
+def _example(entry: Entry) -> Any:
+    """Component to check: of the declared example, of lengths that are tried, or of nothing but defaults."""
+    from dataclasses import MISSING, fields
+
+    from eigencontact.library import make
+    from eigencontact_verification.campaign.strangers import example_of
+
+    declared = getattr(entry.component, "example", None)
+    if not isinstance(declared, Mapping) and entry.kind == "inclusion-shape":
+        declared = example_of(entry.component)
+    needed = [
+        item.name for item in fields(entry.component) if item.default is MISSING and item.default_factory is MISSING
+    ]
+    if not isinstance(declared, Mapping) and needed:
+        raise ValueError(
+            f"{entry.kind} {entry.key!r} must say with which parameters it is to be checked (got none); give its class "
+            f"an attribute example, a mapping with {', '.join(needed)}"
+        )
+    return make(entry.full_key, kind=entry.kind, **(declared or {}))
+
+
+def _print(found: dict[str, list[dict[str, str]]]) -> None:
+    for name, verdicts in found.items():
+        width = max(len(one["check"]) for one in verdicts)
+        typer.echo(name)
+        for one in verdicts:
+            typer.echo(f"  {'FAILS' if one['failed'] else 'kept '}  {one['check']:<{width}}  {one['promise']}")
+            if one["failed"]:
+                typer.echo(f"         {one['failed'].partition(': ')[2]}")
+        broken = sum(1 for one in verdicts if one["failed"])
+        typer.echo(f"  {len(verdicts) - broken} of {len(verdicts)} promises kept")
