@@ -32,6 +32,8 @@ GROUPS = {
     "contact": "Normal contact",
 }
 THUMBNAIL = 480
+#: Names of pictures begin so; what shows a region below the surface says more than a map of the pressure.
+TELLING = ("worn", "damage", "section", "shear.", "uplift.", "pressure.")
 
 
 def write_gallery(docs: Path, chosen: list[str]) -> None:
@@ -109,9 +111,10 @@ def _group(scene: Mapping[str, Any]) -> str:
 
 
 def _pictures(folder: Path) -> list[str]:
+    """Pictures of a run, the one that says most first."""
     names = sorted(path.name for path in folder.glob("*.png") if not path.name.startswith("small-"))
-    first = [name for name in names if name.startswith("stress")] or [name for name in names if "pressure" in name]
-    return sorted(names, key=lambda name: (name not in first[:1], name))
+    ranks = {name: rank for rank, word in enumerate(TELLING) for name in names if name.startswith(word)}
+    return sorted(names, key=lambda name: (ranks.get(name, len(TELLING)), name))
 
 
 def _words(text: str) -> str:

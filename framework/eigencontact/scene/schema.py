@@ -256,8 +256,8 @@ class Scene(Table):
     Parameters
     ----------
     name : str
-        Short name, for folders (`eigencontact.core.names.FOLDER_RULE`); where it is not given, that of the file, made
-        into such a name.
+        Short name, for folders: letters, digits, ``_``, ``.`` and ``-``, beginning with a letter, a digit or ``_``. By
+        default that of the file, made into such a name.
     title : str
         One line for plots and lists.
     description : str
