@@ -6,6 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
+from eigencontact_verification.oracles import spence
 
 #: Coarser cells, so that each scene takes about a second; the rough scene keeps the points of its measurement.
 COARSER = {
@@ -94,7 +95,7 @@ def test_fretting_mode_1(finished):
 
 
 def test_fretting_mode_2(finished):
-    """Spence's stick circle, mu/beta = 0.7, on twenty increments; the ring slips inwards, its shear outwards."""
+    """Spence's stick circle, mu/beta = 0.7, on forty increments; the ring slips inwards, its shear outwards."""
     data = finished("fretting-mode-2").dataset
     assert float(data.stick_radius[-1] / data.contact_radius[-1]) == close(0.7334, rel=1.5e-2)
     last = data.isel(step=-1)
@@ -102,6 +103,23 @@ def test_fretting_mode_2(finished):
     assert float((last.slip_x * last.x + last.slip_y * last.y).where(slipping).max()) < 0
     assert float((last.shear_x * last.x + last.shear_y * last.y).where(slipping).min()) > 0
     assert float(np.abs(last.tangential_load)) < 1e-9
+
+
+def test_fretting_mode_2_has_the_shear_of_spence_without_kinks(finished):
+    """Increments even in the radius: 0.9 % of root mean square, and second differences within 0.6 % of the peak.
+
+    Forty increments even in the load leave 1.9 % and 4.6 %.
+    """
+    last = finished("fretting-mode-2").dataset.isel(step=-1)
+    x, y = np.meshgrid(last.x, last.y)
+    radius, peak = np.hypot(x, y), 1.5 * 12.307 / (np.pi * A**2)
+    radial = (last.shear_x.values * x + last.shear_y.values * y) / radius
+    exact = 2 / 7 * peak * spence.radial_shear((radius / A).ravel(), 0.7).reshape(radius.shape)
+    assert np.sqrt(np.sum((radial - exact) ** 2) / np.sum(exact**2)) < 0.012
+    middle = radius.shape[0] // 2
+    sticks = radius[middle, 1:-1] < 0.68 * A
+    bends = [np.diff(values[middle], 2)[sticks] / exact.max() for values in (radial, exact)]
+    assert np.sqrt(np.mean((bends[0] - bends[1]) ** 2)) < 0.01
 
 
 def test_fretting_mode_3(finished):

@@ -121,3 +121,8 @@ def test_jumps_of_a_given_size_that_are_too_large_are_said():
     assert "surfaces that move once in one cycle or many make the worn volume wrong by " in told["wear-jumps"]
     assert "; set wear.cycles-per-update smaller, or wear.jump-error" in told["wear-jumps"]
     assert "wear-jumps" not in warnings(wear | {"jump-error": 0.1}, cycles(100))
+
+
+def test_explain_of_a_step_that_slides_along_a_direction():
+    made = scene({"type": "archard", "coefficient": 1e-16}, [PRESSED, SLIDE | {"sliding-direction": "y"}], **BLUNT)
+    assert "sliding-distance 1 mm" in ec.plan(made).explain()

@@ -123,10 +123,11 @@ def test_a_length_of_few_cells_is_told(cells, told):
 
 
 def test_few_increments_are_told_where_shear_follows_from_pressure():
-    few = ec.plan(ec.load_scene("fretting-mode-2", ["steps.increments=2"]))
-    (caution,) = few.cautions
-    assert caution.code == "load-steps"
-    assert caution.error == close(0.09, rel=1e-12)
+    for spacing, error in (("even", 0.09), ("radius", 0.265)):
+        few = ec.plan(ec.load_scene("fretting-mode-2", ["steps.increments=2", f"steps.spacing={spacing}"]))
+        (caution,) = few.cautions
+        assert caution.code == "load-steps"
+        assert caution.error == close(error, rel=1e-12)
     assert ec.plan("fretting-mode-2").cautions == ()
 
 

@@ -17,6 +17,7 @@ from eigencontact.execution.loading import (
     tangential_control_at,
 )
 from eigencontact.execution.step import Step
+from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.steps import Step as Ramp
@@ -51,6 +52,11 @@ class Drivable(Protocol):
     @property
     def steps(self) -> int:
         """Number of load steps, by estimate where cycles are skipped."""
+        ...
+
+    @property
+    def growth(self) -> ContactGrowth | None:
+        """Of the contact's radius, where increments are even in it."""
         ...
 
     @property
@@ -124,7 +130,7 @@ class _Course:
     def __init__(self, plan: Drivable, watcher: Watcher | None, stopwatch: Stopwatch) -> None:
         self._plan, self._watcher, self._stopwatch = plan, watcher, stopwatch
         self._friction, self._contact = plan.scene.friction is not None, bool(plan.scene.geometry)
-        self.history = LoadHistory(plan.scene.steps, friction=self._friction)
+        self.history = LoadHistory(plan.scene.steps, friction=self._friction, growth=plan.growth)
         self._started = False
         self._ramp_start: dict[str, float] = {}
 

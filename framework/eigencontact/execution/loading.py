@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
+from typing import Literal
 
 from eigencontact.execution.step import CyclePlace, Slide
+from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.scene.holding import held_steps, held_travel
-from eigencontact.scene.steps import Segment, Step, ramps_of, segments_of
+from eigencontact.scene.steps import Segment, Step, ramps_of, segments_of, spaced_by_radius
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
 from eigencontact.solvers.tangential.control import TangentialControl
@@ -26,8 +28,10 @@ class LoadPoint:
         Number from 1 among those that are solved.
     time : float
         Its place in the history with all cycles written out: 1 ends the first ramp.
-    ramp, fraction : int, float
-        Its ramp, each counted once however often it is repeated, and where in it the increment ends.
+    ramp, number : int
+        Its ramp, each counted once however often it is repeated, and which increment of it, from 1.
+    fraction, before : float
+        Where in the ramp the increment ends, and where it begins.
     segment : Segment
         Cycle, or plain step, that it belongs to.
     cycle : int
@@ -39,6 +43,8 @@ class LoadPoint:
     index: int
     time: float
     ramp: int
+    number: int
+    before: float
     fraction: float
     segment: Segment
     cycle: int = 1
@@ -59,12 +65,19 @@ class LoadHistory:
         As of a scene.
     friction : bool
         Whether what a step does not mention stays as earlier steps left it.
+    growth : ContactGrowth, optional
+        Of the contact's radius; without it all increments are even in the loads.
     """
 
-    def __init__(self, steps: Sequence[Step], *, friction: bool) -> None:
+    def __init__(self, steps: Sequence[Step], *, friction: bool, growth: ContactGrowth | None = None) -> None:
         self._segments, ramps = segments_of(steps), ramps_of(steps)
         self._ramps = held_steps(ramps) if friction else ramps
         self._places = held_travel(ramps)
+        chosen = frozenset[int]() if growth is None else spaced_by_radius(steps, friction=friction)
+        self._ends = [
+            _even_in_radius(growth, self._ramps, place) if growth is not None and place in chosen else None
+            for place in range(len(ramps))
+        ]
         # What a cycle does not mention is, from the second on, as its own end left it.
         self._again: dict[int, tuple[Step, tuple[float, float]]] = {}
         for part in self._segments:
@@ -78,10 +91,9 @@ class LoadHistory:
         """The next increment; None at the end. `cycles` are those that an ended one stands for, itself among them."""
         if point is None:
             return self._at(1, self._segments[0], 1, self._segments[0].first, 1, 0)
-        part, increments = point.segment, self._ramps[point.ramp].increments
-        number = round(point.fraction * increments)
-        if number < increments:
-            return self._at(point.index + 1, part, point.cycle, point.ramp, number + 1, 0)
+        part = point.segment
+        if point.number < self._ramps[point.ramp].increments:
+            return self._at(point.index + 1, part, point.cycle, point.ramp, point.number + 1, 0)
         if not point.ends_cycle:
             return self._at(point.index + 1, part, point.cycle, point.ramp + 1, 1, 0)
         if point.cycle < part.repeat:
@@ -94,10 +106,11 @@ class LoadHistory:
         return self._at(point.index + 1, part, 1, part.first, 1, 0)
 
     def _at(self, index: int, part: Segment, cycle: int, ramp: int, number: int, skipped: int) -> LoadPoint:
-        fraction = number / self._ramps[ramp].increments
+        ends, count = self._ends[ramp], self._ramps[ramp].increments
+        before, fraction = ((number - more) / count if ends is None else ends[number - more] for more in (1, 0))
         begin = sum(one.ramps * one.repeat for one in self._segments[: self._segments.index(part)])
         time = begin + (cycle - 1) * part.ramps + (ramp - part.first) + fraction
-        return LoadPoint(index, float(time), ramp, fraction, part, cycle, skipped)
+        return LoadPoint(index, float(time), ramp, number, before, fraction, part, cycle, skipped)
 
     def ends_of_cycle_before(self, point: LoadPoint) -> list[LoadPoint]:
         """Ends of the ramps of the cycle before that of a point, each reached in one increment.
@@ -116,7 +129,7 @@ class LoadHistory:
 
     def begins_ramp(self, point: LoadPoint) -> bool:
         """Whether it is the first increment of its ramp."""
-        return round(point.fraction * self._ramps[point.ramp].increments) == 1
+        return point.number == 1
 
     def ramp(self, point: LoadPoint) -> Step:
         """Ramp of a point with all that is prescribed at its end: with friction, what others left as it is."""
@@ -148,7 +161,9 @@ class LoadHistory:
         ramp = self.ramp(point)
         if ramp.sliding_distance is not None:
             along = (0.0, 1.0) if ramp.sliding_direction == "y" else (1.0, 0.0)
-            return Slide(distance=ramp.sliding_distance / ramp.increments, direction=along)
+            even = self._ends[point.ramp] is None
+            part = 1.0 / ramp.increments if even else point.fraction - point.before
+            return Slide(distance=ramp.sliding_distance * part, direction=along)
         if before is None:
             return None
         (x0, y0), (x1, y1) = self.travel(before), self.travel(point)
@@ -168,6 +183,14 @@ class LoadHistory:
             start = self._places[point.ramp - 1] if point.ramp else (0.0, 0.0)
         (x0, y0), (x1, y1) = start, end
         return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
+
+
+def _even_in_radius(growth: ContactGrowth, ramps: Sequence[Step], place: int) -> tuple[float, ...]:
+    """Start, and ends of the increments, of a ramp that are even in the contact radius."""
+    ramp, last = ramps[place], ramps[place - 1] if place else None
+    control: Literal["normal_load", "approach"] = "approach" if ramp.normal_load is None else "normal_load"
+    begin = 0.0 if last is None else getattr(last, control) or 0.0
+    return (0.0, *growth.parts(control, begin, getattr(ramp, control), ramp.increments))
 
 
 def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, float]:

@@ -14,6 +14,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.contact_estimate import ContactEstimate
+from eigencontact.model.contact_growth import ContactGrowth, contact_growth
 from eigencontact.model.grids import given_grid
 from eigencontact.model.kernels import Bodies, PairCoefficients
 from eigencontact.model.resolution import refuse_coarse
@@ -22,6 +23,7 @@ from eigencontact.model.window import Separation, automatic_grid, close_estimate
 from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import Scene, Step
+from eigencontact.scene.steps import spaced_by_radius
 from eigencontact.solvers.control import Control
 
 __all__ = ["ContactWindow", "contact_window", "contacts_of_steps"]
@@ -47,12 +49,15 @@ class ContactWindow:
     expected : ContactEstimate or None
         The largest contact of the load history, on homogeneous bodies or layers, without what lies in them; None where
         none is found.
+    growth : ContactGrowth or None
+        Of its radius; None where no load step is even in the radius.
     """
 
     grid: Grid
     reason: str
     box: tuple[int, int]
     expected: ContactEstimate | None = None
+    growth: ContactGrowth | None = None
 
 
 def contact_window(
@@ -72,7 +77,9 @@ def contact_window(
     measured = any(isinstance(geometry, HasNativeGrid) for geometry in geometries)
     if expected is not None and not (measured or scene.numerics.allow_coarse):
         refuse_coarse(expected, grid)
-    return ContactWindow(grid=grid, reason=reason, box=box, expected=expected)
+    growth = None if measured else _growth(scene, found)
+    _refuse_radius(scene, growth)
+    return ContactWindow(grid=grid, reason=reason, box=box, expected=expected, growth=growth)
 
 
 def _controls(scene: Scene) -> list[Control]:
@@ -99,7 +106,7 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"
         )
     pairs = zip(_controls(scene), held_travel(scene.ramps), strict=True)
-    controls = [(control, travel) for control, travel in pairs if control.normal_load != 0.0]
+    controls = [(control, travel) for control, travel in pairs if 0.0 not in (control.normal_load, control.approach)]
     separation = partial(sum_separations, geometries)
     # A first guess needs no layers, and asks for cells of a hundred sizes.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
@@ -151,6 +158,28 @@ def contacts_of_steps(
         if estimate is not None:
             found.append((estimate, control, separation))
     return found
+
+
+def _growth(
+    scene: Scene, found: Sequence[tuple[ContactEstimate, Control, Separation]]
+) -> ContactGrowth | None:
+    """Growth of the contact where a load step is even in its radius."""
+    if not (found and spaced_by_radius(scene.steps, friction=scene.friction is not None)):
+        return None
+    contact, control, separation = max(found, key=lambda one: min(one[0].extent))
+    return contact_growth(separation, contact, control)
+
+
+def _refuse_radius(scene: Scene, growth: ContactGrowth | None) -> None:
+    if growth is not None:
+        return
+    for number, step in enumerate(scene.steps):
+        if step.spacing == "radius" and step.increments > 1:
+            where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
+            raise SceneError(
+                f"{where}.spacing must be 'even' unless the gap rises on all sides of one place (got 'radius', and a "
+                "contact without one radius); leave it out"
+            )
 
 
 def _expected(

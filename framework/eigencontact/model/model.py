@@ -20,6 +20,7 @@ from eigencontact.model.bodies import bodies_of, influence_for
 from eigencontact.model.boxes import with_cells, with_lattices
 from eigencontact.model.close_up import resolved
 from eigencontact.model.contact_estimate import ContactEstimate
+from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.model.coupling import Coupling, coupling_of
 from eigencontact.model.exposed import Exposed, exposed_of
 from eigencontact.model.grids import given_grid, grid_around
@@ -58,6 +59,8 @@ class Model:
         Cells along (y, x) that the contact will occupy, by estimate; the window where there is none.
     expected : ContactEstimate or None
         The largest contact of the load history, by estimate; eigenstrain and inhomogeneities are not looked at.
+    growth : ContactGrowth or None
+        Of the radius of the contact, where a load step is even in it.
     bodies : two of Material, LayeredMedium or None
         Elastic constants, the same everywhere or layered; None is rigid.
     geometries : tuple of Geometry
@@ -91,6 +94,7 @@ class Model:
     grid_reason: str
     contact_box: tuple[int, int]
     expected: ContactEstimate | None
+    growth: ContactGrowth | None
     bodies: Bodies
     geometries: tuple[Geometry, ...]
     observers: tuple[Observing, ...]
@@ -214,6 +218,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         grid_reason=reason,
         contact_box=window.box if window else grid.shape,
         expected=window.expected if window else None,
+        growth=window.growth if window else None,
         bodies=bodies,
         geometries=geometries,
         observers=observing(scene, observed),

@@ -11,7 +11,7 @@ from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
-from eigencontact.scene.steps import solved_cycles
+from eigencontact.scene.steps import solved_cycles, spaced_by_radius
 from eigencontact.worth.foreseen import worst_above
 from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads, wear_lines
 
@@ -199,7 +199,12 @@ def _steps(plan: Plan) -> str:
     wear = plan.scene.wear
     repeats = [step.repeat for step in plan.scene.steps]
     guessed = wear is not None and wear.error and any(solved_cycles(repeat, wear) < repeat for repeat in repeats)
-    return f"{'about ' if guessed else ''}{plan.steps} step{'s' if plan.steps != 1 else ''}"
+    count = f"{'about ' if guessed else ''}{plan.steps} step{'s' if plan.steps != 1 else ''}"
+    if plan.growth is None:
+        return count
+    spaced = spaced_by_radius(plan.scene.steps, friction=plan.friction is not None)
+    graded = sum(plan.scene.ramps[place].increments for place in spaced)
+    return f"{count}, {graded} of them even in the contact radius"
 
 
 def _counted(sources: Sequence[Source]) -> str:

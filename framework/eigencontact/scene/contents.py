@@ -87,6 +87,7 @@ def _check_steps(scene: Scene) -> None:
             )
         if step.sliding_distance is not None:
             _check_sliding(scene, where, step)
+    _check_spacing(scene)
 
 
 def _places(scene: Scene) -> Iterator[tuple[str, Step]]:
@@ -97,6 +98,23 @@ def _places(scene: Scene) -> Iterator[tuple[str, Step]]:
             yield f"{where}.cycle.{place}", ramp
         if step.cycle is None:
             yield where, step
+
+
+def _check_spacing(scene: Scene) -> None:
+    """Where a radius starts from is known of one control that goes on."""
+    before: str | None = ""
+    for where, step in _places(scene):
+        own = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
+        held = own or (before if scene.friction is not None else None)
+        if step.spacing == "radius" and (".cycle." in where or own is None or before not in ("", own)):
+            got = "a step of a cycle" if ".cycle." in where else f"a step that gives {own or 'neither'}"
+            if own is not None and before not in ("", own):
+                got += f" after one that gives {before or 'neither'}"
+            raise ValueError(
+                f"!{where}.spacing must be 'even' unless the step gives normal-load or approach, as the one before it "
+                f"does, outside of cycles (got 'radius' in {got}); leave it out"
+            )
+        before = held
 
 
 def _check_number_of_steps(scene: Scene) -> None:

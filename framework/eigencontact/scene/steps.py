@@ -26,6 +26,7 @@ __all__ = [
     "ramps_of",
     "segments_of",
     "solved_cycles",
+    "spaced_by_radius",
 ]
 
 #: Repeats of one cycle.
@@ -118,7 +119,11 @@ class Step(Table):
     sliding_direction : {"x", "y", "circular"}, optional
         Along which they do; x by default.
     increments : int
-        Equal parts in which the ramp is done.
+        Parts in which the ramp is done.
+    spacing : {"radius", "even"}, optional
+        Whether these parts are even in the contact radius, or in the loads and motions themselves. The first loading
+        with friction is even in the radius by default, where the gap rises on all sides of one place: what comes into
+        contact within an increment sticks where it is. All else is even in the loads.
     impacts : Impacts, optional
         Random places at each of which the geometry is pressed on and lifted.
     cycle : list of Step, optional
@@ -144,6 +149,7 @@ class Step(Table):
     sliding_distance: PositiveLength | None = None
     sliding_direction: Literal["x", "y", "circular"] | None = None
     increments: Annotated[int, AfterValidator(at_least(1))] = 1
+    spacing: Literal["radius", "even"] | None = None
     impacts: Impacts | None = None
     cycle: Annotated[list[Step] | None, BeforeValidator(one_or_many), AfterValidator(_some)] = None
     repeat: Annotated[int, AfterValidator(in_range(1, MOST_CYCLES, "cycles"))] = 1
@@ -159,7 +165,8 @@ class Step(Table):
             away = Step(normal_load=0.0, travel_x=x, travel_y=y)
             if self.increments > 1:  # the ramp to the load would be one to the place as well
                 out.append(away)
-            pressed = away.model_copy(update={"normal_load": self.normal_load, "increments": self.increments})
+            own = {"normal_load": self.normal_load, "increments": self.increments, "spacing": self.spacing}
+            pressed = away.model_copy(update=own)
             out += [pressed, away]
         return out
 
@@ -239,6 +246,27 @@ def segments_of(steps: Sequence[Step]) -> list[Segment]:
         found.append(Segment(first, count, step.repeat, step.cycle is not None))
         first += count
     return found
+
+
+def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> frozenset[int]:
+    """Ramps of `ramps_of` in several increments that are even in the contact radius, told so or by default.
+
+    Examples
+    --------
+    >>> loading = Step(normal_load=1.0, increments=20)
+    >>> spaced_by_radius([loading, Step(shift_x=1e-6, increments=8)], friction=True)
+    frozenset({0})
+    >>> spaced_by_radius([loading], friction=False)
+    frozenset()
+    """
+    found, loaded = set[int](), False
+    for segment, step in zip(segments_of(steps), steps, strict=True):
+        first = friction and not loaded and not segment.cycle and step.prescribed in (["normal-load"], ["approach"])
+        chosen = "even" if step.spacing is None and not first else step.spacing or "radius"
+        if chosen == "radius" and step.increments > 1:
+            found.add(segment.first)
+        loaded = loaded or any(ramp.normal_load or ramp.approach for ramp in ramps_of([step]))
+    return frozenset(found)
 
 
 def solved_cycles(repeat: int, wear: Wear) -> int:

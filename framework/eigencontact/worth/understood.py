@@ -77,9 +77,9 @@ def largest_loads(scene: Scene) -> str:
     """Largest of each load or motion of the history; nothing where there is none."""
     said = []
     for name, field in Step.model_fields.items():
-        values = [abs(value) for step in scene.ramps if (value := getattr(step, name)) is not None]
         unit = _unit(field.annotation)
-        if unit and any(values):
+        values = [abs(value) for step in scene.ramps if unit and (value := getattr(step, name)) is not None]
+        if any(values):
             said.append(f"{name.replace('_', '-')} {readable(max(values), unit)}")
     return f", at most {', '.join(said)}" if said else ""
 

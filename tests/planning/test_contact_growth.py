@@ -1,0 +1,137 @@
+"""Increments that are even in the contact radius: of closed forms, of what is refused, and what a run makes of them."""
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+from eigencontact.execution.loading import LoadHistory
+from eigencontact.model.contact_estimate import ContactEstimate
+from eigencontact.model.contact_growth import contact_growth
+from eigencontact.scene.steps import Step
+from eigencontact.solvers.control import Control
+
+A = 10e-6
+#: Gaps that rise from one place, and the powers of the radius with which approach and load grow.
+RISING = {
+    "paraboloid": (lambda x, y: (x**2 + y**2) / 2, 2, 3),
+    "beside the middle": (lambda x, y: (x - 3e-7) ** 2 + (y + 1.7e-7) ** 2, 2, 3),
+    "ellipse": (lambda x, y: x**2 + 4 * y**2 + x * y, 2, 3),
+    "cone": (np.hypot, 1, 2),
+    "quartic": (lambda x, y: 1e10 * (x**2 + y**2) ** 2, 4, 5),
+}
+
+
+@pytest.mark.parametrize("name", RISING)
+def test_approach_and_load_are_powers_of_the_radius(name):
+    gap, approach, load = RISING[name]
+    growth = contact_growth(gap, ContactEstimate(-A, A, -A, A), Control(normal_load=2.0))
+    share = np.arange(1, 6) / 5
+    assert growth.parts("normal_load", 0.0, 2.0, 5) == close(share**load, rel=1e-4)
+    assert growth.parts("approach", 0.0, growth.approach[-1], 5) == close(share**approach, rel=1e-4)
+    assert growth.normal_load[-1] == 2.0
+
+
+def test_a_cone_and_a_paraboloid_approach_as_sneddon_says():
+    for gap, expected in ((np.hypot, np.pi / 2 * A), (lambda x, y: x**2 + y**2, 2 * A**2)):
+        growth = contact_growth(gap, ContactEstimate(-A, A, -A, A), Control(approach=1.0))
+        assert growth.approach[-1] == close(expected, rel=1e-6)
+
+
+def test_a_ramp_between_loads_and_back_to_nothing_is_even_in_the_radius():
+    growth = contact_growth(RISING["paraboloid"][0], ContactEstimate(-A, A, -A, A), Control(normal_load=8.0))
+    assert growth.parts("normal_load", 1.0, 8.0, 2) == close([(1.5**3 - 1) / 7, 1.0], rel=1e-4)
+    assert growth.parts("normal_load", 8.0, 0.0, 2) == close([7 / 8, 1.0], rel=1e-4)
+    assert growth.parts("normal_load", 8.0, 8.0, 4) == close([0.25, 0.5, 0.75, 1.0], rel=1e-12)
+
+
+def test_a_punch_begins_at_the_radius_of_its_flat():
+    """Of a flat of radius b: even steps between b and a, so none lies below the load at which the rounding touches."""
+    box = ContactEstimate(-A, A, -A, A)
+    growth = contact_growth(lambda x, y: np.maximum(np.hypot(x, y) - A / 2, 0.0) ** 2, box, Control(normal_load=1.0))
+    parts = growth.parts("normal_load", 0.0, 1.0, 4)
+    radii = np.interp(parts, growth.normal_load, growth.radius)
+    assert radii == close(A * np.array([0.625, 0.75, 0.875, 1.0]), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "gap",
+    [lambda x, y: (np.hypot(x, y) - A / 2) ** 2, lambda x, y: np.sin(6 * x / A) ** 2 + y**2, lambda x, y: 0 * x * y],
+    ids=["ring", "waves", "flat"],
+)
+def test_contacts_without_one_radius_have_no_growth(gap):
+    assert contact_growth(gap, ContactEstimate(-A, A, -A, A), Control(normal_load=1.0)) is None
+
+
+def small(*changes, scene="fretting-mode-2"):
+    return ec.load_scene(
+        scene, ["grid.cells-per-contact-radius=10", "steps.increments=5", "output.pictures=false", *changes]
+    )
+
+
+def test_the_first_loading_with_friction_grows_evenly_and_others_do_not():
+    radius, even, alone = (
+        ec.run(made).dataset.contact_radius.values
+        for made in (
+            small(),
+            small("steps.spacing=even"),
+            ec.load_scene("hertz", ["grid.cells-per-contact-radius=10", "steps.increments=5", "stress=[]"]),
+        )
+    )
+    assert radius / radius[-1] == close(np.arange(1, 6) / 5, abs=0.04)
+    for found in (even, alone):
+        assert found / found[-1] == close((np.arange(1, 6) / 5) ** (1 / 3), abs=0.04)
+
+
+def test_an_approach_grows_with_the_square_of_the_radius_and_a_frictionless_step_as_told():
+    changes = ["grid.cells-per-contact-radius=10", "stress=[]"]
+    steps = "steps=[{approach='1 um', increments=4, spacing='radius'}, {approach=0.0, increments=2}]"
+    data = ec.run(ec.load_scene("hertz", [*changes, steps])).dataset
+    assert data.approach.values == close(1e-6 * np.array([1 / 16, 1 / 4, 9 / 16, 1, 0.5, 0]), rel=1e-4, abs=1e-15)
+    assert data.time.values == close([1 / 16, 1 / 4, 9 / 16, 1, 1.5, 2], rel=1e-4)
+
+
+def test_what_slides_within_a_step_slides_in_parts_of_it():
+    steps = [Step(normal_load=1.0, increments=2, spacing="radius", sliding_distance=8.0)]
+    growth = contact_growth(RISING["paraboloid"][0], ContactEstimate(-A, A, -A, A), Control(normal_load=1.0))
+    history, point, found = LoadHistory(steps, friction=False, growth=growth), None, []
+    while (after := history.after(point)) is not None:
+        found.append(history.slide(after, point).distance)
+        point = after
+    assert found == close([1.0, 7.0], rel=1e-4)
+
+
+def test_explain_says_what_is_even_in_the_radius():
+    assert "5 steps, 5 of them even in the contact radius" in ec.plan(small()).explain()
+    assert "even in the contact radius" not in ec.plan(small("steps.spacing=even")).explain()
+    rough = ec.plan("rough-surface-friction")
+    assert rough.growth is None
+
+
+REFUSED = {
+    "no load": (
+        ["steps=[{normal-load=1, increments=2}, {shift-x=1e-8, increments=3, spacing='radius'}]"],
+        r"steps.1.spacing must be 'even' unless the step gives normal-load or approach, .*in a step that gives neither",
+    ),
+    "another control": (
+        ["steps=[{normal-load=1}, {approach=1e-8, increments=3, spacing='radius'}]"],
+        r"steps.1.spacing .*got 'radius' in a step that gives approach after one that gives normal-load",
+    ),
+    "a cycle": (
+        ["steps=[{normal-load=1}, {cycle=[{normal-load=2, increments=3, spacing='radius'}], repeat=2}]"],
+        r"steps.1.cycle.0.spacing .*got 'radius' in a step of a cycle",
+    ),
+    "a word": (["steps.spacing=area"], r"steps\.0\.spacing must be one of 'radius' or 'even'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused(case):
+    changes, words = REFUSED[case]
+    with pytest.raises(ec.EigencontactError, match=words):
+        ec.load_scene("fretting-mode-2", changes)
+
+
+def test_a_contact_without_one_radius_is_refused_where_the_radius_is_asked_for():
+    with pytest.raises(ec.EigencontactError, match=r"steps.1.spacing must be 'even' unless the gap rises on all sides"):
+        ec.plan(ec.load_scene("rough-surface", ["steps.1.spacing=radius", "steps.1.increments=2"]))
