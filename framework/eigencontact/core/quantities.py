@@ -10,6 +10,7 @@ from eigencontact.core.units import LARGEST, parse_quantity
 
 __all__ = [
     "QUANTITIES",
+    "AlikeMark",
     "Angle",
     "DataFile",
     "Direction",
@@ -17,6 +18,7 @@ __all__ = [
     "FileMark",
     "Force",
     "Length",
+    "Lengths",
     "Moment",
     "Place",
     "PlaceMark",
@@ -56,6 +58,24 @@ Stress = Annotated[float, Unit("Pa", "a stress")]
 Force = Annotated[float, Unit("N", "a force")]
 Moment = Annotated[float, Unit("N*m", "a moment")]
 Angle = Annotated[float, Unit("rad", "an angle")]
+
+
+class AlikeMark:
+    """Mark of an annotated pair, along x and y, for which a scene may give one value where both are alike."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Tell pydantic to double a single value."""
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_before_validator_function(self._pair, handler(source))
+
+    @staticmethod
+    def _pair(value: Any) -> Any:
+        return [value, value] if isinstance(value, int | float | str) and not isinstance(value, bool) else value
+
+
+#: Lengths along x and y [m]; ``spacing = "0.5 um"`` in a scene stands for two that are alike.
+Lengths = Annotated[tuple[Length, Length], AlikeMark()]
 
 
 class PlaceMark:

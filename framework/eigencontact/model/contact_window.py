@@ -98,9 +98,9 @@ def _grid(scene: Scene, geometries: tuple[Geometry, ...], normal: PairCoefficien
     given = given_grid(spec)
     if given is not None:
         return given, "given in the scene"
-    native = [geometry.native_grid() for geometry in geometries if isinstance(geometry, HasNativeGrid)]
-    if native:
-        return native[0], "the grid of the measured topography"
+    native = next((geometry for geometry in geometries if isinstance(geometry, HasNativeGrid)), None)
+    if native is not None:
+        return native.native_grid(), f"the grid that the geometry {native.key!r} brings"
     if scene.numerics.boundary == "periodic":
         raise SceneError(
             "grid must be given for a periodic scene (got automatic); its size is the period: give cells and size"

@@ -22,7 +22,19 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.gridded import TEXT_FILES, FileArrays, GriddedData, read_arrays, read_columns, read_gridded
 from eigencontact.core.jets import Jet, derivatives_of, implicit, variables
 from eigencontact.core.material import Material
-from eigencontact.core.quantities import Angle, DataFile, Direction, Force, Length, Moment, Place, Stress, Unit, unit_of
+from eigencontact.core.quantities import (
+    Angle,
+    DataFile,
+    Direction,
+    Force,
+    Length,
+    Lengths,
+    Moment,
+    Place,
+    Stress,
+    Unit,
+    unit_of,
+)
 from eigencontact.core.rotation import Rotation, Row, as_tuple, rotation_matrix, turned_derivatives
 from eigencontact.core.tensors import COMPONENTS, SQRT2, to_mandel
 from eigencontact.core.units import readable
@@ -106,6 +118,7 @@ __all__ = [
     "LawStep",
     "LayeredMedium",
     "Length",
+    "Lengths",
     "LinearLaw",
     "MadeOfLaws",
     "Material",

@@ -15,7 +15,7 @@ from annotated_types import MinLen
 from pydantic import AfterValidator, BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
 
-from eigencontact.core.quantities import FileMark, Unit
+from eigencontact.core.quantities import AlikeMark, FileMark, Unit
 from eigencontact.plugin.component import Component
 from eigencontact.scene.checks import both_alike
 from eigencontact.scene.table import Also, OfKind
@@ -80,6 +80,8 @@ def _marked(form: Form, mark: Any) -> Form:
         return kind if form else {"anyOf": [{"type": "number"}, {"type": "array"}, kind]}
     elif isinstance(mark, Also):
         return {"anyOf": [{"const": mark.text}, form]}
+    elif isinstance(mark, AlikeMark):
+        return {"anyOf": [form["prefixItems"][0], form]}
     elif isinstance(mark, FileMark):
         return {**form, "x-file": True}
     elif isinstance(mark, MinLen):
