@@ -9,7 +9,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.progress import ProgressLines
+from eigencontact.progress import ProgressLines, draws_in_place
 
 
 @dataclass
@@ -95,3 +95,22 @@ def test_a_plan_that_was_made_before_counts_in_the_time_of_its_run():
     summary = ec.run(plan).summary
     assert summary["seconds_by_block"]["set-up"] >= plan.seconds_planned > 0
     assert summary["total_seconds"] >= plan.seconds_planned
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(
+    ("environment", "expected"),
+    [({"TERM": "xterm"}, True), ({"TERM": "dumb"}, False), ({"TERM": "xterm", "JPY_PARENT_PID": "1"}, False)],
+)
+def test_bars_are_drawn_where_a_cursor_moves_only(monkeypatch, environment, expected):
+    monkeypatch.delenv("JPY_PARENT_PID", raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    assert draws_in_place(Terminal()) is expected
+    assert not draws_in_place(io.StringIO())

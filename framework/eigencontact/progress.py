@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from eigencontact.execution.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
-__all__ = ["ProgressLines", "progress"]
+__all__ = ["ProgressLines", "draws_in_place", "progress"]
 
 #: Shortest time between two lines on load steps, and longest silence while one of them is solved [s].
 _LINES, _SILENCE = 1.0, 15.0
@@ -26,7 +27,7 @@ def progress(*, enabled: bool) -> Iterator[Watcher | None]:
     if not enabled:
         yield None
         return
-    if not sys.stderr.isatty():
+    if not draws_in_place(sys.stderr):
         yield ProgressLines(sys.stderr)
         return
     from rich.console import Console
@@ -35,6 +36,21 @@ def progress(*, enabled: bool) -> Iterator[Watcher | None]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
         yield _ProgressBars(bars)
+
+
+def draws_in_place(stream: TextIO) -> bool:
+    """Whether a bar can be drawn over itself: on a terminal with a cursor, which a cell of a notebook has not.
+
+    Jupyter runs the commands of a cell on a terminal, and shows every state of a bar below the one before.
+
+    Examples
+    --------
+    >>> from io import StringIO
+    >>> draws_in_place(StringIO())
+    False
+    """
+    dumb = os.environ.get("TERM") in {"dumb", "unknown"} or "JPY_PARENT_PID" in os.environ
+    return stream.isatty() and not dumb
 
 
 class _ProgressBars:

@@ -146,7 +146,7 @@ def test_labels_come_from_the_title_where_there_is_no_name():
 
 
 def test_unknown_bundled_text():
-    with pytest.raises(EigencontactError, match=r"unknown bundled scene 'herz'; bundled: .*did you mean 'hertz'\?"):
+    with pytest.raises(EigencontactError, match=r"scene 'herz'; did you mean 'hertz'\?; `eigencontact gallery`"):
         bundled_text("herz")
 
 

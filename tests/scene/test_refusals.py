@@ -206,9 +206,9 @@ def test_several_findings_are_counted():
 
 
 SOURCES = {
-    "missing file": ("nothing.toml", None, "scene file must exist (got 'nothing.toml'); bundled scenes: "),
+    "missing file": ("nothing.toml", None, "scene file must exist (got 'nothing.toml')"),
     "missing file near a bundled one": ("herz.toml", None, "did you mean 'hertz'?"),
-    "unknown name": ("herz", None, "(got 'herz', and no such file); bundled: "),
+    "unknown name": ("herz", None, "(got 'herz', and no such file); did you mean 'hertz'?; `eigencontact gallery`"),
     "unknown name, nearest": ("herz", None, "did you mean 'hertz'?"),
     "a folder": ("folder.toml", "folder", "scene file must be readable text (got 'folder.toml')"),
     "not TOML": ("bad.toml", b"title = \n", "bad.toml must be valid TOML: "),
@@ -227,6 +227,12 @@ SOURCES = {
     ),
     "a number for a table": ("list.toml", b"body1 = 3\n", "body1 must be a table (got 3)"),
 }
+
+
+def test_a_missing_file_near_another_beside_it(tmp_path):
+    (tmp_path / "coated.toml").touch()
+    with pytest.raises(EigencontactError, match=r"must exist \(got '.*coatd.toml'\); did you mean 'coated.toml'\?"):
+        load_scene(tmp_path / "coatd.toml")
 
 
 @pytest.mark.parametrize("verb", ["run", "explain"])

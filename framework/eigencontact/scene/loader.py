@@ -16,6 +16,9 @@ from eigencontact.scene.schema import Scene
 
 __all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file", "put_values", "value_of_text"]
 
+#: Forty names in one line hide what is wrong.
+_LISTED = "`eigencontact gallery` lists the bundled scenes"
+
 
 def bundled_names() -> list[str]:
     """Names of the bundled scenes."""
@@ -26,9 +29,7 @@ def bundled_names() -> list[str]:
 def bundled_text(name: str) -> str:
     """TOML text of a bundled scene."""
     if name not in bundled_names():
-        raise SceneError(
-            f"unknown bundled scene {name!r}; bundled: {', '.join(bundled_names())}{nearest(name, bundled_names())}"
-        )
+        raise SceneError(f"unknown bundled scene {name!r}{nearest(name, bundled_names())}; {_LISTED}")
     return (files("eigencontact") / "gallery" / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -55,10 +56,9 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
     elif str(source) in bundled_names():
         text, name, folder = bundled_text(str(source)), str(source), None
     else:
-        names = bundled_names()
         raise SceneError(
-            f"scene must be a TOML file or the name of a bundled scene (got {str(source)!r}, and no such file); "
-            f"bundled: {', '.join(names)}{nearest(str(source), names)}"
+            f"scene must be a TOML file or the name of a bundled scene (got {str(source)!r}, and no such file)"
+            f"{nearest(str(source), bundled_names())}; {_LISTED}"
         )
     try:
         data = tomllib.loads(text)
@@ -73,10 +73,9 @@ def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise SceneError(
-            f"scene file must exist (got {str(path)!r}); bundled scenes: {', '.join(bundled_names())}"
-            f"{nearest(path.stem, bundled_names())}"
-        ) from None
+        beside = sorted(item.name for item in path.parent.glob("*.toml")) if path.parent.is_dir() else []
+        meant = nearest(path.name, beside) or nearest(path.stem, bundled_names())
+        raise SceneError(f"scene file must exist (got {str(path)!r}){meant}; {_LISTED}") from None
     except (OSError, ValueError) as problem:  # ValueError: bytes that are no text, a path with a zero in it
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
 

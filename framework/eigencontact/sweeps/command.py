@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -89,11 +90,13 @@ def _progress(*, enabled: bool) -> Any:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+        from eigencontact.progress import draws_in_place
+
         console = Console(stderr=True)
         if not enabled:
             yield None
             return
-        if not console.is_terminal:
+        if not draws_in_place(sys.stderr):
             yield lambda outcome, done, total: typer.echo(
                 f"variant {done} of {total}: {outcome.failed or f'{outcome.seconds:.2g} s'}", err=True
             )

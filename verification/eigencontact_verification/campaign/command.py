@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -375,8 +376,10 @@ class _Bar:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+            from eigencontact.progress import draws_in_place
+
             console = Console(stderr=True)
-            if console.is_terminal:
+            if draws_in_place(sys.stderr):
                 words = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
                 self._bar = Progress(*words, TimeRemainingColumn(), console=console, transient=True)
 

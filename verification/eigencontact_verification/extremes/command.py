@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -72,12 +73,14 @@ def _computed(features: tuple[Feature, ...], *, quick: bool, told: bool) -> Repo
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    from eigencontact.progress import draws_in_place
     from eigencontact_verification.extremes.judge import FoundFeature, run
     from eigencontact_verification.extremes.report import Report
 
     total = sum(corner.quick or not quick for feature in features for corner in feature.corners)
     done: list[FoundFeature] = []
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed}/{task.total}"))
+    told = told and draws_in_place(sys.stderr)
     with Progress(*columns, TimeElapsedColumn(), console=Console(stderr=True), disable=not told, transient=True) as bar:
         task = bar.add_task("extremes", total=total)
         for feature, found in run(features, quick=quick):
