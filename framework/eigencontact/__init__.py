@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from eigencontact.app import explain, load_scene, make, plan, rectangle_field, run
     from eigencontact.errors import EigencontactError, NotConverged
     from eigencontact.inclusions import inclusion_field
+    from eigencontact.reports.report import report
     from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.sweep import sweep
 
@@ -25,6 +26,7 @@ __all__ = [
     "plan",
     "rectangle_field",
     "region",
+    "report",
     "run",
     "sweep",
 ]
@@ -34,7 +36,7 @@ __version__ = "0.1.0"
 _HOMES = dict.fromkeys(("explain", "load_scene", "make", "plan", "rectangle_field", "run"), "app")
 _HOMES |= {"open_results": "afterwards", "region": "afterwards"}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
-_HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep"}
+_HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
 
 
 def __getattr__(name: str) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from eigencontact.core.memory import resident_bytes
@@ -20,17 +20,49 @@ if TYPE_CHECKING:
     from eigencontact.model.sources import Source
     from eigencontact.planning.plan import Plan
 
-__all__ = ["as_data", "explain"]
+__all__ = ["NAMES", "Told", "as_data", "explain", "references", "told"]
 
 
-def explain(plan: Plan) -> str:
+#: Width of the names before what is said at the top of a plan.
+NAMES = 12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """A plan in words, by paragraph.
+
+    Attributes
+    ----------
+    title : str
+        Name of the scene, and its title where it has one.
+    facts : list of str
+        Bodies, geometry, grid ...: a name of `NAMES` characters, empty where a line continues the one before it, then
+        what is said.
+    cautions : list of str
+        What makes its numbers worth less than they look.
+    inclusions, blocks, kernels, predicted : list of str
+        Lines of their paragraphs; those of `predicted` as in `facts`.
+    left_out : list of (str, str)
+        What is not modelled, and why.
+    """
+
+    title: str
+    facts: list[str]
+    cautions: list[str]
+    inclusions: list[str]
+    blocks: list[str]
+    kernels: list[str]
+    predicted: list[str]
+    left_out: list[tuple[str, str]]
+
+
+def told(plan: Plan) -> Told:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
     scene, grid = plan.scene, plan.grid
     layers = layers_in_words(plan.bodies, periodic=scene.numerics.boundary == "periodic")
     width, height = grid.size
     pitch = f"{readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"
-    lines = [f"{plan.name}: {scene.title}" if scene.title else plan.name, ""]
-    lines += [
+    facts = [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         *([f"layers      {layers}"] if layers else []),
         *geometry_lines(plan),
@@ -42,29 +74,40 @@ def explain(plan: Plan) -> str:
         *wear_lines(plan),
         f"load        {_steps(plan)}{largest_loads(plan.scene)}",
         *expected_lines(plan),
-        "",
-        *([] if not plan.cautions else ["warnings", *(f"  {item.words} ({item.code})" for item in plan.cautions), ""]),
-        *_inclusions(plan),
-        "blocks, in order",
     ]
+    base = resident_bytes()
+    blocks = []
     for block in plan.blocks:
         for part in block.parts:
             seconds = part.cost.seconds_once + plan.steps * part.cost.seconds_per_step
             price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
-            lines.append(f"  {part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
-    lines += ["", f"kernels, {len(plan.kernels)} in all"]
-    lines += [f"  {kernel}" for kernel in plan.kernels]
-    base = resident_bytes()
-    lines += [
-        "",
-        f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(base + plan.cost.peak)} with the libraries",
-        f"            {_time(plan.seconds)} of solving",
-        "",
-        "left out, and why",
-    ]
-    lines += [f"  {item.what}: {item.why}" for item in plan.left_out]
-    return "\n".join(lines)
+            blocks.append(f"{part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
+    return Told(
+        title=f"{plan.name}: {scene.title}" if scene.title else plan.name,
+        facts=facts,
+        cautions=[f"{item.words} ({item.code})" for item in plan.cautions],
+        inclusions=_inclusions(plan),
+        blocks=blocks,
+        kernels=[str(kernel) for kernel in plan.kernels],
+        predicted=[
+            f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(base + plan.cost.peak)} with the libraries",
+            f"            {_time(plan.seconds)} of solving",
+        ],
+        left_out=[(item.what, item.why) for item in plan.left_out],
+    )
+
+
+def explain(plan: Plan) -> str:
+    """Return a plan as text: all paragraphs of `told`."""
+    said = told(plan)
+    lines = [said.title, "", *said.facts, ""]
+    lines += ["warnings", *(f"  {words}" for words in said.cautions), ""] if said.cautions else []
+    lines += [*said.inclusions, ""] if said.inclusions else []
+    lines += ["blocks, in order", *(f"  {line}" for line in said.blocks), ""]
+    lines += [f"kernels, {len(said.kernels)} in all", *(f"  {line}" for line in said.kernels), ""]
+    lines += [*said.predicted, "", "left out, and why"]
+    return "\n".join([*lines, *(f"  {what}: {why}" for what, why in said.left_out)])
 
 
 def as_data(plan: Plan) -> dict[str, object]:
@@ -192,7 +235,7 @@ def _inclusions(plan: Plan) -> list[str]:
         lines += _alike(sources)
     if next(overlapping(plan.sources), None) is not None:
         lines.append(f"  where they overlap: {WHAT_COUNTS}")
-    return [*lines, ""]
+    return lines
 
 
 def _steps(plan: Plan) -> str:

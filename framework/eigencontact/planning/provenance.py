@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import platform
+from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -25,7 +26,7 @@ def run_info(plan: Plan) -> RunInfo:
     from eigencontact.core.material import contact_modulus
     from eigencontact.model.bodies import layered_bodies, without_layers
     from eigencontact.model.law_numbers import named
-    from eigencontact.planning.explain import references
+    from eigencontact.planning.explain import references, told
 
     outlines = {}
     if plan.sources:
@@ -49,6 +50,7 @@ def run_info(plan: Plan) -> RunInfo:
         numbers=named(plan.laws),
         observed_units={name: unit for one in plan.observers for name, unit in one.units.items()},
         every_history=plan.scene.output.history == "all",
+        plan=asdict(told(plan)),
     )
 
 

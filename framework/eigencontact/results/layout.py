@@ -143,6 +143,7 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
         "scene": info.scene_toml,
         "scene_hash": info.scene_hash,
         "versions": json.dumps(info.versions, sort_keys=True),
+        **({"plan": json.dumps(info.plan, ensure_ascii=False)} if info.plan else {}),
         **({"precisions": json.dumps(info.precisions)} if info.precisions else {}),
         **({} if info.contact_modulus is None else {"contact_modulus": info.contact_modulus}),
         "cell_size": np.array([info.grid.dx, info.grid.dy]),

@@ -1,9 +1,9 @@
 """Whose a file is: a run and ``plot`` replace only files that this package wrote.
 
 Everything that it writes says so: results and stored steps by their format, ``summary.json`` by the hash of its scene,
-pictures, animations and VTK files by the name of the package inside. Files of an earlier version that do not are known
-by the ``files`` of the summary beside them. Any other file is left alone, and what would have its name is refused
-before anything is computed.
+pictures, animations and VTK files by the name of the package inside, reports by their generator. Files of an earlier
+version that do not are known by the ``files`` of the summary beside them. Any other file is left alone, and what would
+have its name is refused before anything is computed.
 """
 
 from __future__ import annotations
@@ -15,17 +15,19 @@ from pathlib import Path
 from eigencontact.core.names import ANIMATION, OF_REGIONS, PICTURES, SURFACE
 from eigencontact.errors import ResultsError
 
-__all__ = ["RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
+__all__ = ["REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
 
-#: The results of a finished run, the steps of an unfinished one, and the numbers of a run.
-RESULTS, STEPS, SUMMARY = "results.nc", "steps", "summary.json"
-_NAME, _HASH = b"eigencontact", b'"scene_hash"'
+#: The results of a finished run, the steps of an unfinished one, the numbers of a run, and the page about it.
+RESULTS, STEPS, SUMMARY, REPORT = "results.nc", "steps", "summary.json", "report.html"
+_NAME = b"eigencontact"
+#: What marks text of ours, which may speak of us in others' files.
+_MARKS = {".json": b'"scene_hash"', ".html": b'<meta name="generator" content="eigencontact '}
 _BLOCK = 1 << 20
 
 
 def is_ours(path: Path) -> bool:
     """Whether this package wrote a file, damaged since or not."""
-    mark = _HASH if path.suffix == ".json" else _NAME
+    mark = _MARKS.get(path.suffix, _NAME)
     return path.is_file() and (_holds(path, mark) or path.name in listed_files(path.parent))
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,6 +157,8 @@ class RunInfo:
         SI units of numbers that observers return, by their names.
     precisions : mapping of str to str
         Precision of each operator, where the scene leaves it to the plan.
+    plan : mapping
+        The plan in words, by paragraph: what ``explain`` says of the run.
     """
 
     title: str
@@ -171,3 +175,4 @@ class RunInfo:
     numbers: dict[str, Quantity] = field(default_factory=dict)
     observed_units: dict[str, str] = field(default_factory=dict)
     precisions: dict[str, str] = field(default_factory=dict)
+    plan: Mapping[str, Any] = field(default_factory=dict)

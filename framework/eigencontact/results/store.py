@@ -14,7 +14,7 @@ from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import partial_name, reason, replacing
 from eigencontact.results.history import history_name
 from eigencontact.results.join import join_steps
-from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, listed_files
+from eigencontact.results.ownership import REPORT, RESULTS, STEPS, SUMMARY, is_ours, listed_files
 from eigencontact.results.reader import open_results
 from eigencontact.results.stepfile import (
     history_part,
@@ -336,9 +336,9 @@ def _probe(folder: Path) -> None:
 
 
 def _remove_own(folder: Path) -> None:
-    """Remove what an earlier run stored: steps, results, summary, and the files that the summary names as written."""
+    """Remove what an earlier run stored: steps, results, summary, report, and the files that the summary names."""
     _remove_steps(folder)
-    names = [*listed_files(folder), *([SUMMARY] if is_ours(folder / SUMMARY) else [])]
+    names = [*listed_files(folder), *(name for name in (SUMMARY, REPORT) if is_ours(folder / name))]
     inside = folder.resolve()
     for name in (*names, RESULTS, *(partial_name(folder / name).name for name in (RESULTS, SUMMARY))):
         path = folder / name

@@ -20,7 +20,7 @@ from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fiel
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import passing_history, rolls
 from eigencontact.viz.section import drawable, mean_profile, stress_profile, stress_section
-from eigencontact.viz.style import save
+from eigencontact.viz.style import moment, save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
 from eigencontact.viz.worn import coatings, interfaces, wears
@@ -79,46 +79,52 @@ def draw_all(
         loaded = loaded_step(dataset) if step == -1 else step
     assert loaded is not None
     wanted: list[Picture] = []
+    at = partial(moment, dataset)
     if "pressure" in dataset:
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
         without = homogeneous_words(dataset)
         beside = f" beside that of the {without} alone (closed form)" if without else beside
         lines = "; dashed lines are inclusions below" if "outline" in dataset else ""
         wanted += [
-            ("pressure.png", f"Contact pressure, cut to the contact{lines}.", lambda: pressure_map(dataset, loaded)),
+            (
+                "pressure.png",
+                f"Contact pressure, cut to the contact{at(loaded)}{lines}.",
+                lambda: pressure_map(dataset, loaded),
+            ),
             (
                 "pressure-profiles.png",
-                f"Contact pressure along x and y{beside}; markers are computed cells.",
+                f"Contact pressure along x and y{beside}{at(loaded)}; markers are computed cells.",
                 lambda: pressure_profiles(dataset, loaded),
             ),
         ]
     if "residual_displacement_z" in dataset:
+        from_above = "; lines are outlines of the inclusions from above" if "outline" in dataset else ""
         wanted += [
             (
                 "uplift.png",
-                f"Uplift of the surface by {cause(dataset)}; lines are outlines of the inclusions from above.",
+                f"Uplift of the surface by {cause(dataset)}{at(step)}{from_above}.",
                 lambda: uplift_map(dataset, step),
             ),
             (
                 "uplift-profiles.png",
-                f"Surface displacement by {cause(dataset)} along x and y.",
+                f"Surface displacement by {cause(dataset)} along x and y{at(step)}.",
                 lambda: displacement_profiles(dataset, step),
             ),
         ]
     for region, how in drawable(dataset).items():
         if how == "section":
-            sentence = f"Equivalent stress on the section {region!r}; a cross marks the largest value."
+            sentence = f"Equivalent stress on the section {region!r}{at(step)}; a cross marks the largest value."
             if f"{region}_outline" in dataset:
                 sentence += " Lines are outlines of inclusions."
             wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
             if loaded != step:
-                sentence = f"The same section {region!r} under the largest load."
+                sentence = f"The same section {region!r} under the largest load{at(loaded)}."
                 wanted.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
             if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
-                sentence = f"Stresses along the surface, means over each depth of {region!r}."
+                sentence = f"Stresses along the surface, means over each depth of {region!r}{at(step)}."
                 wanted.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
         else:
-            sentence = f"Stresses along the line {region!r}."
+            sentence = f"Stresses along the line {region!r}{at(step)}."
             wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
     wanted += _plastic(dataset, step, solid=solid)
     wanted += _friction(dataset, loaded)
@@ -144,21 +150,22 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
     if not yields(dataset):
         return []
     wanted: list[Picture] = []
+    largest = f"on the section through its largest value{moment(dataset, step)}; the line is around"
     for field in plastic_strains(dataset, step):
         first = field.body == 1
         name = "plastic-strain.png" if first else "plastic-strain-second.png"
-        sentence = "Equivalent plastic strain on the section through its largest value; the line is around its zone."
+        sentence = f"Equivalent plastic strain {largest} its zone."
         wanted.append((name, sentence, partial(plastic_section, dataset, field, step)))
         if solid:
             from eigencontact.viz.isosurface import plastic_surfaces
 
             name = "plastic-surfaces.png" if first else "plastic-surfaces-second.png"
-            sentence = "Surfaces of equal plastic strain, cut open."
+            sentence = f"Surfaces of equal plastic strain, cut open{moment(dataset, step)}."
             wanted.append((name, sentence, partial(plastic_surfaces, dataset, field, step)))
     for field in remembered_fields(dataset, step, DAMAGE):
         name = "damage.png" if field.body == 1 else "damage-second.png"
         words = ("Damage", "Part of the stiffness that is lost [%]")
-        sentence = "Damage on the section through its largest value; the line is around the cells that have some."
+        sentence = f"Damage {largest} the cells that have some."
         wanted.append((name, sentence, partial(plastic_section, dataset, field, step, words)))
     if unloads(dataset) and not rolls(dataset):
         sentence = "Normal load against approach, loading and unloading."
@@ -177,16 +184,18 @@ def _friction(dataset: Results, step: int) -> list[Picture]:
     beside = ""
     if any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy"):
         beside = " beside the closed form"
+    when = moment(dataset, step)
     wanted: list[Picture] = [
-        ("shear.png", "Shear traction as arrows over stick and slip.", lambda: shear_map(dataset, step)),
+        ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
         (
             "shear-profiles.png",
-            f"Shear traction along x and y{beside}, and the bound of friction.",
+            f"Shear traction along x and y{beside}, and the bound of friction{when}.",
             lambda: shear_profiles(dataset, step),
         ),
     ]
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
-        wanted.append(("dissipation.png", "Work of friction for each area.", lambda: dissipation_map(dataset, step)))
+        sentence = f"Work of friction for each area{when}."
+        wanted.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))
     if dataset.sizes["step"] < LOOP_STEPS:
         return wanted
     if driven(dataset):
@@ -201,19 +210,20 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
     """Pictures of surfaces that wear: of one step, and of the history."""
     if not wears(dataset):
         return []
+    when = moment(dataset, step)
     wanted: list[Picture] = [
-        ("worn-depth.png", "Depth that both bodies together have lost.", lambda: worn_map(dataset, step)),
+        ("worn-depth.png", f"Depth that both bodies together have lost{when}.", lambda: worn_map(dataset, step)),
         (
             "worn-profiles.png",
-            "Surfaces of both bodies before and after they wore, and the worn depth, along x and y.",
+            f"Surfaces of both bodies before and after they wore, and the worn depth, along x and y{when}.",
             lambda: worn_profiles(dataset, step),
         ),
     ]
     if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
-        sentence = "Worn surfaces over the interfaces of layers and coatings, along x and y."
+        sentence = f"Worn surfaces over the interfaces of layers and coatings, along x and y{when}."
         wanted.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
     if several_exposed(dataset, step):
-        sentence = "Materials at the surface, by name; the line is the outline of the contact."
+        sentence = f"Materials at the surface, by name{when}; the line is the outline of the contact."
         wanted.append(("exposed-materials.png", sentence, lambda: exposed_map(dataset, step)))
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."

@@ -1,0 +1,102 @@
+"""Small charts of numbers over the steps, as SVG inside the page; colours are those of the page."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup, escape
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from eigencontact.reports.columns import Column
+
+__all__ = ["chart", "in_words"]
+
+_WIDTH, _HEIGHT = 320, 170
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52, 312, 10, 142
+#: Steps up to which each has a mark; points up to which a line is drawn as it is.
+_MARKED, _POINTS = 40, 600
+
+
+def chart(column: Column, steps: Sequence[int]) -> Markup:
+    """One number over the steps, in the unit of its scale.
+
+    Parameters
+    ----------
+    column : Column
+        The number.
+    steps : sequence of int
+        Numbers of the steps.
+
+    Returns
+    -------
+    Markup
+        An element ``svg`` with a title for those who do not see it.
+    """
+    points = [
+        (float(step), value * column.scale.factor)
+        for step, value in zip(steps, column.values, strict=True)
+        if value is not None
+    ]
+    ticks = _ticks(min(0.0, *(y for _, y in points)), max(0.0, *(y for _, y in points)))
+    low, high = ticks[0], ticks[-1]
+    first, last = float(steps[0]), float(steps[-1])
+
+    def place(x: float, y: float) -> tuple[float, float]:
+        across = (x - first) / ((last - first) or 1.0)
+        return _LEFT + across * (_RIGHT - _LEFT), _BOTTOM - (y - low) / (high - low) * (_BOTTOM - _TOP)
+
+    parts = [_text(_RIGHT, _BOTTOM + 15, f"{steps[-1]}", "end"), _text(_LEFT, _BOTTOM + 15, f"{steps[0]}", "start")]
+    parts.append(_text((_LEFT + _RIGHT) / 2, _BOTTOM + 24, "step", "middle"))
+    for tick in ticks:
+        y = place(first, tick)[1]
+        parts.append(f'<path class="{"zero" if tick == 0 else "grid"}" d="M{_LEFT} {y:.1f}H{_RIGHT}"/>')
+        parts.append(_text(_LEFT - 5, y + 3.5, f"{tick:.6g}", "end"))
+    drawn = [place(x, y) for x, y in _thinned(points)]
+    parts.append(f'<path class="line" d="M{"L".join(f"{x:.1f} {y:.1f}" for x, y in drawn)}"/>')
+    if len(drawn) <= _MARKED:
+        parts += [f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="2.4"/>' for x, y in drawn]
+    title = escape(f"{column.label} over the steps: {in_words(column, steps)}")
+    inside = "".join(parts)
+    return Markup(f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img"><title>{title}</title>{inside}</svg>')  # noqa: S704
+
+
+def in_words(column: Column, steps: Sequence[int]) -> str:
+    """What a chart shows: first and last value, and the largest where it is neither."""
+    held = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
+    (first, begun), (last, ended) = held[0], held[-1]
+    words = f"{_said(column, begun)} at step {first}, {_said(column, ended)} at step {last}"
+    at, largest = steps[column.at_largest], column.largest
+    return words if at in (first, last) else f"{words}; largest {_said(column, largest)} at step {at}"
+
+
+def _said(column: Column, value: float | None) -> str:
+    return f"{column.text(value)} {column.scale.unit}".strip()
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Round numbers, three to five, from below `low` to above `high`."""
+    span = (high - low) or 1.0
+    rough = span / 3
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= rough * (1 - 1e-9))
+    count = range(math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9) + 1)
+    return [k * step for k in count]
+
+
+def _thinned(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """At most some `_POINTS` points: of each stretch the lowest and the highest, in order."""
+    if len(points) <= _POINTS:
+        return points
+    size = math.ceil(2 * len(points) / _POINTS)
+    kept = [points[0]]
+    for start in range(0, len(points), size):
+        stretch = points[start : start + size]
+        kept += sorted({min(stretch, key=lambda point: point[1]), max(stretch, key=lambda point: point[1])})
+    return [*kept, points[-1]]
+
+
+def _text(x: float, y: float, words: str, anchor: str) -> str:
+    return f'<text x="{x:.0f}" y="{y:.1f}" text-anchor="{anchor}">{escape(words)}</text>'

@@ -1,0 +1,93 @@
+"""Sources to cite: their DOIs as links, and entries of BibTeX."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+__all__ = ["Citation", "as_bibtex", "citations"]
+
+_DOI = re.compile(r"doi:\s*(10\.\d{4,9}/\S+)", re.IGNORECASE)
+_YEARS = (re.compile(r"\((1[6-9]\d\d|20\d\d)\)"), re.compile(r"\b(1[6-9]\d\d|20\d\d)\b"))
+_NAME = re.compile(r"\b(?![a-z])[^\W\d_]{3,}")
+_TEX = {"&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_", "$": r"\$", "{": r"\{", "}": r"\}", "~": r"\~{}", "^": r"\^{}"}
+
+
+@dataclass(frozen=True)
+class Citation:
+    """One source.
+
+    Attributes
+    ----------
+    text : str
+        As the plugin or the solver names it.
+    before, doi, after : str
+        The same in three: `doi` is empty where the source has none.
+    """
+
+    text: str
+    before: str
+    doi: str
+    after: str
+
+
+def citations(references: Sequence[str]) -> list[Citation]:
+    """Sources with their DOIs.
+
+    Examples
+    --------
+    >>> citations(["H. Hertz 1882, doi:10.1515/crll.1882.92.156."])[0].doi
+    '10.1515/crll.1882.92.156'
+    """
+    found = []
+    for text in references:
+        match = _DOI.search(text)
+        doi = "" if match is None else _closed(match[1])
+        start, end = (len(text), len(text)) if match is None else (match.start(), match.start(1) + len(doi))
+        found.append(Citation(text, text[:start], doi, text[end:]))
+    return found
+
+
+def _closed(doi: str) -> str:
+    """A DOI without what only follows it: a point, a comma, a bracket that it did not open."""
+    while doi and (doi[-1] in ".,;:" or (doi[-1] == ")" and doi.count(")") > doi.count("("))):
+        doi = doi[:-1]
+    return doi
+
+
+def as_bibtex(found: Sequence[Citation]) -> str:
+    """Entries of kind ``misc``: the source as it is named, its year and DOI; a reference manager fills in the rest.
+
+    What has neither year nor DOI is no publication and has no entry.
+
+    Examples
+    --------
+    >>> print(as_bibtex(citations(["A. E. H. Love 1929, Phil. Trans. R. Soc. A 228, doi:10.1098/rsta.1929.0009"])))
+    @misc{love1929,
+      note = {A. E. H. Love 1929, Phil. Trans. R. Soc. A 228},
+      year = {1929},
+      doi = {10.1098/rsta.1929.0009},
+    }
+    """
+    entries, taken = [], dict[str, int]()
+    for one in found:
+        plain = one.before + one.after
+        year = next((match for pattern in _YEARS if (match := pattern.search(plain))), None)
+        if year is None and not one.doi:
+            continue
+        name = _NAME.search(one.text)
+        key = f"{name[0].lower() if name else 'source'}{year[1] if year else ''}"
+        taken[key] = taken.get(key, 0) + 1
+        if taken[key] > 1:
+            key += chr(ord("a") + taken[key] - 1)
+        words = f"{one.before.rstrip(' ,;(')}{one.after}".strip()
+        lines = [f"@misc{{{key},", f"  note = {{{_tex(words)}}},"]
+        lines += [f"  year = {{{year[1]}}},"] if year else []
+        lines += [f"  doi = {{{one.doi}}},"] if one.doi else []
+        entries.append("\n".join([*lines, "}"]))
+    return "\n\n".join(entries)
+
+
+def _tex(text: str) -> str:
+    return "".join(_TEX.get(character, character) for character in text)

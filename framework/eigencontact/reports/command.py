@@ -1,0 +1,36 @@
+"""The command `eigencontact report`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["report"]
+
+
+def report(
+    results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="The page; by default report.html beside the results."),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+) -> None:
+    """Write one HTML page about a run: scene, plan, certificates, numbers, pictures, times, sources to cite.
+
+    Example: `eigencontact run hertz && eigencontact report hertz`
+    """
+    from eigencontact.core.units import readable
+    from eigencontact.errors import EigencontactError
+    from eigencontact.reports.report import report as write
+
+    try:
+        page = write(results, output)
+    except EigencontactError as problem:
+        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
+        raise typer.Exit(problem.exit_code) from None
+    if not quiet:
+        typer.echo(f"{page}  one page, {readable(page.stat().st_size, 'B')}, that needs no network")

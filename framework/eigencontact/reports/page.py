@@ -1,0 +1,90 @@
+"""The page: a template, its style and its script, filled in. Every text of a scene is escaped."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from eigencontact import __version__
+from eigencontact.core.units import readable
+from eigencontact.planning.explain import NAMES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+__all__ = ["page"]
+
+_TEMPLATES = Path(__file__).parent / "templates"
+#: Rows of the table of steps at most; of more steps evenly spread ones are shown, and the last.
+_ROWS = 200
+
+
+def page(content: Mapping[str, Any]) -> str:
+    """Fill in the template.
+
+    Parameters
+    ----------
+    content : mapping
+        See ``templates/report.html``.
+    """
+    text = content["source"].scene_text
+    made = _environment().get_template("report.html").render(
+        **content,
+        version=__version__,
+        style=_own("style.css"),
+        script=_own("surface.js"),
+        scene_marked=_highlighted(text),
+        scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(text.encode()).decode()}",
+        rows=_rows(len(content["source"].steps)),
+    )
+    return made if made.endswith("\n") else f"{made}\n"
+
+
+@cache
+def _environment() -> Environment:
+    made = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"readable": readable, "facts": _facts}
+    return made
+
+
+def _own(name: str) -> Markup:
+    """A part of the page that is ours: markup as it stands."""
+    return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))  # noqa: S704
+
+
+def _highlighted(text: str) -> Markup:
+    """TOML in the colours of the style sheet; the highlighter escapes what it marks."""
+    from pygments import highlight
+    from pygments.formatters import HtmlFormatter
+    from pygments.lexers import TOMLLexer
+
+    return Markup(highlight(text, TOMLLexer(), HtmlFormatter(nowrap=True, classprefix="t-")))  # noqa: S704
+
+
+def _facts(lines: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Lines of a plan as names with what is said of each."""
+    found: list[tuple[str, list[str]]] = []
+    for line in lines:
+        name, words = line[:NAMES].strip(), line[NAMES:]
+        if name or not found:
+            found.append((name, [words]))
+        else:
+            found[-1][1].append(words)
+    return found
+
+
+def _rows(count: int) -> list[int]:
+    """Positions of the steps that the table shows."""
+    every = -(-count // _ROWS)
+    return [*range(0, count - 1, every), count - 1]

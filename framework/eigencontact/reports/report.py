@@ -1,0 +1,109 @@
+"""A report: one self-contained HTML page about a run, from its stored results; nothing is solved again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.errors import ResultsError, shown
+from eigencontact.reports.source import opened
+from eigencontact.results.ownership import REPORT, RESULTS
+
+if TYPE_CHECKING:
+    from eigencontact.reports.source import Source
+
+__all__ = ["report"]
+
+
+def report(results: str | Path, file: str | Path | None = None) -> Path:
+    """Write one HTML page about a run, which needs no network and no other file.
+
+    It holds the scene, what was modelled and what was left out, certificates and warnings, the numbers of all steps,
+    the pictures, surface fields that can be turned, times, versions, and the sources to cite. Of a run that is not
+    finished it says so, and shows the steps that are stored.
+
+    Parameters
+    ----------
+    results : str or Path
+        The folder of a run, or its ``results.nc``.
+    file : str or Path, optional
+        The page; by default ``report.html`` beside the results. An earlier report is replaced, complete or not at all;
+        a file of another origin never is.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    ResultsError
+        When there are no results, they are damaged, or the page cannot be stored.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import eigencontact as ec
+    >>> quick = ["stress=[]", "grid.cells-per-contact-radius=8", "output.vtk=false", "output.pictures=false"]
+    >>> with TemporaryDirectory() as folder:
+    ...     _ = ec.run(ec.load_scene("hertz", quick), folder)
+    ...     page = report(folder)
+    ...     page.name, page.read_text(encoding="utf-8")[:15]
+    ('report.html', '<!DOCTYPE html>')
+    """
+    from eigencontact.reports.page import page
+    from eigencontact.results.atomic import replacing
+    from eigencontact.results.ownership import refuse_foreign_file
+
+    with opened(results) as source:
+        target = _target(source, file)
+        refuse_foreign_file(target)
+        text = page(_content(source))
+    with replacing(target, "the report") as sink:
+        sink.write(text.encode())
+    return target
+
+
+def _target(source: Source, file: str | Path | None) -> Path:
+    if file is None:
+        name = REPORT if source.file.name == RESULTS else f"{source.file.stem}.html"
+        return source.file.with_name(name)
+    try:
+        target = Path(file)
+        allowed = target.suffix == ".html" and target.parent.is_dir()
+    except (OSError, TypeError, ValueError):
+        allowed = False
+    if not allowed:
+        raise ResultsError(f"the report must be a file .html in a folder that exists (got {shown(file)})")
+    return target
+
+
+def _content(source: Source) -> dict[str, Any]:
+    """Everything that the template shows."""
+    from eigencontact.reports.charts import chart, in_words
+    from eigencontact.reports.citations import as_bibtex, citations
+    from eigencontact.reports.columns import EFFORT, columns, is_certificate, telling
+    from eigencontact.reports.pictures import animation_of, pictures_of
+    from eigencontact.reports.surfaces import surfaces
+
+    found = columns(source.dataset)
+    numbers = telling(found)
+    drawn, anew = pictures_of(source)
+    cited = citations(source.references)
+    return {
+        "source": source,
+        "numbers": numbers,
+        "certificates": [column for column in found if is_certificate(column.name)],
+        "effort": [column for column in found if column.name in EFFORT],
+        "charts": [
+            (column, chart(column, source.steps), in_words(column, source.steps))
+            for column in numbers
+            if column.varies
+        ],
+        "pictures": drawn,
+        "drawn_anew": anew,
+        "animation": animation_of(source),
+        "surfaces": surfaces(source.dataset),
+        "citations": cited,
+        "bibtex": as_bibtex(cited),
+    }

@@ -1,0 +1,140 @@
+"""What a report is about: the stored results of a run, finished or not, with its summary and its plan."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import DAMAGE
+from eigencontact.results.ownership import RESULTS, SUMMARY
+from eigencontact.results.reader import results_file
+from eigencontact.results.stored import open_stored
+from eigencontact.results.unfinished import join_unfinished, stored_files
+
+if TYPE_CHECKING:
+    from eigencontact.results.stored import Results
+
+__all__ = ["Source", "opened"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """Results of a run, open.
+
+    Attributes
+    ----------
+    file : Path
+        Where the results lie; where they would lie, of a run that is not finished.
+    dataset : Results
+        All steps that are stored.
+    finished : bool
+        Whether these are all steps.
+    summary : mapping
+        The contents of ``summary.json``; empty where there is none of this run.
+    """
+
+    file: Path
+    dataset: Results
+    finished: bool
+    summary: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def steps(self) -> list[int]:
+        """Numbers of the steps that are stored."""
+        return [int(number) for number in self.dataset["step"].values]
+
+    @property
+    def expected(self) -> int:
+        """Number of steps of the whole history, as it was planned."""
+        return int(self.dataset.attrs["load_steps"])
+
+    @property
+    def title(self) -> str:
+        """Title of the scene, or its name."""
+        return str(self.dataset.attrs.get("title") or self.dataset.attrs["name"])
+
+    @property
+    def scene_text(self) -> str:
+        """The scene as TOML, with every default filled in."""
+        return str(self.dataset.attrs["scene"])
+
+    @cached_property
+    def scene(self) -> dict[str, Any]:
+        """Tables of the scene."""
+        return tomllib.loads(self.scene_text)
+
+    @cached_property
+    def plan(self) -> dict[str, Any]:
+        """The plan in words, by paragraph; empty in results of versions that did not store it."""
+        return dict(json.loads(self.dataset.attrs.get("plan", "{}")))
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Versions of packages and plugins."""
+        return dict(json.loads(self.dataset.attrs["versions"]))
+
+    @property
+    def references(self) -> list[str]:
+        """Sources to cite for what the run used."""
+        return [line for line in str(self.dataset.attrs["references"]).splitlines() if line.strip()]
+
+
+@contextmanager
+def opened(results: str | Path) -> Iterator[Source]:
+    """Open the results of a run; those of an unfinished one as far as they go.
+
+    Parameters
+    ----------
+    results : str or Path
+        The folder of a run, or its ``results.nc``.
+
+    Raises
+    ------
+    ResultsError
+        When there is nothing, or a file that is damaged or not ours.
+    """
+    folder = _folder(results)
+    if folder is not None and stored_files(folder):
+        with TemporaryDirectory(prefix="eigencontact-report-") as beside:
+            joined = Path(beside) / RESULTS
+            join_unfinished(folder, joined)
+            with open_stored(joined) as dataset:
+                yield Source(file=folder / RESULTS, dataset=dataset, finished=False)
+        return
+    file = results_file(results)
+    with open_stored(file) as dataset:
+        summary = _summary(file.parent / SUMMARY, str(dataset.attrs.get("scene_hash")))
+        try:
+            yield Source(file=file, dataset=dataset, finished=True, summary=summary)
+        except DAMAGE as problem:
+            words = " ".join(str(problem).split()) or type(problem).__name__
+            raise ResultsError(
+                f"{file} must hold results as this version writes them (got {type(problem).__name__}: {words}); run "
+                "the scene again with --overwrite"
+            ) from problem
+
+
+def _folder(results: str | Path) -> Path | None:
+    """Folder that is meant, where a path is one."""
+    try:
+        given = Path(results)
+        return given if given.is_dir() else given.parent if given.name == RESULTS else None
+    except (OSError, TypeError, ValueError):  # `results_file` says what is wrong with it
+        return None
+
+
+def _summary(path: Path, scene_hash: str) -> dict[str, Any]:
+    """The summary beside the results, unless it is that of another scene, damaged, or missing."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return dict(found) if found["scene_hash"] == scene_hash else {}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return {}

@@ -1,0 +1,328 @@
+"""The report of a run, parsed: sections, numbers, pictures, sources; nothing from outside, nothing unescaped."""
+
+import base64
+import json
+import re
+import tomllib
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from close import close
+
+SECTIONS = (
+    *("top", "scene", "model", "left-out", "certificates", "numbers"),
+    *("pictures", "surface", "times", "provenance", "references"),
+)
+EMPTY = {"meta", "link", "br", "img", "input", "path", "circle"}
+PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+HOSTILE = '</script><script>alert(1)</script>"&'
+QUICK = ["stress=[]", "grid.cells-per-contact-radius=8", "output.vtk=false", "output.pictures=false"]
+FRETTING = [
+    "grid.cells-per-contact-radius=8",
+    'steps=[{normal-load = "12.3 N"}, {shift-x = "0.5 um"}]',
+    f"title={json.dumps(HOSTILE)}",
+    'description="<img src=x onerror=alert(1)>"',
+    "output.vtk=false",
+]
+
+
+class Page(HTMLParser):
+    """Elements of a page, in order; complains of tags that do not match."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.elements = [], []
+        self.feed(text)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        element = {"tag": tag, "attrs": dict(attrs), "text": "", "inside": [one["tag"] for one in self.open]}
+        self.elements.append(element)
+        if tag not in EMPTY:
+            self.open.append(element)
+
+    def handle_startendtag(self, tag, attrs):
+        assert tag in EMPTY
+        self.handle_starttag(tag, attrs)
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop()["tag"] == tag
+
+    def handle_data(self, data):
+        for element in self.open:
+            element["text"] += data
+
+    def all(self, tag):
+        return [element for element in self.elements if element["tag"] == tag]
+
+    def id(self, name):
+        return next(element for element in self.elements if element["attrs"].get("id") == name)
+
+    def after(self, element, tag):
+        """Elements of a tag inside of another."""
+        start = self.elements.index(element) + 1
+        depth = len(element["inside"])
+        found = []
+        for one in self.elements[start:]:
+            if len(one["inside"]) <= depth:
+                break
+            found += [one] if one["tag"] == tag else []
+        return found
+
+
+@pytest.fixture(scope="module")
+def fretting(tmp_path_factory):
+    """A run with friction in two steps, whose texts are hostile, and its report."""
+    folder = tmp_path_factory.mktemp("fretting")
+    ec.run(ec.load_scene("fretting-mode-1", FRETTING), folder)
+    return folder, Page(ec.report(folder).read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def hertz(tmp_path_factory):
+    """A run of one step that drew nothing, and its report."""
+    folder = tmp_path_factory.mktemp("hertz")
+    ec.run(ec.load_scene("hertz", QUICK), folder)
+    return folder, Page(ec.report(folder).read_text(encoding="utf-8"))
+
+
+@pytest.fixture(params=["fretting", "hertz"])
+def run(request):
+    return request.getfixturevalue(request.param)
+
+
+def summary_of(folder):
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+
+def test_all_sections_are_there_and_linked(run):
+    _, page = run
+    ids = [element["attrs"]["id"] for element in page.elements if "id" in element["attrs"]]
+    assert len(ids) == len(set(ids))
+    assert [name for name in ids if name in SECTIONS] == list(SECTIONS)
+    links = [one["attrs"]["href"] for one in page.all("a") if "nav" in one["inside"]]
+    assert links == [f"#{name}" for name in SECTIONS]
+
+
+def test_nothing_is_fetched_but_dois_on_a_click(run):
+    folder, page = run
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    addresses = set(re.findall(r"[a-z]+://[^\s\"'<>]+", text))
+    assert addresses
+    assert all(address.startswith("https://doi.org/10.") for address in addresses)
+    for element in page.elements:
+        assert not {"srcset", "action", "poster"} & set(element["attrs"])
+        assert element["attrs"].get("src", "data:").startswith("data:")
+    policy = next(one for one in page.all("meta") if one["attrs"].get("http-equiv") == "Content-Security-Policy")
+    assert policy["attrs"]["content"].startswith("default-src 'none'")
+
+
+def test_numbers_are_those_of_the_summary(run):
+    folder, page = run
+    summary = summary_of(folder)
+    rows = [row for row in page.all("tr") if row["attrs"].get("id", "").startswith("n-")]
+    assert {"n-normal_load", "n-max_pressure", "n-approach"} <= {row["attrs"]["id"] for row in rows}
+    for row in rows:
+        name = row["attrs"]["id"][2:]
+        values = [float(one["attrs"]["value"]) for one in page.after(row, "data")]
+        column = [step[name] for step in summary["history"]]
+        assert values == [column[-1], *([max(column, key=abs)] if len(column) > 1 else [])]
+        unit = page.after(row, "td")[-1]["text"]
+        shown = float(page.after(row, "data")[0]["text"]) * factor(unit)
+        assert shown == close(column[-1], rel=5e-5, abs=1e-300)
+    shown = {row["attrs"]["id"][2:] for row in rows}
+    absent = set(summary["history"][0]) - shown
+    assert "tilt_x" in absent
+    assert not [name for name in ("contact_radius", "contact_area") if name in absent]
+
+
+def factor(unit):
+    """SI value of an engineering unit."""
+    if unit in ("", "N", "m", "m²", "Pa", "J", "N m", "rad"):
+        return 1.0
+    return PREFIXES[unit[0]] ** (2 if unit.endswith("²") else 3 if unit.endswith("³") else 1)
+
+
+def test_the_table_of_steps_is_the_history(fretting):
+    folder, page = fretting
+    history = summary_of(folder)["history"]
+    table = page.id("steps")
+    heads = [head["text"] for head in page.after(table, "th") if "thead" in head["inside"]]
+    heads = [head.split(" [")[0].replace(" ", "_") for head in heads]
+    assert {"tangential_load_x", "shift_x", "slip_fraction", "dissipated_energy"} <= set(heads)
+    assert not {"normal_load", "moment_x", "gap_residual", "iterations"} & set(heads)
+    rows = [row for row in page.after(table, "tr") if "tbody" in row["inside"]]
+    assert len(rows) == len(history) == 2
+    for row, step in zip(rows, history, strict=True):
+        assert [float(one["attrs"]["value"]) for one in page.after(row, "data")] == [step[name] for name in heads[1:]]
+
+
+def test_residuals_and_times_are_those_of_the_summary(run):
+    folder, page = run
+    summary = summary_of(folder)
+    residuals = [name for name, value in summary["history"][-1].items() if name.endswith("_residual")]
+    assert residuals
+    for name in residuals:
+        assert name.replace("_", " ") in page.id("certificates")["text"]
+    times = [float(one["attrs"]["value"]) for one in page.after(page.id("blocks"), "data")]
+    assert times == list(summary["seconds_by_block"].values())
+
+
+def test_the_plan_is_what_explain_tells(hertz):
+    folder, page = hertz
+    with ec.open_results(folder) as dataset:
+        scene = tomllib.loads(dataset.attrs["scene"])
+    plan = ec.plan(scene)
+    left = [(head["text"], cell["text"]) for head, cell in pairs(page)]
+    assert left == [(item.what, item.why) for item in plan.left_out]
+    for kernel in plan.kernels:
+        assert str(kernel) in page.id("model")["text"]
+    for part in plan.parts:
+        assert f"{part.name}: {part.why}" in page.id("model")["text"]
+
+
+def pairs(page):
+    rows = [row for row in page.after(page.id("left-out"), "tr") if "tbody" in row["inside"]]
+    return [(page.after(row, "th")[0], page.after(row, "td")[0]) for row in rows]
+
+
+def test_the_scene_on_the_page_runs_again(run):
+    folder, page = run
+    with ec.open_results(folder) as dataset:
+        stored = tomllib.loads(dataset.attrs["scene"])
+    shown = next(one for one in page.all("pre") if one["attrs"].get("class") == "toml")
+    link = next(one for one in page.all("a") if "download" in one["attrs"])["attrs"]["href"]
+    assert tomllib.loads(shown["text"]) == stored
+    assert tomllib.loads(base64.b64decode(link.partition(",")[2]).decode()) == stored
+
+
+def test_texts_of_the_scene_stay_texts(fretting):
+    folder, page = fretting
+    assert page.all("h1")[0]["text"] == page.all("title")[0]["text"] == HOSTILE
+    assert [one["attrs"].get("type") for one in page.all("script")] == ["application/json", None]
+    assert not [one for one in page.all("img") if "onerror" in one["attrs"]]
+    assert "<script>alert" not in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_every_picture_of_the_run_has_words_and_its_step(fretting):
+    folder, page = fretting
+    files = {name: text for name, text in summary_of(folder)["files"].items() if name.endswith(".png")}
+    images, captions = page.all("img"), [one for one in page.all("figcaption") if "Figure" in one["text"]]
+    assert [one["attrs"]["alt"] for one in images] == list(files.values())
+    for (name, sentence), image, caption in zip(files.items(), images, captions, strict=True):
+        assert base64.b64decode(image["attrs"]["src"].partition(",")[2]) == (folder / name).read_bytes()
+        assert sentence in caption["text"]
+    of_one_step = [text for name, text in files.items() if name.startswith(("pressure", "shear", "dissipation"))]
+    assert len(of_one_step) == 5
+    assert all("(step 2 of 2)" in text for text in of_one_step)
+    for drawing in page.all("svg"):
+        assert page.after(drawing, "title")[0]["text"]
+    assert len(page.all("svg")) == len(page.all("figcaption")) - len(images) >= 5
+
+
+def test_pictures_that_were_not_drawn_are_drawn_for_the_page(hertz):
+    folder, page = hertz
+    assert not list(folder.glob("*.png"))
+    assert page.all("img")[0]["attrs"]["alt"].startswith("Contact pressure, cut to the contact")
+    assert "Drawn for this page" in page.id("pictures")["text"]
+
+
+def test_heights_are_those_of_the_fields(fretting):
+    folder, page = fretting
+    fields = {field["name"]: field for field in json.loads(page.id("surfaces")["text"])}
+    assert {"pressure", "shear", "gap", "displacement_z", "dissipated_energy_density"} == set(fields)
+    with ec.open_results(folder) as dataset:
+        for name in ("pressure", "gap"):
+            field, stored = fields[name], dataset[name]
+            assert [step["step"] for step in field["steps"]] == [1, 2]
+            scale = {"µm": 1e6, "nm": 1e9}[field["length"]]
+            window = stored.sel(
+                x=slice(*(np.array(field["x"]) / scale + [-1e-12, 1e-12])),
+                y=slice(*(np.array(field["y"]) / scale + [-1e-12, 1e-12])),
+            )[:, :: field["every"], :: field["every"]]
+            assert list(window.shape[1:]) == field["shape"]
+            span = field["high"] - field["low"]
+            assert field["high"] == float(stored.max())
+            for step, values in zip(field["steps"], window.values, strict=True):
+                levels = np.frombuffer(base64.b64decode(step["heights"]), "<u2").reshape(values.shape)
+                assert np.abs(field["low"] + span * levels / 65535 - values).max() <= 0.51 * span / 65535
+
+
+def test_sources_are_those_of_the_run(run):
+    folder, page = run
+    cited = [one["text"] for one in page.after(page.id("references"), "li")]
+    assert cited == summary_of(folder)["references"]
+    links = [one["attrs"]["href"] for one in page.after(page.id("references"), "a")]
+    assert "https://doi.org/10.1016/S0043-1648(99)00113-1" in links
+    bibtex = page.after(page.id("references"), "pre")[0]["text"]
+    assert bibtex.count("doi = {") == len(links)
+    assert bibtex.count("{") == bibtex.count("}")
+
+
+def test_a_report_is_written_again_and_replaces_only_reports(fretting, tmp_path, command):
+    folder, _ = fretting
+    target = tmp_path / "page.html"
+    done = command("report", folder, "-o", target)
+    assert (done.code, done.err) == (0, "")
+    assert done.out.startswith(str(target))
+    assert ec.report(folder / "results.nc", target) == target
+    assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+    target.write_text("a page about eigencontact", encoding="utf-8")
+    with pytest.raises(ec.EigencontactError, match="must be a file that eigencontact wrote"):
+        ec.report(folder, target)
+    assert target.read_text(encoding="utf-8") == "a page about eigencontact"
+    with pytest.raises(ec.EigencontactError, match=r"the report must be a file \.html in a folder that exists"):
+        ec.report(folder, tmp_path / "page.pdf")
+
+
+def test_a_folder_that_is_no_result_is_one_clear_error(tmp_path, command):
+    done = command("report", tmp_path)
+    assert done.code == 5
+    assert re.fullmatch(r"eigencontact: \S+results\.nc must exist \(got nothing there\); give .+\n", done.err)
+    (tmp_path / "results.nc").write_bytes(b"no results")
+    done = command("report", tmp_path)
+    assert done.code == 5
+    assert "must be a complete results file" in done.err
+    assert not (tmp_path / "report.html").exists()
+
+
+class _Stops:
+    """Interrupts a run before its third step."""
+
+    def step_started(self, point, _total):
+        if point.index == 3:
+            raise KeyboardInterrupt
+
+    def iterated(self, *_):
+        pass
+
+    def step_finished(self, *_):
+        pass
+
+
+def test_a_run_that_is_not_finished_says_so(tmp_path):
+    changes = [*QUICK, 'steps=[{normal-load = "0.6 N", increments = 4}]']
+    with pytest.raises(KeyboardInterrupt):
+        ec.run(ec.load_scene("hertz", changes), tmp_path, watcher=_Stops())
+    before = sorted(path.name for path in tmp_path.rglob("*"))
+    page = Page(ec.report(tmp_path).read_text(encoding="utf-8"))
+    assert "This run is not finished. 2 of 4 steps are stored" in page.id("top")["text"]
+    assert len([row for row in page.after(page.id("steps"), "tr") if "tbody" in row["inside"]]) == 2
+    row = next(row for row in page.all("tr") if row["attrs"].get("id") == "n-normal_load")
+    assert float(page.after(row, "data")[0]["attrs"]["value"]) == close(0.3)
+    assert "(step 2 of 2)" in page.all("img")[0]["attrs"]["alt"]
+    assert "normal-contact" in page.id("model")["text"]
+    assert sorted(path.name for path in tmp_path.rglob("*")) == sorted([*before, "report.html"])
+
+
+def test_a_missing_summary_is_told(hertz, tmp_path):
+    folder, _ = hertz
+    (tmp_path / "results.nc").write_bytes((folder / "results.nc").read_bytes())
+    page = Page(ec.report(tmp_path).read_text(encoding="utf-8"))
+    assert "There is no summary.json of this run" in page.id("top")["text"]
+    assert "which this run has not written" in page.id("times")["text"]
