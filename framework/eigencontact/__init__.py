@@ -9,15 +9,23 @@ if TYPE_CHECKING:
     from eigencontact.afterwards import open_results, region
     from eigencontact.app import explain, load_scene, make, plan, rectangle_field, run
     from eigencontact.errors import EigencontactError, NotConverged
+    from eigencontact.facade.bodies import HalfSpace, Layered
+    from eigencontact.facade.contact import solve_contact
+    from eigencontact.facade.result import ContactResult
+    from eigencontact.facade.voxels import Voxels
     from eigencontact.inclusions import inclusion_field
     from eigencontact.reports.report import report
     from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.sweep import sweep
 
 __all__ = [
+    "ContactResult",
     "EigencontactError",
+    "HalfSpace",
+    "Layered",
     "NotConverged",
     "Scene",
+    "Voxels",
     "explain",
     "inclusion_field",
     "load_scene",
@@ -28,6 +36,7 @@ __all__ = [
     "region",
     "report",
     "run",
+    "solve_contact",
     "sweep",
 ]
 __version__ = "0.1.0"
@@ -37,6 +46,8 @@ _HOMES = dict.fromkeys(("explain", "load_scene", "make", "plan", "rectangle_fiel
 _HOMES |= {"open_results": "afterwards", "region": "afterwards"}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
 _HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
+_HOMES |= {"HalfSpace": "facade.bodies", "Layered": "facade.bodies", "Voxels": "facade.voxels"}
+_HOMES |= {"solve_contact": "facade.contact", "ContactResult": "facade.result"}
 
 
 def __getattr__(name: str) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,13 +19,14 @@ from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.execution.regions import Region
 from eigencontact.execution.step import Step
 from eigencontact.hooks.registry import Registry
+from eigencontact.planning.plan import Plan
 from eigencontact.planning.planner import make_plan
 from eigencontact.planning.provenance import run_info
 from eigencontact.results.records import RunInfo, StepRecord
 from eigencontact.results.stepfile import names_remembered, read_attributes, read_history, read_step, stored_steps
 from eigencontact.scene.schema import Scene
 
-__all__ = ["region_table", "revisit"]
+__all__ = ["look", "plan_of_region", "region_table", "revisit"]
 
 
 def region_table(text: str) -> dict[str, Any]:
@@ -82,30 +83,63 @@ def revisit(
         raise ResultsError(
             f"step must be one that is stored in {results}, {steps[0]} to {steps[-1]} (got {shown(step)})"
         )
-    scene = Scene(**{**tomllib.loads(str(stored["scene"])), "stress": [dict(region)], "observers": []})
-    label = scene.stress[0].label
-    if label in json.loads(stored["regions"]):
-        raise ResultsError(f"region.name must differ from those that the run has stored (got {label!r}); give a name")
-    plan = make_plan(scene, scene.known_plugins(registry))
+    plan = plan_of_region(tomllib.loads(str(stored["scene"])), region, registry, json.loads(stored["regions"]))
     info = run_info(plan)
     _refuse_other_plugins(results, json.loads(stored["versions"]), info.versions)
     record = read_step(results, str(stored["scene_hash"]), index)
     history = read_history(results, str(stored["scene_hash"]), index)
-    _refuse_other_window(results, record, plan.grid.shape)
+    return info, look(plan, replace(record, history=history), str(results), names_remembered(results))
+
+
+def plan_of_region(
+    tables: Mapping[str, Any], region: Mapping[str, Any], registry: Registry, stored: Iterable[str] = ()
+) -> Plan:
+    """Plan of a scene that was solved, with one region alone, whose name is none of those that are `stored`.
+
+    Raises
+    ------
+    SceneError, ResultsError
+        See `revisit`.
+    """
+    scene = Scene(**{**tables, "stress": [dict(region)], "observers": []})
+    label = scene.stress[0].label
+    if label in stored:
+        raise ResultsError(f"region.name must differ from those that the run has stored (got {label!r}); give a name")
+    return make_plan(scene, scene.known_plugins(registry))
+
+
+def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] = ()) -> StepRecord:
+    """Fields in the region of a plan after a step that is known: its surface fields, and what the bodies remember.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of `plan_of_region`.
+    record : StepRecord
+        With its fields and its history.
+    where : str
+        Where the step came from, for messages.
+    remembered : sequence of str
+        Names of what the bodies remember after a step, kept or not.
+
+    Raises
+    ------
+    ResultsError
+        See `revisit`.
+    """
+    _refuse_other_window(where, record, plan.grid.shape)
     block = next(block for block in plan.blocks if isinstance(block, Region))
-    lacking = sorted(block.requires - set(record.fields) - set(history))
+    lacking = sorted(block.requires - set(record.fields) - set(record.history))
     if lacking:
-        kept = (
-            ""
-            if set(lacking) - set(names_remembered(results))
-            else ("; it is kept after the last step alone, unless output.history = 'all'")
-        )
-        raise ResultsError(f"{results} must hold {', '.join(lacking)} of step {index} (got none){kept}")
-    seen = Step(index=index, time=record.time, fields=dict(record.fields), history=history)
+        kept = "" if set(lacking) - set(remembered) else (
+            "; it is kept after the last step alone, unless output.history = 'all'"
+        )  # fmt: skip
+        raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){kept}")
+    seen = Step(index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history))
     block.start()
     block.advance(seen)
     scalars = {**record.scalars, **seen.scalars}
-    return info, replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
+    return replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
 
 
 def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
@@ -118,7 +152,7 @@ def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping
             )
 
 
-def _refuse_other_window(results: Path, record: StepRecord, shape: tuple[int, int]) -> None:
+def _refuse_other_window(results: str, record: StepRecord, shape: tuple[int, int]) -> None:
     for values in record.fields.values():
         if np.shape(values) != shape:
             raise ResultsError(

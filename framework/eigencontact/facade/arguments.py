@@ -1,0 +1,60 @@
+"""What is given to the library, checked by the names of its arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.arrays import is_real, is_whole, real_array
+from eigencontact.core.units import LARGEST, SMALLEST, parse_quantity
+from eigencontact.errors import SceneError, require
+
+__all__ = ["counts", "length", "lengths", "plane"]
+
+FloatArray = NDArray[np.float64]
+
+
+def length(value: Any, where: str, name: str, *, positive: bool = True) -> float:
+    """Length [m] of a number or of text with a unit."""
+    try:
+        found = parse_quantity(value, "m", "a length")
+    except ValueError as problem:
+        raise SceneError(f"{where}.{name} must be {problem} (got {value!r})") from None
+    require(is_real(found), where, name, value, "a length [m]")
+    number = float(found)
+    if positive:
+        require(SMALLEST <= number <= LARGEST, where, name, value, "positive and finite [m]")
+    require(abs(number) <= LARGEST, where, name, value, "finite [m]")
+    return number
+
+
+def lengths(value: Any, count: int, where: str, name: str, *, positive: bool = True) -> tuple[float, ...]:
+    """As many lengths [m]; one stands for all."""
+    if not isinstance(value, list | tuple | np.ndarray):
+        return (length(value, where, name, positive=positive),) * count
+    require(len(value) == count, where, name, value, f"one length or {count} [m]")
+    return tuple(length(one, where, name, positive=positive) for one in value)
+
+
+def counts(value: Any, where: str, name: str) -> tuple[int, int]:
+    """Numbers of cells along x and y; one stands for both."""
+    pair: Sequence[Any] = value if isinstance(value, list | tuple) else (value, value)
+    good = len(pair) == 2 and all(is_whole(one) and one >= 1 for one in pair)
+    require(good, where, name, value, "one whole number of cells, or two (along x, y)")
+    return int(pair[0]), int(pair[1])
+
+
+def plane(value: ArrayLike, where: str, name: str, unit: str, leading: tuple[int, ...] = ()) -> FloatArray:
+    """Finite numbers on the cells of a window, rows along y."""
+    shape = ", ".join([*map(str, leading), "ny", "nx"])
+    rule = f"an array ({shape}) [{unit}]"
+    array = real_array(value, where, name, rule)
+    good = array.ndim == 2 + len(leading) and array.shape[: len(leading)] == leading and array.size > 0
+    require(good, where, name, array.shape, rule)
+    finite = np.abs(array) <= LARGEST
+    if not finite.all():
+        require(False, where, name, float(array[~finite][0]), f"finite everywhere [{unit}]")
+    return array

@@ -1,0 +1,293 @@
+"""Bodies to hold: a half-space of one material, with what lies in it, and one of layers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.material import Material
+from eigencontact.core.units import parse_quantity, readable
+from eigencontact.errors import SceneError, require
+from eigencontact.facade.voxels import Voxels
+from eigencontact.plugin import LayeredMedium
+
+__all__ = ["Body", "HalfSpace", "Layered"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Body:
+    """What half-spaces have in common: fields under tractions that are given."""
+
+    def stress(
+        self,
+        points: ArrayLike,
+        *,
+        pressure: ArrayLike | None = None,
+        shear: ArrayLike | None = None,
+        spacing: float | str | Sequence[float | str],
+        center: tuple[float, float] = (0.0, 0.0),
+    ) -> FloatArray:
+        """Stress at points of the body under tractions on its surface, uniform on each cell of a window.
+
+        Parameters
+        ----------
+        points : (n, 3) [m]
+            x, y and depth z, 0 or more.
+        pressure : (ny, nx) [Pa], optional
+            Pushes into the body; rows run along y.
+        shear : (2, ny, nx) [Pa], optional
+            Tractions on the body along x and along y.
+        spacing : float or (float, float)
+            Edges of a cell along x and y [m]; text with a unit is accepted.
+        center : (float, float)
+            Middle of the window (x, y) [m].
+
+        Returns
+        -------
+        (n, 3, 3) [Pa]
+            Symmetric tensors, tension positive. Less than a quarter of a cell below the surface they are means over
+            cells, joined linearly between their centres, where the stress at points has infinite edges.
+
+        Raises
+        ------
+        SceneError
+            Arrays that do not fit, tractions that are missing or not finite, points above the surface, or a body with
+            inclusions, which answer to a contact alone.
+
+        Examples
+        --------
+        >>> import numpy as np, eigencontact as ec
+        >>> disc = np.where(np.hypot(*np.mgrid[-2:2:64j, -2:2:64j]) < 1, 1e9, 0)
+        >>> stress = ec.HalfSpace("210 GPa", 0.3).stress([[0, 0, 1e-6]], pressure=disc, spacing="62.5 nm")
+        >>> stress.shape, bool(-0.65e9 < stress[0, 2, 2] < -0.64e9)  # 1 - z³/(a² + z²)^1.5 = 0.646 of the pressure
+        ((1, 3, 3), True)
+        """
+        from eigencontact.facade.tractions import field_under
+
+        return field_under(self, "stress", points, pressure, shear, spacing, center)
+
+    def displacement(
+        self,
+        points: ArrayLike,
+        *,
+        pressure: ArrayLike | None = None,
+        shear: ArrayLike | None = None,
+        spacing: float | str | Sequence[float | str],
+        center: tuple[float, float] = (0.0, 0.0),
+    ) -> FloatArray:
+        """Displacement of points of the body, also of its surface, under tractions; see `stress`.
+
+        Returns
+        -------
+        (n, 3) [m]
+            Against distant points of the body; z runs into it.
+
+        Examples
+        --------
+        >>> import numpy as np, eigencontact as ec
+        >>> steel = ec.HalfSpace("210 GPa", 0.3)
+        >>> u = steel.displacement([[0, 0, 0]], pressure=np.full((32, 32), 1e9), spacing="1 um")
+        >>> f"{u[0, 2]:.4g} m"  # 1.1222 p (1 - ν²) / E times the edge of the square, Love 1929
+        '1.556e-07 m'
+        """
+        from eigencontact.facade.tractions import field_under
+
+        return field_under(self, "displacement", points, pressure, shear, spacing, center)
+
+    def scene_table(self) -> dict[str, Any]:
+        """Table ``[body1]`` of a scene."""
+        raise NotImplementedError
+
+    def scene_inclusions(self, number: int) -> list[dict[str, Any]]:  # noqa: ARG002 - of this body as body `number`
+        """Tables ``[[inclusions]]``."""
+        return []
+
+    @property
+    def solid(self) -> Material | LayeredMedium:
+        """Elastic constants, the same everywhere or by depth: what kernels are made of."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        raise NotImplementedError
+
+
+class HalfSpace(Body):
+    """An elastic half-space, with a law that it obeys beyond elasticity and with what lies in it.
+
+    Parameters
+    ----------
+    young_modulus : float or str
+        E [Pa]; text with a unit is accepted.
+    poisson_ratio : float
+        ν [-] in (-1, 0.5]; 0.5 is incompressible.
+    law : mapping or component, optional
+        Constitutive law of the whole body: of `make`, or as the table of a scene,
+        ``{"type": "j2", "hardening": {"type": "perfect", "yield_stress": "1 GPa"}}``. Its elastic constants are those
+        of the body.
+    voxels : Voxels, optional
+        Regions given by an array of whole numbers, with a material or an eigenstrain for each.
+    inclusions : sequence of mappings, optional
+        Regions of a shape, as the tables ``[[inclusions]]`` of a scene.
+
+    Raises
+    ------
+    SceneError
+        Constants out of their range. The law and the regions are checked when the body is used.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> ec.HalfSpace("210 GPa", 0.3)
+    HalfSpace('210 GPa', 0.3)
+    >>> soft = {"type": "sphere", "center": (0, 0, 5e-6), "radius": 2e-6, "material": {"void": True}}
+    >>> ec.HalfSpace(210e9, 0.3, inclusions=[soft])
+    HalfSpace('210 GPa', 0.3, 1 inclusion)
+    """
+
+    def __init__(
+        self,
+        young_modulus: float | str,
+        poisson_ratio: float,
+        *,
+        law: Any = None,
+        voxels: Voxels | None = None,
+        inclusions: Iterable[Mapping[str, Any]] = (),
+    ) -> None:
+        self._material = material_of(young_modulus, poisson_ratio, "HalfSpace")
+        require(voxels is None or isinstance(voxels, Voxels), "HalfSpace", "voxels", voxels, "Voxels, or None")
+        self._law, self._voxels = law, voxels
+        self._given = [dict(one) for one in ([inclusions] if isinstance(inclusions, Mapping) else inclusions)]
+
+    @property
+    def young_modulus(self) -> float:
+        """E [Pa]."""
+        return self._material.young_modulus
+
+    @property
+    def poisson_ratio(self) -> float:
+        """ν [-]."""
+        return self._material.poisson_ratio
+
+    @property
+    def voxels(self) -> Voxels | None:
+        """Regions given by an array."""
+        return self._voxels
+
+    @property
+    def solid(self) -> Material:
+        """See `Body`."""
+        return self._material
+
+    def scene_table(self) -> dict[str, Any]:
+        """See `Body`."""
+        table = {"young-modulus": self.young_modulus, "poisson-ratio": self.poisson_ratio}
+        return table if self._law is None else table | {"law": self._law}
+
+    def scene_inclusions(self, number: int) -> list[dict[str, Any]]:
+        """See `Body`."""
+        found = [{**one, "body": number} for one in self._given]
+        return found + ([] if self._voxels is None else self._voxels.tables(number))
+
+    def __repr__(self) -> str:
+        parts = [repr(readable(self.young_modulus, "Pa")), f"{self.poisson_ratio:g}"]
+        if self._law is not None:
+            parts.append(f"law {_type_of(self._law)!r}")
+        if self._given:
+            parts.append(f"{len(self._given)} inclusion{'s' if len(self._given) > 1 else ''}")
+        if self._voxels is not None:
+            parts.append(repr(self._voxels))
+        return f"HalfSpace({', '.join(parts)})"
+
+
+class Layered(Body):
+    """A half-space of bonded elastic layers on a substrate; exact, whatever their thickness.
+
+    Parameters
+    ----------
+    layers : sequence of (thickness, young_modulus, poisson_ratio)
+        From the surface down; thickness [m], E [Pa], ν [-]. Text with units is accepted.
+    substrate : HalfSpace or (young_modulus, poisson_ratio)
+        What lies below them; of one material, without a law or regions.
+
+    Raises
+    ------
+    SceneError
+        Layers or constants that are refused.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> ec.Layered([("2 um", "420 GPa", 0.25)], substrate=("210 GPa", 0.3))
+    Layered([('2 um', '420 GPa', 0.25)], substrate=('210 GPa', 0.3))
+    """
+
+    def __init__(
+        self,
+        layers: Sequence[tuple[float | str, float | str, float]],
+        substrate: HalfSpace | tuple[float | str, float],
+    ) -> None:
+        from eigencontact.library import make
+
+        rule = "(thickness, young_modulus, poisson_ratio) each, from the surface down"
+        good = isinstance(layers, list | tuple) and len(layers) > 0
+        require(good, "Layered", "layers", layers, f"one layer or more, {rule}")
+        tables = []
+        for number, layer in enumerate(layers):
+            good = isinstance(layer, list | tuple) and len(layer) == 3
+            require(good, "Layered", f"layers.{number}", layer, rule)
+            tables.append(dict(zip(("thickness", "young_modulus", "poisson_ratio"), layer, strict=True)))
+        if isinstance(substrate, HalfSpace):
+            plain = "law" not in substrate.scene_table() and not substrate.scene_inclusions(1)
+            require(plain, "Layered", "substrate", substrate, "of one elastic material, without a law or regions")
+            base = substrate.solid
+        else:
+            good = isinstance(substrate, list | tuple) and len(substrate) == 2
+            require(good, "Layered", "substrate", substrate, "a HalfSpace, or (young_modulus, poisson_ratio)")
+            base = material_of(*substrate, "Layered.substrate")
+        constants = {"young_modulus": base.young_modulus, "poisson_ratio": base.poisson_ratio}
+        try:
+            self._medium: LayeredMedium = make("bonded-layers", layers=tables, substrate=constants)
+        except SceneError as problem:
+            raise SceneError(str(problem).replace("bonded-layers.", "Layered.", 1)) from None
+
+    @property
+    def solid(self) -> LayeredMedium:
+        """See `Body`."""
+        return self._medium
+
+    def scene_table(self) -> dict[str, Any]:
+        """See `Body`."""
+        return {"medium": self._medium}
+
+    def __repr__(self) -> str:
+        tops = (0.0, *self._medium.interfaces)
+        layers = [
+            (readable(bottom - top, "m"), *_constants(self._medium.material_at(top)))
+            for top, bottom in pairwise(tops)
+        ]
+        return f"Layered({layers!r}, substrate={_constants(self._medium.deep_material)!r})"
+
+
+def material_of(young_modulus: float | str, poisson_ratio: float, where: str) -> Material:
+    """Elastic constants, refused by the name of what they are given to."""
+    try:
+        E = parse_quantity(young_modulus, "Pa", "a stress")
+    except ValueError as problem:
+        raise SceneError(f"{where}.young_modulus must be {problem} (got {young_modulus!r})") from None
+    try:
+        return Material(young_modulus=E, poisson_ratio=poisson_ratio)
+    except SceneError as problem:
+        raise SceneError(str(problem).replace("material.", f"{where}.", 1)) from None
+
+
+def _constants(material: Material) -> tuple[str, float]:
+    return readable(material.young_modulus, "Pa"), material.poisson_ratio
+
+
+def _type_of(law: Any) -> str:
+    return str(law.get("type", "?") if isinstance(law, Mapping) else getattr(law, "key", "?"))

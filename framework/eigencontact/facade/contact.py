@@ -1,0 +1,231 @@
+"""A contact from numbers that one has: a gap, two bodies, a load."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import is_dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from eigencontact.core.held_arrays import HeldArrays, hold
+from eigencontact.errors import SceneError, require
+from eigencontact.facade.arguments import counts, lengths, plane
+from eigencontact.facade.bodies import Body
+from eigencontact.facade.result import ContactResult
+from eigencontact.facade.voxels import Voxels
+
+__all__ = ["solve_contact"]
+
+_HERE = "solve_contact"
+#: Places of a scene, and the arguments that they come from.
+_ARGUMENTS = (
+    (r"\b(steps(\.\d+)?[. ])?normal-load\b", "load"),
+    (r"\b(steps(\.\d+)?[. ])?approach\b", "approach"),
+    (r"\b(steps(\.\d+)?[. ])?tangential-load-[xy]\b", "tangential_load"),
+    (r"\b(steps(\.\d+)?[. ])?shift-[xy]\b", "shift"),
+    (r"\bfriction\.coefficient\b", "friction"),
+    (r"\bgrid\.(cells|size|spacing)\b", r"\1"),
+    (r"\bbody([12])\.", r"bodies.\1."),
+)
+
+
+def solve_contact(
+    gap: Any,
+    bodies: Any,
+    *,
+    load: Any = None,
+    approach: Any = None,
+    friction: Any = None,
+    tangential_load: Any = None,
+    shift: Any = None,
+    steps: Sequence[Mapping[str, Any]] | None = None,
+    increments: int = 1,
+    spacing: Any = None,
+    size: Any = None,
+    cells: Any = None,
+    numerics: Mapping[str, Any] | None = None,
+) -> ContactResult:
+    """Solve a contact: the pressure, the shear and the gap between two bodies that are pressed together.
+
+    Parameters
+    ----------
+    gap : (ny, nx) array [m], geometry component, or several components
+        Initial separation of the surfaces on the cells of the window, rows along y, with its `spacing` or `size`; or
+        ``make("sphere", radius=1e-3)``, whose window is chosen unless it is given.
+    bodies : HalfSpace, Layered or pair of them
+        The lower body, which z points into, and the upper one; None is rigid, and so is an upper one that is not given.
+    load : float, text or sequence of them, optional
+        Normal load [N]; of a sequence one step after the other. Either it or `approach` is given.
+    approach : float, text or sequence of them, optional
+        How far the bodies have come together from a separation of 0 [m].
+    friction : float, mapping or component, optional
+        Coefficient of friction, or a friction law. Without it the contact is frictionless.
+    tangential_load : float, text or pair, optional
+        Tangential force along x, or along x and y, of the upper body on the lower one, after the normal load [N].
+    shift : float, text or pair, optional
+        Motion of the upper body along x, or along x and y, in place of a tangential load [m].
+    steps : sequence of mappings, optional
+        The whole history instead, as the tables ``[[steps]]`` of a scene.
+    increments : int
+        Equal parts of each step.
+    spacing : float, text or pair, optional
+        Edges of a cell along x and y [m].
+    size : float, text or pair, optional
+        Extent of the window along x and y [m].
+    cells : int or pair, optional
+        Number of cells along x and y; two of `cells`, `size` and `spacing` fix the window of a component.
+    numerics : mapping, optional
+        Fidelity and effort, as the table ``[numerics]`` of a scene: ``{"boundary": "periodic"}``.
+
+    Returns
+    -------
+    ContactResult
+
+    Raises
+    ------
+    SceneError
+        An argument that is refused, by its name; `NotConverged`, `DomainTooSmall` on the way.
+
+    Examples
+    --------
+    A ball of 105 µm on steel, as numbers of one's own:
+
+    >>> import numpy as np, eigencontact as ec
+    >>> x = (np.arange(64) - 31.5) * 0.25e-6
+    >>> gap = (x**2 + x[:, None] ** 2) / (2 * 105e-6)
+    >>> found = ec.solve_contact(gap, ec.HalfSpace("210 GPa", 0.3), load="0.65 N", spacing=0.25e-6)
+    >>> f"{found.max_pressure / 1e9:.2f} GPa, {found.radius * 1e6:.2f} um, {found.approach * 1e9:.0f} nm"
+    '8.47 GPa, 6.03 um, 349 nm'
+    >>> found.stress([[0, 0, 3e-6]]).shape
+    (1, 3, 3)
+    """
+    lower, upper = _pair(bodies)
+    geometry, window, kept = _separation(gap, spacing, size, cells)
+    along = [name for name, one in (("tangential_load", tangential_load), ("shift", shift)) if one is not None]
+    if along and friction is None:
+        raise SceneError(
+            f"{_HERE}.friction must be given with {along[0]} (got None): a frictionless contact carries no shear; "
+            "give a coefficient"
+        )
+    history = _steps(load, approach, tangential_load, shift, increments) if steps is None else list(steps)
+    if steps is not None:
+        given = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
+        beside = [name for name, value in given.items() if value is not None]
+        require(not beside, _HERE, "steps", f"{', '.join(beside)} too", "given alone: they hold all loads and motions")
+    scene: dict[str, Any] = {
+        "title": "Contact",
+        "body1": {"rigid": True} if lower is None else lower.scene_table(),
+        "body2": {"rigid": True} if upper is None else upper.scene_table(),
+        "geometry": geometry,
+        "inclusions": [
+            table
+            for number, body in enumerate((lower, upper), 1)
+            if body is not None
+            for table in body.scene_inclusions(number)
+        ],
+        "steps": history,
+        "numerics": _pitch(lower, upper) | dict(numerics or {}),
+        "output": {"pictures": False},
+        **({} if window is None else {"grid": window}),
+    }
+    if friction is not None:
+        law = isinstance(friction, Mapping) or is_dataclass(friction)
+        scene["friction"] = friction if law else {"type": "coulomb", "coefficient": friction}
+    return ContactResult(_run(scene), (lower, upper), kept)
+
+
+def _run(scene: dict[str, Any]) -> Any:
+    """Result of a scene; a refusal names the argument."""
+    from eigencontact.app import plan, run
+
+    try:
+        planned = plan(scene)
+    except SceneError as problem:
+        text = str(problem)
+        for place, argument in _ARGUMENTS:
+            text = re.sub(place, argument, text)
+        raise type(problem)(f"{_HERE}: {text}") from None
+    return run(planned)
+
+
+def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
+    """The lower and the upper body; None is rigid."""
+    pair = tuple(bodies) if isinstance(bodies, list | tuple) else (bodies, None)
+    rule = "a HalfSpace or Layered, or a pair of which one may be None, which is rigid"
+    good = len(pair) == 2 and all(one is None or isinstance(one, Body) for one in pair) and pair != (None, None)
+    require(good, _HERE, "bodies", bodies, rule)
+    return pair[0], pair[1]
+
+
+def _separation(
+    gap: Any, spacing: Any, size: Any, cells: Any
+) -> tuple[Any, dict[str, Any] | None, tuple[HeldArrays, ...]]:
+    """Geometry of a scene, its window, and the arrays that are to be kept."""
+    parts = gap if isinstance(gap, list | tuple) else [gap]
+    if all(isinstance(part, Mapping) or is_dataclass(part) for part in parts):
+        window = {"spacing": None if spacing is None else lengths(spacing, 2, _HERE, "spacing")}
+        window["size"] = None if size is None else lengths(size, 2, _HERE, "size")
+        given: dict[str, Any] = {name: value for name, value in window.items() if value is not None}
+        if cells is not None:
+            given["cells"] = counts(cells, _HERE, "cells")
+        return list(parts), given or None, ()
+    array = plane(_array(gap), _HERE, "gap", "m")
+    require(min(array.shape) >= 2, _HERE, "gap", array.shape, "an array (ny, nx) of 2 x 2 cells or more [m]")
+    require(cells is None, _HERE, "cells", cells, f"left out: the gap has {array.shape[1]} x {array.shape[0]} cells")
+    if (spacing is None) == (size is None):
+        got = "neither" if size is None else "both"
+        raise SceneError(f"{_HERE}.spacing must be given with an array, edges of its cells [m], or size (got {got})")
+    ny, nx = array.shape
+    if spacing is None:
+        extent = lengths(size, 2, _HERE, "size")
+        dx, dy = extent[0] / nx, extent[1] / ny
+    else:
+        dx, dy = lengths(spacing, 2, _HERE, "spacing")
+    x, y = ((np.arange(count) - 0.5 * (count - 1)) * pitch for count, pitch in ((nx, dx), (ny, dy)))
+    kept = hold(x=x, y=y, gap=array)
+    grid = {"cells": (nx, ny), "spacing": (dx, dy)}
+    return {"type": "gap-map", "file": kept.name}, grid, (kept,)
+
+
+def _array(gap: Any) -> ArrayLike:
+    rule = "an array (ny, nx) [m], a geometry component as make() returns, or a sequence of components"
+    good = isinstance(gap, np.ndarray | list | tuple) or hasattr(gap, "__array__")
+    require(good, _HERE, "gap", gap, rule)
+    return np.asarray(gap)
+
+
+def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: int) -> list[dict[str, Any]]:
+    """Tables of the steps: the normal ones, then one along the surface."""
+    if (load is None) == (approach is None):
+        got = "neither" if load is None else "both"
+        raise SceneError(f"{_HERE} must be given load [N] or approach [m] (got {got})")
+    name, given = ("normal-load", load) if approach is None else ("approach", approach)
+    values = given if isinstance(given, list | tuple | np.ndarray) else [given]
+    require(len(values) > 0, _HERE, "load" if approach is None else "approach", given, "one value or more")
+    steps: list[dict[str, Any]] = [{name: _plain(value)} for value in values]
+    if tangential is not None and shift is not None:
+        raise SceneError(f"{_HERE} must be given tangential_load [N] or shift [m] (got both)")
+    for words, scene_name, value in (
+        ("tangential_load", "tangential-load", tangential),
+        ("shift", "shift", shift),
+    ):
+        if value is not None:
+            pair = value if isinstance(value, list | tuple | np.ndarray) else (value,)
+            rule = "one value, along x, or two, along x and y; other histories are steps=[...]"
+            require(len(pair) in (1, 2), _HERE, words, value, rule)
+            steps.append({f"{scene_name}-{axis}": _plain(one) for axis, one in zip("xy", pair, strict=False)})
+    return [{**step, "increments": increments} for step in steps]
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _pitch(*bodies: Body | None) -> dict[str, Any]:
+    """Height of the cells of a body: that of its voxels."""
+    voxels = [getattr(body, "voxels", None) for body in bodies]
+    heights = [one.spacing[2] for one in voxels if isinstance(one, Voxels)]
+    return {"inclusion-pitch": min(heights)} if heights else {}

@@ -1,0 +1,318 @@
+"""What a contact that was solved can be asked."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.html_table import html_table
+from eigencontact.core.units import readable
+from eigencontact.errors import SceneError, require
+from eigencontact.library import field_points, installed_plugins
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+
+    from eigencontact.app import RunResult
+    from eigencontact.core.held_arrays import HeldArrays
+    from eigencontact.facade.bodies import Body
+    from eigencontact.results.records import StepRecord
+
+__all__ = ["ContactResult"]
+
+FloatArray = NDArray[np.float64]
+
+_HERE = "ContactResult"
+#: Numbers of a contact in the order of a table.
+_SHOWN = (
+    ("load", "normal_load"), ("approach", "approach"), ("contact radius", "contact_radius"),
+    ("contact area", "contact_area"), ("largest pressure", "max_pressure"), ("tangential load", "tangential_load"),
+    ("slipping share", "slip_fraction"),
+)  # fmt: skip
+_STRESS = ("xx", "yy", "zz", "yz", "xz", "xy")
+
+
+class ContactResult:
+    """A contact that was solved, after its last step or another one.
+
+    `solve_contact` makes it. Arrays on the surface are of shape (ny, nx), rows along y; everything is in SI units.
+
+    Attributes
+    ----------
+    summary : dict
+        Numbers of the run, its certificates, times, versions and sources to cite.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> ball = ec.make("sphere", radius="105 um")
+    >>> found = ec.solve_contact(ball, ec.HalfSpace("210 GPa", 0.3), load=["0.3 N", "0.65 N"])
+    >>> found
+    ContactResult(load 650 mN, approach 348.97 nm, contact radius 6.0393 um, largest pressure 8.468 GPa, step 2 of 2)
+    >>> found.at(1).load
+    0.3
+    """
+
+    def __init__(
+        self,
+        run: RunResult,
+        bodies: tuple[Body | None, Body | None],
+        kept: tuple[HeldArrays, ...] = (),
+        step: int | None = None,
+    ) -> None:
+        self._run, self._bodies, self._kept, self._wanted = run, bodies, kept, step
+        self.summary: dict[str, Any] = run.summary
+
+    # ------------------------------------------------------------ numbers of the surface
+
+    @property
+    def dataset(self) -> xarray.Dataset:
+        """Everything of all steps, with coordinates, units and provenance."""
+        return self._run.dataset
+
+    @property
+    def steps(self) -> int:
+        """How many steps were solved, increments included."""
+        return int(self.dataset.sizes["step"])
+
+    def at(self, step: int) -> ContactResult:
+        """Return the same contact after another step, counted from 1.
+
+        Raises
+        ------
+        SceneError
+            A step that was not solved.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> pressed = ec.solve_contact(ball, steel, load=[0.1, 0.2])
+        >>> pressed.at(1).radius < pressed.radius
+        True
+        """
+        known = isinstance(step, int | np.integer) and 1 <= step <= self.steps
+        require(known, _HERE, "step", step, f"1 to {self.steps}")
+        return ContactResult(self._run, self._bodies, self._kept, int(step))
+
+    @property
+    def x(self) -> FloatArray:
+        """Centres of the cells along x, (nx,) [m]."""
+        return np.asarray(self.dataset["x"].values)
+
+    @property
+    def y(self) -> FloatArray:
+        """Centres of the cells along y, (ny,) [m]."""
+        return np.asarray(self.dataset["y"].values)
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Contact pressure, (ny, nx) [Pa]; positive in compression."""
+        return self._field("pressure")
+
+    @property
+    def shear(self) -> FloatArray:
+        """Shear traction on the lower body along x and y, (2, ny, nx) [Pa]; zero without friction."""
+        fields = [self._field(name) if name in self.dataset else 0 * self.pressure for name in ("shear_x", "shear_y")]
+        return np.array(fields)
+
+    @property
+    def gap(self) -> FloatArray:
+        """Gap between the deformed surfaces, (ny, nx) [m]; zero in contact."""
+        return self._field("gap")
+
+    @property
+    def load(self) -> float:
+        """Normal load [N]."""
+        return self._number("normal_load")
+
+    @property
+    def approach(self) -> float:
+        """How far distant points of the bodies have come together [m]."""
+        return self._number("approach")
+
+    @property
+    def contact_area(self) -> float:
+        """Contact area, corrected for cells that its edge cuts [m²]."""
+        return self._number("contact_area")
+
+    @property
+    def radius(self) -> float:
+        """Radius of the circle of equal contact area [m]."""
+        return self._number("contact_radius")
+
+    @property
+    def max_pressure(self) -> float:
+        """Largest contact pressure [Pa]."""
+        return self._number("max_pressure")
+
+    # ------------------------------------------------------------ fields below the surface
+
+    def stress(self, points: ArrayLike, body: int = 1) -> FloatArray:
+        """Stress at points of a body, by the contact and by everything in the body.
+
+        Parameters
+        ----------
+        points : (n, 3) [m]
+            x, y and depth z into that body, 0 or more.
+        body : {1, 2}
+            The lower or the upper one, which must be elastic.
+
+        Returns
+        -------
+        (n, 3, 3) [Pa]
+            Symmetric tensors, tension positive. Less than a quarter of a cell below the surface stress by tractions is
+            a mean over cells. Points are summed cell by cell: for planes and volumes `region` is faster.
+
+        Raises
+        ------
+        SceneError
+            Points above the surface, a rigid body.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> stress = ec.solve_contact(ball, steel, load="0.65 N").stress([[0, 0, 2.9e-6]])
+        >>> f"{(stress[0, 0, 0] - stress[0, 2, 2]) / 8.47e9:.3f} of the largest pressure"
+        '0.620 of the largest pressure'
+        """
+        found = self._at_points(points, body, "stress")
+        rows = [[found[_STRESS.index("".join(sorted(pair)))] for pair in (f"{i}x", f"{i}y", f"{i}z")] for i in "xyz"]
+        return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
+
+    def displacement(self, points: ArrayLike, body: int = 1) -> FloatArray:
+        """Displacement of points of a body, also of its surface, against distant points; see `stress`.
+
+        Returns
+        -------
+        (n, 3) [m]
+            z runs into that body; of a periodic window, against the mean of its surface.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> found = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
+        >>> u = found.displacement([[0, 0, 0]])
+        >>> f"{u[0, 2] / found.approach:.4f}"  # the ball pushes the middle of the surface down by the approach
+        '1.0000'
+        """
+        return np.ascontiguousarray(self._at_points(points, body, "displacement").T)
+
+    def region(self, **table: Any) -> xarray.Dataset:
+        """Fields on a plane, a line, in a volume or at points, as a table ``[[stress]]`` of a scene asks for them.
+
+        Parameters
+        ----------
+        **table
+            ``shape="plane", normal="y", depth_max="10 um"``; ``fields=["stress", "displacement"]``.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> found = ec.solve_contact(ball, steel, load="0.65 N")
+        >>> section = found.region(name="section", shape="plane", normal="y", depth_max="10 um", depth_cells=40)
+        >>> f"{float(section.section_von_mises.max()) / 1e9:.2f} GPa"
+        '5.25 GPa'
+        """
+        from eigencontact.results.join import dataset_of
+        from eigencontact.results.stepfile import step_part
+
+        info, record = self._look(table)
+        return dataset_of([step_part(info, record, copied=False)])
+
+    def _at_points(self, points: ArrayLike, body: int, quantity: str) -> FloatArray:
+        where = f"{_HERE}.{quantity}"
+        require(body in (1, 2) and not isinstance(body, bool), where, "body", body, "1 or 2")
+        require(self._bodies[body - 1] is not None, where, "body", body, "one that is elastic")
+        at = field_points(points, where, half_space=True)
+        require(len(at) > 0, where, "points", at.shape, "one point or more")
+        table = {"name": "asked", "shape": "points", "points": at.tolist(), "body": body, "fields": [quantity]}
+        _, record = self._look(table | {"quantities": []})
+        return record.regions["asked"].fields[quantity]
+
+    def _look(self, table: dict[str, Any]) -> tuple[Any, StepRecord]:
+        from eigencontact.planning.provenance import run_info
+        from eigencontact.planning.revisit import look, plan_of_region
+        from eigencontact.results.in_dataset import step_of
+
+        if "step" in table:
+            raise SceneError(f"{_HERE}.region must be asked without a step (got {table['step']!r}): use at(step)")
+        record, remembered = step_of(self.dataset, self._wanted)
+        tables = tomllib.loads(str(self.dataset.attrs["scene"]))
+        plan = plan_of_region(tables, table, installed_plugins())
+        return run_info(plan), look(plan, record, "the contact", remembered)
+
+    # ------------------------------------------------------------ looks
+
+    def plot(self, field: str = "pressure", axes: Axes | None = None) -> Axes:
+        """Map of a field on the surface.
+
+        Parameters
+        ----------
+        field : str
+            Any of `dataset` on (y, x): ``"pressure"``, ``"gap"``, ``"shear_x"``.
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            ``axes.figure.savefig("pressure.png")`` stores the figure.
+
+        Raises
+        ------
+        SceneError
+            A field that there is none of.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> ec.solve_contact(ball, steel, load="0.65 N").plot("gap").get_xlabel()
+        'x in µm'
+        """
+        from eigencontact.viz.surface_axes import draw_field
+
+        known = [str(name) for name, one in self.dataset.data_vars.items() if one.dims == ("step", "y", "x")]
+        require(field in known, _HERE, "field", field, f"one of {', '.join(known)}")
+        return draw_field(self.dataset, field, self._place, axes)
+
+    def _field(self, name: str) -> FloatArray:
+        return np.asarray(self.dataset[name].values[self._place])
+
+    def _number(self, name: str) -> float:
+        return float(self.dataset[name].values[self._place])
+
+    @property
+    def _place(self) -> int:
+        """Position of the step along ``step``."""
+        return (self.steps if self._wanted is None else self._wanted) - 1
+
+    def _rows(self) -> list[tuple[str, str]]:
+        data = self.dataset
+        return [
+            (words, readable(value, unit.replace("m2", "m^2")) if unit != "1" else f"{value:.3g}")
+            for words, name in _SHOWN
+            if name in data and np.isfinite(value := self._number(name))
+            for unit in [str(data[name].attrs["units"])]
+        ]
+
+    def __repr__(self) -> str:
+        rows = [f"{words} {value}" for words, value in self._rows() if words != "contact area"]
+        step = [f"step {self._place + 1} of {self.steps}"] if self.steps > 1 else []
+        return f"{_HERE}({', '.join([*rows, *step])})"
+
+    def _repr_html_(self) -> str:
+        lower, upper = ("rigid" if body is None else repr(body) for body in self._bodies)
+        ny, nx = self.dataset.sizes["y"], self.dataset.sizes["x"]
+        rows = [("bodies", f"{lower} under {upper}"), *self._rows(), ("cells", f"{nx} x {ny}")]
+        rows += [("step", f"{self._place + 1} of {self.steps}")] if self.steps > 1 else []
+        notes = "; ".join(str(one.get("words", one)) for one in self.summary["warnings"])
+        return html_table("Contact", rows, notes)

@@ -1,0 +1,111 @@
+"""Regions of a body given by an array of whole numbers, and what each number is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import is_dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact.core.held_arrays import hold
+from eigencontact.core.units import readable
+from eigencontact.errors import require
+from eigencontact.facade.arguments import lengths
+
+__all__ = ["Voxels"]
+
+_HERE = "Voxels"
+
+
+class Voxels:
+    """What lies in a body, voxel by voxel: an array of whole numbers and a table of what they stand for.
+
+    Parameters
+    ----------
+    labels : (nz, ny, nx) of int
+        Number of each voxel; z runs into the body. 0 is the body itself.
+    spacing : float or (float, float, float)
+        Edges (dx, dy, dz) of a voxel [m], or one for all; text with a unit is accepted.
+    materials : mapping of int to mapping or component
+        By number: a constitutive law, ``{"young_modulus": "400 GPa", "poisson_ratio": 0.2}``, ``{"type": "j2", ...}``,
+        ``{"void": True}`` or a law of `make`; an ``"eigenstrain"`` (a number, three, or a 3 x 3 matrix), which expands;
+        or both. Every number in `labels` but 0 needs one.
+    origin : (float, float, float), optional
+        Corner of lowest x, y and z of the first voxel [m]; by default the array is centred in x and y, and begins at
+        the surface.
+
+    Raises
+    ------
+    SceneError
+        An array that is not of whole numbers, a number without material, voxels above the surface.
+
+    Notes
+    -----
+    A contact cuts the body into cells as wide as those of its window and, by default, as high as the voxels. Where
+    faces of cells lie in faces of voxels the array is met exactly; elsewhere a cell takes the voxels' shares.
+
+    Examples
+    --------
+    >>> import numpy as np, eigencontact as ec
+    >>> labels = np.zeros((8, 8, 8), dtype=int)
+    >>> labels[2:4, 3:5, 3:5] = 1
+    >>> ec.Voxels(labels, "0.5 um", {1: {"young_modulus": "400 GPa", "poisson_ratio": 0.2}})
+    Voxels(8 x 8 x 8 of 500 nm, materials 1)
+    """
+
+    def __init__(
+        self,
+        labels: ArrayLike,
+        spacing: float | str | Sequence[float | str],
+        materials: Mapping[int, Any],
+        *,
+        origin: Sequence[float | str] | None = None,
+    ) -> None:
+        array = np.asarray(labels)
+        rule = "an array (nz, ny, nx) of whole numbers"
+        good = array.ndim == 3 and array.size > 0 and array.dtype.kind in "biu"
+        require(good, _HERE, "labels", (str(array.dtype), array.shape), rule)
+        require(isinstance(materials, Mapping), _HERE, "materials", materials, "a mapping of numbers to materials")
+        found = sorted(set(np.unique(array).tolist()) - {0})
+        lacking = [number for number in found if number not in materials]
+        require(not lacking, _HERE, "materials", sorted(materials), f"given for each number but 0, so for {lacking}")
+        self.spacing = lengths(spacing, 3, _HERE, "spacing")
+        _, ny, nx = array.shape
+        dx, dy, _ = self.spacing
+        corner = (-0.5 * nx * dx, -0.5 * ny * dy, 0.0)
+        self.origin = corner if origin is None else lengths(origin, 3, _HERE, "origin", positive=False)
+        require(self.origin[2] >= 0, _HERE, "origin", self.origin, "at a depth z of 0 or more [m]")
+        self._parts = {number: _parts(number, materials[number]) for number in found}
+        self._image = hold(labels=array.astype(np.int32))
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """Number of each voxel, (nz, ny, nx); it cannot be written to."""
+        return self._image["labels"]
+
+    def tables(self, body: int) -> list[dict[str, Any]]:
+        """Tables ``[[inclusions]]`` of a scene, one for each number."""
+        place = {"type": "voxels", "file": self._image.name, "spacing": self.spacing, "origin": self.origin}
+        return [
+            {"name": f"voxels {number}", "body": body, **place, "value": number, **parts}
+            for number, parts in self._parts.items()
+        ]
+
+    def __repr__(self) -> str:
+        edges = " x ".join(dict.fromkeys(readable(edge, "m") for edge in self.spacing))
+        shape = " x ".join(map(str, self.labels.shape[::-1]))
+        return f"{_HERE}({shape} of {edges}, materials {', '.join(map(str, self._parts)) or 'none'})"
+
+
+def _parts(number: int, given: Any) -> dict[str, Any]:
+    """Eigenstrain and material of the table of a number."""
+    rule = "a table of a constitutive law, of an eigenstrain, or of both; or a law of make()"
+    good = (isinstance(given, Mapping) and len(given) > 0) or (is_dataclass(given) and not isinstance(given, type))
+    require(good, _HERE, f"materials[{number}]", given, rule)
+    if not isinstance(given, Mapping):
+        return {"material": given}
+    material = {name: value for name, value in given.items() if name != "eigenstrain"}
+    parts = {"eigenstrain": given["eigenstrain"]} if "eigenstrain" in given else {}
+    return parts | ({"material": material} if material else {})
