@@ -132,6 +132,22 @@ class RunResult:
     def dataset(self) -> xarray.Dataset:  # noqa: D102 - an attribute to its users, described above
         return self._store.dataset()
 
+    def course(self) -> str:
+        """Loads, motions, stick, work of friction and wear through the steps, as a small table of text.
+
+        Examples
+        --------
+        >>> few = ["stress=[]", "grid.cells-per-contact-radius=10", "steps.increments=2"]
+        >>> print(run(load_scene("hertz", few)).course())
+          step   load  approach  radius  pressure
+                   mN        nm      um       GPa
+             1  325.0     219.8   4.728     6.702
+             2  650.0     348.8   6.015     8.452
+        """
+        from eigencontact.results.course import course_table
+
+        return course_table(self.summary["history"])
+
 
 def run(
     scene: Scene | Plan | str | Path | Mapping[str, Any],

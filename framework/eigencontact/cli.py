@@ -145,6 +145,7 @@ def _report(name: str, result: Any) -> None:
     from rich.table import Table
 
     from eigencontact.core.units import readable
+    from eigencontact.results.course import course_table
 
     console, summary = Console(highlight=False), result.summary
     numbers = Table.grid(padding=(0, 2))
@@ -166,6 +167,8 @@ def _report(name: str, result: Any) -> None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
     console.print(numbers)
+    if course := course_table(summary["history"]):
+        console.print(f"\n{course}", markup=False, soft_wrap=True)
     for caution in summary["warnings"]:
         console.print(f"warning ({caution['code']}): {caution['words']}", markup=False, soft_wrap=True)
     folder = result.folder.resolve()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact.results.course import driven_motions
 from eigencontact.viz.style import moment, scale_for
 
 if TYPE_CHECKING:
@@ -23,28 +24,12 @@ MODES = {
     "y": ("tangential_load_y", "shift_y", ("N", "m"), ("Tangential load $Q_y$", "Shift $\\delta_y$")),
     "twist": ("torsion_moment", "twist", ("N m", "rad"), ("Torsion moment $M_z$", "Twist $\\varphi_z$")),
 }
-#: A load below this part of the largest of its kind is a by-product.
-_BY_PRODUCT = 1e-3
 
 
 def driven(dataset: Results) -> list[str]:
     """Which of ``x``, ``y`` and ``twist`` the history loads; by-products of the others do not count."""
-    largest = {mode: _largest(dataset, names[:2]) for mode, names in MODES.items()}
-    load = float(np.abs(dataset["normal_load"].values).max())
-    radius = float(np.max(dataset["contact_radius"].values)) if "contact_radius" in dataset else 0.0
-    found = []
-    for mode, (force, way) in largest.items():
-        others = [largest[other] for other in ("x", "y") if mode != "twist"] or [(0.0, 0.0)]
-        floor = 1e-6 * load * (radius if mode == "twist" else 1.0)
-        leading = all(value > _BY_PRODUCT * max(pair[n] for pair in others) for n, value in enumerate((force, way)))
-        if leading and force > floor:
-            found.append(mode)
-    return found
-
-
-def _largest(dataset: Results, names: tuple[str, str]) -> tuple[float, float]:
-    force, way = (float(np.abs(dataset[name].values).max()) if name in dataset else 0.0 for name in names)
-    return force, way
+    scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
+    return driven_motions({str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars})
 
 
 def friction_heading(dataset: Results, step: int, what: str) -> str:
