@@ -21,12 +21,16 @@ __all__ = ["surfaces"]
 #: Cells along a side at most, and steps: one field takes some 20 kB a step.
 CELLS, STEPS = 80, 6
 _LEVELS = 65535
-#: Fields, in words, whether they are drawn upwards (1) or into the body (-1), and whether only where they are not zero.
+#: A part of a field below the tolerance of its solver: a gap of nothing may be negative.
+_SLACK = 1e-6
+#: Stored fields whose unit those have that are shown otherwise than they are stored.
+_OF = {"shear": "shear_x", "uplift": "residual_displacement_z"}
+#: Fields in words, whether they are drawn upwards (1) or into the body (-1), and whether only where they are not zero.
 _FIELDS: dict[str, tuple[str, int, bool]] = {
     "pressure": ("contact pressure", 1, True),
     "shear": ("shear traction, magnitude", 1, True),
     "worn_depth": ("worn depth, drawn downwards", -1, True),
-    "residual_displacement_z": ("displacement of the surface by eigenstrain, drawn into the body", -1, False),
+    "uplift": ("uplift of the surface by eigenstrain", 1, False),
     "gap": ("gap between the deformed surfaces", 1, False),
     "displacement_z": ("normal displacement of the surfaces, drawn into the body", -1, False),
     "dissipated_energy_density": ("work of friction by area", 1, True),
@@ -53,7 +57,7 @@ def surfaces(dataset: Results) -> list[dict[str, Any]]:
         if values is None or not np.any(values):
             continue
         field = _field(dataset, values, places, cropped=cropped)
-        scale = scale_for(values, unit_of("shear_x" if name == "shear" else name))
+        scale = scale_for(values, unit_of(_OF.get(name, name)))
         about = {"name": name, "words": words, "sign": sign, "unit": scale.unit, "factor": scale.factor}
         if min(field["shape"]) > 1:
             found.append({**about, **field})
@@ -76,6 +80,9 @@ def _values(dataset: Results, name: str, places: list[int]) -> NDArray[Any] | No
         parts = [_values(dataset, f"shear_{axis}", places) for axis in "xy"]
         held = [part for part in parts if part is not None]
         return np.asarray(np.sqrt(np.sum(np.square(held), axis=0))) if held else None
+    if name == "uplift":
+        sunk = _values(dataset, _OF[name], places)
+        return None if sunk is None else -sunk
     if name not in dataset or dataset[name].dims != ("step", "y", "x"):
         return None
     held = [np.asarray(dataset[name][at].values, dtype=float) for at in places]
@@ -91,10 +98,10 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
     shown = values[(slice(None), *view.slices)]
     every = max(1, -(-max(view.shape) // CELLS))
     shown = shown[:, ::every, ::every]
-    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
+    low, high = _range(values)
     x, y = (dataset[axis].values[part][::every] for axis, part in zip("xy", view.slices[::-1], strict=True))
     length = scale_for([*x, *y], "m")
-    levels = np.rint((shown - low) / (high - low) * _LEVELS).astype("<u2")
+    levels = np.rint((np.clip(shown, low, high) - low) / (high - low) * _LEVELS).astype("<u2")
     return {
         "low": low,
         "high": high,
@@ -108,3 +115,10 @@ def _field(dataset: Results, values: NDArray[Any], places: list[int], *, cropped
             for at, part in zip(places, levels, strict=True)
         ],
     }
+
+
+def _range(values: NDArray[Any]) -> tuple[float, float]:
+    """Lowest and highest value, and zero; what a tolerance leaves on its other side is no part of it."""
+    low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
+    slack = _SLACK * max(-low, high)
+    return (low if low < -slack else 0.0), (high if high > slack else 0.0)
