@@ -416,7 +416,7 @@ def test_everything_at_once(tmp_path, boundary):
     np.savez(tmp_path / "rough.npz", rough(1, count, size, 60e-9))
     geometry = [
         {"type": "ellipsoid", "radius_x": 300e-6, "radius_y": 180e-6},
-        {"type": "topography", "file": str(tmp_path / "rough.npz"), "spacing": [size / count, size / count]},
+        {"type": "topography", "file": str(tmp_path / "rough.npz"), "spacing": size / count, "height-unit": 1.0},
     ]
     steps = [
         {"normal_load": LOAD, "increments": 2},

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import eigencontact as ec
 from close import close
 from eigencontact.plugin import Grid, HasNativeGrid, SceneError
 from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
@@ -20,6 +21,9 @@ HEIGHTS = 1e-8 * np.random.default_rng(7).standard_normal((6, 9))
 SEPARATION = HEIGHTS.max() - HEIGHTS
 
 
+METRES = {"height_unit": 1.0, "lateral_unit": 1.0}
+
+
 def xyz_rows(heights=HEIGHTS, dx=DX, dy=DY, origin=(3e-3, -1e-3)):
     iy, ix = np.indices(heights.shape)
     return np.column_stack([origin[0] + ix.ravel() * dx, origin[1] + iy.ravel() * dy, heights.ravel()])
@@ -27,7 +31,7 @@ def xyz_rows(heights=HEIGHTS, dx=DX, dy=DY, origin=(3e-3, -1e-3)):
 
 def save_npy(path):
     np.save(path, HEIGHTS)
-    return {"spacing": (DX, DY)}
+    return {"spacing": (DX, DY), "height_unit": 1.0}
 
 
 def save_npz(path):
@@ -36,28 +40,66 @@ def save_npz(path):
 
 
 def save_npz_unnamed(path):
-    np.savez(path, HEIGHTS)
-    return {"spacing": (DX, DY)}
+    np.savez(path, scan=HEIGHTS)
+    return {"spacing": (DX, DY), "height_unit": 1.0}
 
 
 def save_xyz(path):
     np.savetxt(path, xyz_rows(), fmt="%.12g", header="x y z")
-    return {}
+    return METRES
 
 
 def save_shuffled(path):
-    np.savetxt(path, np.random.default_rng(3).permutation(xyz_rows()), fmt="%.12g")
+    rows = np.random.default_rng(3).permutation(xyz_rows())
+    np.savetxt(path, rows, fmt="%.12g", header="x [m], y [m], z [m]", comments="")
     return {}
 
 
 def save_commas(path):
-    np.savetxt(path, np.random.default_rng(3).permutation(xyz_rows()), fmt="%.12g", delimiter=", ")
+    np.savetxt(path, np.random.default_rng(3).permutation(xyz_rows()), fmt="%.12g", delimiter=", ", header="units: m")
     return {}
 
 
 def save_semicolons_in_micrometres(path):
     np.savetxt(path, 1e6 * xyz_rows(), fmt="%.12g", delimiter=";")
     return {"height_unit": 1e-6, "lateral_unit": 1e-6}
+
+
+def save_gwyddion(path):
+    head = f"# Channel: Topography\n# Width: {9e6 * DX:g} µm\n# Height: {6e6 * DY:g} µm\n# Value units: m\n"
+    rows = "\n".join("\t".join(f"{h:.12g}" for h in row) for row in HEIGHTS)
+    path.write_text(head + rows + "\n", encoding="utf-8")
+    return {}
+
+
+def save_spreadsheet(path):
+    """Decimal commas between semicolons, and a byte-order mark: as spreadsheets of half Europe write."""
+    head = "Probe;A 17\nSpacing x;0,5 um\nSpacing y;0,8 um\nHeight unit;nm\n"
+    rows = "\n".join(";".join(f"{1e9 * h:.9f}".replace(".", ",") for h in row) + ";" for row in HEIGHTS)
+    path.write_text(head + rows + "\n", encoding="utf-8-sig")
+    return {}
+
+
+def save_instrument(path):
+    head = '"Date","2026-11-23"\n"XY calibration","500.0","nm"\n"y step","0.8","um"\n"Unit","µm"\n\n"Height"\n'
+    rows = "\n".join(",".join(f'"{1e6 * h:.12f}"' for h in row) for row in HEIGHTS)
+    path.write_text(head + rows + "\n", encoding="latin-1")
+    return {}
+
+
+def save_blanks(path):
+    np.savetxt(path, 1e6 * HEIGHTS, fmt="%.12f", header="units = um\nsize = 4.5 x 4.8")
+    return {}
+
+
+def save_bare_matrix(path):
+    np.savetxt(path, 1e9 * HEIGHTS, fmt="%.9f", delimiter="\t")
+    return {"spacing": (DX, DY), "height_unit": 1e-9}
+
+
+def save_coordinates_of_unknown_unit(path):
+    np.savetxt(path, 1e6 * xyz_rows(), fmt="%.12g")
+    return {"spacing": (DX, DY), "height_unit": 1e-6}
 
 
 FORMATS = [
@@ -68,6 +110,12 @@ FORMATS = [
     ("s.txt", save_shuffled),
     ("s.csv", save_commas),
     ("s.dat", save_semicolons_in_micrometres),
+    ("gwyddion.txt", save_gwyddion),
+    ("spreadsheet.csv", save_spreadsheet),
+    ("instrument.csv", save_instrument),
+    ("blanks.asc", save_blanks),
+    ("matrix.dat", save_bare_matrix),
+    ("unknown.xyz", save_coordinates_of_unknown_unit),
 ]
 
 
@@ -111,7 +159,7 @@ def test_the_archive_may_give_one_spacing_for_both(tmp_path):
 def test_coordinates_rounded_in_the_file_are_still_a_raster(tmp_path):
     rows = xyz_rows(np.zeros((3, 1200)) + np.arange(1200.0), dx=1 / 3, dy=1 / 3, origin=(0, 0))
     np.savetxt(tmp_path / "m.xyz", rows, fmt="%.3f")
-    grid = Topography(file=str(tmp_path / "m.xyz")).native_grid()
+    grid = Topography(file=str(tmp_path / "m.xyz"), **METRES).native_grid()
     assert (grid.nx, grid.ny) == (1200, 3)
     assert grid.dx == close(1 / 3, rel=1e-5)
 
@@ -121,7 +169,7 @@ def test_an_absent_line_of_the_raster_is_missing_points(tmp_path, axis):
     rows = xyz_rows()
     levels = np.unique(rows[:, axis])
     np.savetxt(tmp_path / "m.xyz", rows[rows[:, axis] != levels[2]], fmt="%.12g")
-    topography = Topography(file=str(tmp_path / "m.xyz"), missing="far")
+    topography = Topography(file=str(tmp_path / "m.xyz"), missing="far", **METRES)
     found = on_native_grid(topography)
     absent = np.zeros(HEIGHTS.shape, dtype=bool)
     absent[(slice(None), 2) if axis == 0 else 2] = True
@@ -185,6 +233,27 @@ def test_outer_half_cell_is_constant_and_beyond_is_far(tmp_path):
     assert found[:2].tolist() == [SEPARATION[3, 8]] * 2
     assert found[2] == close(SEPARATION.max() + np.hypot(9 * DX, 6 * DY), rel=1e-12)
     assert np.isfinite(topography.separation(1.0, 1.0))
+
+
+def test_a_mirrored_surface_goes_on_without_a_step(tmp_path):
+    topography = measured(tmp_path, HEIGHTS, outside="mirror")
+    iy, ix = np.indices((18, 27))
+    found = topography.separation((ix - 13) * DX, (iy - 8.5) * DY)
+    assert found == close(np.pad(SEPARATION, ((6, 6), (9, 9)), mode="symmetric"), abs=1e-22)
+
+
+def test_a_repeated_surface_is_periodic(tmp_path):
+    topography = measured(tmp_path, HEIGHTS, outside="repeat")
+    x, y = np.linspace(-4, 4, 33) * DX, np.linspace(-2, 2, 21)[:, None] * DY
+    found = topography.separation(x[None] + 5 * 9 * DX, y - 3 * 6 * DY)
+    assert found == close(topography.separation(x[None], y), abs=1e-20)
+    assert topography.separation(4.5 * DX, 0.5 * DY) == close(0.5 * (SEPARATION[3, 8] + SEPARATION[3, 0]), rel=1e-9)
+
+
+def test_missing_points_are_mirrored_too(tmp_path):
+    topography = measured(tmp_path, PIERCED, missing="far", outside="mirror")
+    assert topography.separation(-5.0 * DX, -3.5 * DY) > 1e-6
+    assert topography.separation(-6.0 * DX, -2.5 * DY) < 1e-6
 
 
 def test_points_broadcast(tmp_path):
@@ -334,7 +403,13 @@ READABLE = "a readable .npy, .npz, NetCDF or text (.txt, .csv, .dat, .xyz, .asc)
             "1 are infinite; mark missing points with NaN",
         ),
         ("a.npy", array(np.full((2, 2), np.nan)), SP, "a measurement with heights", "every point is missing"),
-        ("a.npz", archive(z=np.ones((2, 2)), dx=1.0), {}, "an archive with the array 'heights'", "it holds z, dx"),
+        (
+            "a.npz",
+            archive(z=np.ones((2, 2)), x=np.ones(2), dx=1.0),
+            {},
+            "an archive with the array 'heights', or with one array",
+            "it holds z, x, dx",
+        ),
         (
             "a.npz",
             archive(heights=np.ones((2, 2)), dx=np.ones(3)),
@@ -342,8 +417,30 @@ READABLE = "a readable .npy, .npz, NetCDF or text (.txt, .csv, .dat, .xyz, .asc)
             "an archive with one number each for dx and dy",
             "their shapes are (3,) and (3,)",
         ),
-        ("a.xyz", text("# nothing\n\n"), {}, "a text file with rows x y z", "it holds no row"),
-        ("a.xyz", text("x y z\n" + RASTER), {}, "a text file with rows x y z that can be read", None),
+        ("a.xyz", text("# nothing\n\n"), {}, "a text file with rows of numbers", "no line holds two numbers or more"),
+        ("a.txt", text("1 2\n3 x\n"), {}, "a text file with rows of 2 numbers", "line 2 holds 'x'"),
+        ("a.txt", text("1 2 3 4\n1 2 3\n"), {}, "a text file with rows of 4 numbers", "line 2 holds 3"),
+        (
+            "a.txt",
+            text("units: V\n1 2\n3 4\n"),
+            {},
+            "a text file whose header gives lengths in m, mm, um, nm, pm, angstrom or inch",
+            "it says 'V'",
+        ),
+        (
+            "a.txt",
+            text("# Width: 1 um\n1 2 3 4\n\n# Width: 1 um\n1 2 3 4\n"),
+            {},
+            "a text file with one matrix",
+            "its headers give 'width' twice; keep one channel",
+        ),
+        (
+            "a.csv",
+            text(",0,1,2,3\n0,5,5,5,5\n1,5,5,5,5\n"),
+            {},
+            "a matrix of heights alone",
+            "its first row and column count; leave them out",
+        ),
         (
             "a.xyz",
             text("0 0 1\n1 0 2\n2.5 0 3\n0 1 3\n1 1 4\n2.5 1 1\n"),
@@ -393,6 +490,7 @@ def test_wrong_files_are_refused_in_one_line(tmp_path, name, write, table, rule,
         ),
         ({"missing": "skip"}, "topography.missing must be 'error', 'far' or 'interpolate' (got 'skip')"),
         ({"detrend": "curve"}, "topography.detrend must be 'none' or 'plane' (got 'curve')"),
+        ({"outside": "flat"}, "topography.outside must be 'far', 'mirror' or 'repeat' (got 'flat')"),
         ({"center": (0.0, float("inf"))}, "topography.center must be two finite lengths (x, y) (got (0.0, inf))"),
     ],
 )
@@ -406,15 +504,82 @@ def test_spacing_that_agrees_with_the_file_is_accepted(tmp_path):
     assert measured(tmp_path, HEIGHTS, spacing=(DX, DY)) is not None
 
 
-def test_spacing_is_asked_for_where_the_file_is_silent(tmp_path):
-    np.save(tmp_path / "a.npy", HEIGHTS)
+SILENT = [
+    (
+        lambda path: np.save(path, HEIGHTS),
+        "a.npy",
+        {},
+        "spacing and height_unit",
+        "the distance of its points and the unit of its heights",
+        'spacing = "0.5 um", height-unit = "1 nm"',
+    ),
+    (
+        lambda path: np.savez(path, HEIGHTS),
+        "a.npz",
+        {"height_unit": 1.0},
+        "spacing",
+        "the distance of its points",
+        'spacing = "0.5 um"',
+    ),
+    (
+        lambda path: np.savetxt(path, xyz_rows()),
+        "a.xyz",
+        {},
+        "lateral_unit and height_unit",
+        "the unit of its coordinates and the unit of its heights",
+        'lateral-unit = "1 um", height-unit = "1 nm"',
+    ),
+    (
+        lambda path: np.savetxt(path, HEIGHTS, header="width: 5 um\nheight: 5 um"),
+        "a.txt",
+        {},
+        "height_unit",
+        "the unit of its heights",
+        'height-unit = "1 nm"',
+    ),
+    (
+        lambda path: np.savetxt(path, HEIGHTS, header="height unit: um\ndx: 5"),
+        "a.txt",
+        {},
+        "lateral_unit",
+        "the unit of its coordinates",
+        'lateral-unit = "1 um"',
+    ),
+]
+
+
+@pytest.mark.parametrize(("write", "name", "table", "asked", "words", "example"), SILENT)
+def test_what_the_file_does_not_tell_is_asked_for_in_one_line(tmp_path, write, name, table, asked, words, example):
+    write(tmp_path / name)
+    file = str(tmp_path / name)
     with pytest.raises(SceneError) as caught:
-        Topography(file=str(tmp_path / "a.npy"))
-    file = str(tmp_path / "a.npy")
+        Topography(file=file, **table)
     assert str(caught.value) == (
-        f"topography.spacing must be two lengths (dx, dy) [m], as {file!r} does not tell the distance of its points"
-        " (got None)"
+        f"topography.{asked} must be given (got None): {file!r} does not tell {words}; for example {example}"
     )
+    given = dict(one.replace("-", "_").replace('"', "").split(" = ") for one in example.split(", "))
+    ec.make("topography", kind="geometry", file=file, **table, **given)  # the example would do
+
+
+def test_a_unit_that_the_file_tells_may_be_repeated_and_not_changed(tmp_path):
+    np.savetxt(tmp_path / "a.txt", HEIGHTS, header="units: um\nspacing: 1")
+    file = str(tmp_path / "a.txt")
+    assert Topography(file=file, height_unit=1e-6) is not None
+    with pytest.raises(SceneError, match=r"height_unit must be left out: .*carries its own units \(got 1e-09\)"):
+        Topography(file=file, height_unit=1e-9)
+
+
+@pytest.mark.parametrize("word", ["", "NaN", "bad", "--", "***"])
+def test_cells_of_text_that_hold_nothing_are_missing_points(tmp_path, word):
+    rows = [[f"{1e9 * h:.9f}" for h in row] for row in HEIGHTS]
+    rows[2][3] = rows[0][0] = rows[5][8] = word
+    (tmp_path / "a.csv").write_text("\n".join(",".join(row) for row in rows))
+    table = {"file": str(tmp_path / "a.csv"), "spacing": (DX, DY), "height_unit": 1e-9}
+    with pytest.raises(SceneError, match="3 of 54 missing"):
+        Topography(**table)
+    found = on_native_grid(Topography(**table, missing="far"))
+    assert np.argwhere(found > 1e-6).tolist() == [[0, 0], [2, 3], [5, 8]]
+    assert found[3] == close((np.delete(HEIGHTS, [0, 21, 53]).max() - HEIGHTS)[3], abs=1e-18)
 
 
 def test_unusable_spacing_in_the_file_is_refused(tmp_path):
@@ -436,7 +601,7 @@ def test_the_gallery_names_what_it_holds(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "content"), [("a.gwy", "x"), ("a.txt", "1 2\n3 4\n"), ("a.asc", "1 2 3 4\n5 6 7 8\n")]
+    ("name", "content"), [("a.gwy", "x"), ("a.sdf", "aBCR-1.0"), ("a.txt", "Wyko ASCII Data File Format 0 1 1\n")]
 )
 def test_other_formats_say_what_to_install(tmp_path, monkeypatch, name, content):
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
@@ -444,8 +609,8 @@ def test_other_formats_say_what_to_install(tmp_path, monkeypatch, name, content)
     with pytest.raises(SceneError) as caught:
         Topography(file=str(tmp_path / name))
     assert str(caught.value) == (
-        f"topography.file must be a .npy, .npz or three-column text file (got {str(tmp_path / name)!r});"
-        " for other formats: pip install eigencontact[topography]"
+        "topography.file must be a .npy, .npz or text file (.txt, .csv, .dat, .xyz, .asc) (got"
+        f" {str(tmp_path / name)!r}); for formats of instruments: pip install eigencontact[topography]"
     )
 
 
@@ -460,11 +625,14 @@ def test_surface_topography_reads_its_own_file_with_units(tmp_path):
         Topography(file=str(tmp_path / "a.nc"), height_unit=2.0)
 
 
-def test_surface_topography_reads_a_matrix_of_text(tmp_path):
-    pytest.importorskip("SurfaceTopography")
-    np.savetxt(tmp_path / "a.asc", HEIGHTS)
-    topography = Topography(file=str(tmp_path / "a.asc"), spacing=(DX, DY))
-    assert np.array_equal(on_native_grid(topography), SEPARATION)
+def test_text_agrees_with_surface_topography(tmp_path):
+    """Its reader of Gwyddion's matrices, which shares no line with ours."""
+    library = pytest.importorskip("SurfaceTopography")
+    save_gwyddion(tmp_path / "a.txt")
+    other = library.read_topography(str(tmp_path / "a.txt")).to_unit("m")
+    ours = Topography(file=str(tmp_path / "a.txt"))
+    assert ours.native_grid().size == close(other.physical_sizes, rel=1e-9)
+    assert on_native_grid(ours) == close((other.heights().max() - other.heights()).T, abs=1e-18)
 
 
 def test_surface_topography_refuses_in_one_line(tmp_path):
@@ -474,3 +642,18 @@ def test_surface_topography_refuses_in_one_line(tmp_path):
         Topography(file=str(tmp_path / "a.gwy"))
     assert str(caught.value).startswith("topography.file must be a format that SurfaceTopography reads (got ")
     assert "\n" not in str(caught.value)
+
+
+def test_a_surface_data_file_of_iso_25178_71_carries_its_units(tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    head = {
+        "ManufacID": "made up", "CreateDate": "231120260000", "ModDate": "231120260000", "NumPoints": 9,
+        "NumProfiles": 6, "Xscale": DX, "Yscale": DY, "Zscale": 1e-9, "Zresolution": -1, "Compression": 0,
+        "DataType": 7, "CheckType": 0,
+    }  # fmt: skip
+    rows = "\n".join(f"{1e9 * height:.9f}" for height in HEIGHTS.ravel())
+    keys = "\n".join(f"{key} = {value}" for key, value in head.items())
+    (tmp_path / "a.sdf").write_text(f"aISO-1.0\n{keys}\n*\n{rows}\n*\n", encoding="ascii")
+    topography = Topography(file=str(tmp_path / "a.sdf"))
+    assert (topography.native_grid().dx, topography.native_grid().dy) == close((DX, DY), rel=1e-9)
+    assert on_native_grid(topography) == close(SEPARATION, abs=1e-17)

@@ -1,7 +1,7 @@
-"""Reading a measured surface: NumPy files, x-y-z text, and what SurfaceTopography opens.
+"""Reading a measured surface: NumPy files, text with a matrix or with rows x y z, and what SurfaceTopography opens.
 
 Every reader returns the heights as they stand in the file, ``(ny, nx)`` with NaN where a point is missing, and the
-distances between points if the file knows them. A refusal is one line: ``topography.file must be ...``.
+distances between points and the units if the file knows them. A refusal is one line: ``topography.file must be ...``.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import TEXT_FILES, SceneError, read_arrays, read_columns
+from eigencontact.plugin import TEXT_FILES, SceneError, read_arrays
+from eigencontact_plugins.geometries.text_header import Header, read_header
+from eigencontact_plugins.geometries.text_table import read_table
 
 __all__ = ["Measurement", "read_measurement"]
 
@@ -30,14 +32,18 @@ class Measurement:
     heights : (ny, nx) float64
         NaN where missing; rows run along y, columns along x.
     spacing : (float, float) or None
-        Distance of the points along x and y; None where the file does not say.
-    in_metres : bool
-        True where the file carries its own units, already converted to m.
+        Distance of the points along x and y, in lateral units; None where the file does not say.
+    height_unit, lateral_unit : float or None
+        Metres in one unit of the heights, and of the spacing; None where the file does not say.
+    fixed : bool
+        False where these units are a custom of the format, not words of the file: others may be given instead.
     """
 
     heights: FloatArray
     spacing: tuple[float, float] | None = None
-    in_metres: bool = False
+    height_unit: float | None = None
+    lateral_unit: float | None = None
+    fixed: bool = True
 
 
 def read_measurement(file: str) -> Measurement:
@@ -46,8 +52,8 @@ def read_measurement(file: str) -> Measurement:
     suffix = path.suffix.lower()
     if suffix in (".npy", ".npz"):
         measurement = _read_numpy(path, file)
-    elif suffix in TEXT_FILES and _columns(path, file) == 3:
-        measurement = _read_xyz(path, file)
+    elif suffix in TEXT_FILES and not _is_foreign(path):
+        measurement = _read_text(path, file)
     else:
         measurement = _read_instrument(path, file)
     heights = measurement.heights
@@ -83,9 +89,11 @@ def _locate(file: str) -> Path:
 
 def _read_numpy(path: Path, file: str) -> Measurement:
     arrays = read_arrays(FIELD, str(path))
-    if "heights" not in arrays and len(arrays) != 1:
-        raise _refusal("an archive with the array 'heights'", file, f"it holds {', '.join(arrays) or 'nothing'}")
-    heights = arrays["heights" if "heights" in arrays else next(iter(arrays))]
+    names = [name for name in arrays if name not in ("dx", "dy")]
+    if "heights" not in names and len(names) != 1:
+        found = ", ".join(arrays) or "nothing"
+        raise _refusal("an archive with the array 'heights', or with one array", file, f"it holds {found}")
+    heights = arrays["heights" if "heights" in names else names[0]]
     steps = [arrays[name] for name in ("dx", "dy") if name in arrays]
     if not steps:
         return Measurement(heights=heights)
@@ -93,24 +101,50 @@ def _read_numpy(path: Path, file: str) -> Measurement:
     if dx.size != 1 or dy.size != 1:
         reason = f"their shapes are {dx.shape} and {dy.shape}"
         raise _refusal("an archive with one number each for dx and dy", file, reason)
-    return Measurement(heights=heights, spacing=(float(dx.item()), float(dy.item())))
+    spacing = (float(dx.item()), float(dy.item()))
+    return Measurement(heights=heights, spacing=spacing, height_unit=1.0, lateral_unit=1.0, fixed=False)
 
 
-def _first_row(path: Path) -> str:
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        return next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
+def _is_foreign(path: Path) -> bool:
+    """Whether a text file is of a program that scales its numbers by rules of its own."""
+    with path.open("rb") as stream:
+        begin = stream.read(2000).lower()
+    return any(mark in begin for mark in (b"wyko ascii", b"bit2nm", b"wsxm"))
 
 
-def _columns(path: Path, file: str) -> int:
-    columns = len(_first_row(path).replace(",", " ").replace(";", " ").split())
-    if columns == 0:
-        raise _refusal("a text file with rows x y z", file, "it holds no row")
-    return columns
+def _read_text(path: Path, file: str) -> Measurement:
+    """Three columns are coordinates, unless the header says how wide the window is; more or fewer are a matrix."""
+    table = read_table(path, lambda rule, reason: _refusal(rule, file, reason))
+    header = read_header(table.header, lambda rule, reason: _refusal(rule, file, reason))
+    told = [*header.spacing, *header.size]
+    if table.numbers.shape[1] == 3 and told == [None] * 4:
+        return _from_columns(table.numbers, header, file)
+    _refuse_labels(table.numbers, file)
+    ny, nx = table.numbers.shape
+    spacing = tuple(
+        step if step is not None or size is None else size / number
+        for step, size, number in zip(header.spacing, header.size, (nx, ny), strict=True)
+    )
+    dx, dy = spacing[0] or spacing[1], spacing[1] or spacing[0]
+    return Measurement(
+        heights=table.numbers,
+        spacing=None if dx is None or dy is None else (dx, dy),
+        height_unit=header.height_unit,
+        lateral_unit=header.lateral_unit,
+    )
 
 
-def _read_xyz(path: Path, file: str) -> Measurement:
+def _refuse_labels(numbers: FloatArray, file: str) -> None:
+    """Refuse a matrix with its coordinates around it: they would be taken for heights."""
+    first = [numbers[0, 1:], numbers[1:, 0]]
+    even = [line.size > 1 and np.allclose(np.diff(line), line[1] - line[0], rtol=1e-6, atol=0) for line in first]
+    if np.isnan(numbers[0, 0]) and all(even) and all(line[1] != line[0] for line in first):
+        raise _refusal("a matrix of heights alone", file, "its first row and column count; leave them out")
+
+
+def _from_columns(table: FloatArray, header: Header, file: str) -> Measurement:
     """Three columns x, y, z in any order of rows; points of the raster that have no row are missing."""
-    x, y, z = read_columns(FIELD, str(path), ("x", "y", "z"))
+    x, y, z = table.T
     (ix, nx, dx), (iy, ny, dy) = _raster(x, "x", file), _raster(y, "y", file)
     if 10 * x.size < nx * ny:
         raise _refusal("a regular raster", file, f"{x.size} points lie scattered over {nx} x {ny} places")
@@ -120,7 +154,12 @@ def _read_xyz(path: Path, file: str) -> Measurement:
         raise _refusal("a raster with one height a point", file, f"{repeated} rows repeat a point")
     heights = np.full(ny * nx, np.nan)
     heights[place] = z
-    return Measurement(heights=heights.reshape(ny, nx), spacing=(dx, dy))
+    return Measurement(
+        heights=heights.reshape(ny, nx),
+        spacing=(dx, dy),
+        height_unit=header.height_unit,
+        lateral_unit=header.lateral_unit,
+    )
 
 
 def _raster(values: FloatArray, axis: str, file: str) -> tuple[NDArray[np.intp], int, float]:
@@ -150,8 +189,8 @@ def _read_instrument(path: Path, file: str) -> Measurement:
     try:
         from SurfaceTopography import open_topography
     except ImportError as problem:
-        reason = "for other formats: pip install eigencontact[topography]"
-        raise _refusal("a .npy, .npz or three-column text file", file, reason) from problem
+        reason = "for formats of instruments: pip install eigencontact[topography]"
+        raise _refusal(f"a .npy, .npz or text file ({', '.join(TEXT_FILES)})", file, reason) from problem
     try:
         with open_topography(str(path)) as reader:
             points, extent = reader.default_channel.nb_grid_pts, reader.default_channel.physical_sizes
@@ -163,5 +202,6 @@ def _read_instrument(path: Path, file: str) -> Measurement:
             steps = [float(size / number) for size, number in zip(topography.physical_sizes, points, strict=True)]
     except Exception as problem:  # each of its readers raises errors of its own
         raise _refusal("a format that SurfaceTopography reads", file, _first_line(problem)) from problem
-    spacing = (steps[0], steps[-1]) if extent else None
-    return Measurement(heights=np.ascontiguousarray(heights.T), spacing=spacing, in_metres=in_metres)
+    spacing, unit = (steps[0], steps[-1]) if extent else None, 1.0 if in_metres else None
+    heights = np.ascontiguousarray(heights.T)
+    return Measurement(heights=heights, spacing=spacing, height_unit=unit, lateral_unit=unit)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, Geometry, Grid, Length, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, Geometry, Grid, Length, Lengths, SceneError, hookimpl, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
 from eigencontact_plugins.geometries.measurement import Measurement, read_measurement
 from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
@@ -21,6 +21,9 @@ __all__ = ["Topography"]
 
 FloatArray = NDArray[np.float64]
 
+#: How an array goes on beyond its ends, for `scipy.ndimage.map_coordinates`.
+_MODES = {"far": "nearest", "mirror": "reflect", "repeat": "grid-wrap"}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Topography(Geometry):
@@ -29,13 +32,18 @@ class Topography(Geometry):
     Parameters
     ----------
     file : str
-        ``.npy`` or ``.npz`` (2-D array ``heights`` with rows along y; optional numbers ``dx``, ``dy``), text with three
-        columns x y z on a regular raster (rows in any order, ``#`` comments), or a format that SurfaceTopography reads
-        (``pip install eigencontact[topography]``). ``gallery:NAME`` is a file of the bundled gallery. Read once.
+        Text with a matrix (a row for each y) or with three columns x y z on a regular raster, whose numbers are parted
+        by blanks, tabs, commas or semicolons; ``.npy``; ``.npz`` (one array of any name, or ``heights``; optional
+        numbers ``dx``, ``dy``); or a format of an instrument (``pip install eigencontact[topography]``: Gwyddion,
+        Bruker, Zygo, Keyence, Digital Surf, X3P, SDF ...). ``gallery:NAME`` is a file of the bundled gallery.
     spacing : (float, float), optional
         Distance of the points along x and y [m]; needed where the file does not tell, and must agree where it does.
-    height_unit, lateral_unit : float
-        Metres per unit of the heights, of the coordinates or ``dx``, ``dy``, in a file without units.
+        A text tells by lines like ``width: 64 um`` (and ``height``) or ``dx: 0.5 um`` above its numbers.
+    height_unit : float, optional
+        Metres in one unit of the heights, ``"1 um"``; needed where the file does not tell. A text tells by lines like
+        ``units: um`` or ``height unit: nm``. An archive with ``dx`` is in metres where nothing else is given.
+    lateral_unit : float, optional
+        Metres in one unit of the coordinates, or of ``dx``, ``dy``; needed where neither file nor ``spacing`` tells.
     missing : "error", "far" or "interpolate"
         Points without height (NaN, masked, no row): refuse; never touch; or fill by the harmonic function that joins
         their neighbours (it adds no summit).
@@ -45,35 +53,41 @@ class Topography(Geometry):
         Subtract the plane of least squares first.
     center : (float, float)
         Where the middle of the measured window lies (x, y) [m]; coordinates in the file only give distances.
+    outside : "far", "mirror" or "repeat"
+        What lies beyond the measured window: nothing that could touch; the surface mirrored at its edges, for a window
+        of the contact that is larger (``grid``); or repeated, with a step at the edge where the ends do not fit.
 
     Notes
     -----
-    Exact at the measured points, bilinear between them, constant in the outer half cell of the window. *Far* (outside
+    Exact at the measured points, bilinear between them, constant in the outer half cell of the window. *Far* (beyond
     the window, and wherever a missing point takes part) means larger than any other separation by the diagonal of the
-    window: finite, and out of reach.
+    window: finite, and out of reach. The file is read once.
     """
 
     key: ClassVar[str] = "topography"
 
     file: DataFile
-    spacing: tuple[Length, Length] | None = None
-    height_unit: Length = 1.0
-    lateral_unit: Length = 1.0
+    spacing: Lengths | None = None
+    height_unit: Length | None = None
+    lateral_unit: Length | None = None
     missing: Literal["error", "far", "interpolate"] = "error"
     invert: bool = False
     detrend: Literal["none", "plane"] = "none"
     center: tuple[Length, Length] = (0.0, 0.0)
+    outside: Literal["far", "mirror", "repeat"] = "far"
 
     def __post_init__(self) -> None:
         if self.spacing is not None:
             usable = len(self.spacing) == 2 and all(0 < step < np.inf for step in self.spacing)
             require(usable, self.key, "spacing", self.spacing, "two positive and finite lengths (dx, dy)")
-        check_length(self.key, "height_unit", self.height_unit)
-        check_length(self.key, "lateral_unit", self.lateral_unit)
+        for name in ("height_unit", "lateral_unit"):
+            if getattr(self, name) is not None:
+                check_length(self.key, name, getattr(self, name))
         choices = "'error', 'far' or 'interpolate'"
         require(self.missing in ("error", "far", "interpolate"), self.key, "missing", self.missing, choices)
         require(self.detrend in ("none", "plane"), self.key, "detrend", self.detrend, "'none' or 'plane'")
         check_center(self.key, self.center)
+        require(self.outside in _MODES, self.key, "outside", self.outside, "'far', 'mirror' or 'repeat'")
         _ = self._surface  # read and checked now, not in the middle of a run
 
     def native_grid(self) -> Grid:
@@ -90,18 +104,20 @@ class Topography(Geometry):
         column = np.round(along / grid.dx + 0.5 * (grid.nx - 1), 9)
         row = np.round(across / grid.dy + 0.5 * (grid.ny - 1), 9)
         position = np.atleast_2d(np.broadcast_arrays(row, column)).reshape(2, -1)
-        value = map_coordinates(surface, position, order=1, mode="nearest").reshape(np.broadcast(row, column).shape)
+        mode = _MODES[self.outside]
+        value = map_coordinates(surface, position, order=1, mode=mode).reshape(np.broadcast(row, column).shape)
         out = (column < -0.5) | (column > grid.nx - 0.5) | (row < -0.5) | (row > grid.ny - 0.5)
+        out &= self.outside == "far"
         if absent is not None:
-            out |= map_coordinates(absent, position, order=1, mode="nearest").reshape(out.shape) > 0
+            out |= map_coordinates(absent, position, order=1, mode=mode).reshape(out.shape) > 0
         return np.where(out, far, value)
 
     @cached_property
     def _surface(self) -> tuple[Grid, FloatArray, FloatArray | None, float]:
         """Grid, separation at its points, 1.0 where a point is missing and stays so (or None), the far separation."""
         measurement = read_measurement(self.file)
-        dx, dy = self._steps(measurement)
-        height = measurement.heights * (1.0 if measurement.in_metres else self.height_unit)
+        dx, dy, height_unit = self._lengths(measurement)
+        height = measurement.heights * height_unit
         if self.detrend == "plane":
             height = height - fitted_plane(height)
         if self.invert:
@@ -124,25 +140,55 @@ class Topography(Geometry):
         surface.flags.writeable = False
         return grid, surface, absent.astype(float) if absent.any() else None, far
 
-    def _steps(self, measurement: Measurement) -> tuple[float, float]:
-        """Distance of the points [m], from the file or the field."""
-        if measurement.in_metres:
-            rule = f"left out: {self.file!r} carries its own units"
-            require(self.height_unit == 1.0, self.key, "height_unit", self.height_unit, rule)
-            require(self.lateral_unit == 1.0, self.key, "lateral_unit", self.lateral_unit, rule)
-        if measurement.spacing is None:
-            if self.spacing is None:
-                rule = f"two lengths (dx, dy) [m], as {self.file!r} does not tell the distance of its points"
-                raise SceneError(f"{self.key}.spacing must be {rule} (got None)")
-            return self.spacing
-        unit = 1.0 if measurement.in_metres else self.lateral_unit
-        dx, dy = measurement.spacing[0] * unit, measurement.spacing[1] * unit
+    def _lengths(self, measurement: Measurement) -> tuple[float, float, float]:
+        """Distance of the points along x and y, and the unit of the heights [m]: from the file or from the fields."""
+        height_unit = self._unit("height_unit", measurement.height_unit, fixed=measurement.fixed)
+        lateral_unit = self._unit("lateral_unit", measurement.lateral_unit, fixed=measurement.fixed)
+        silent = {
+            "spacing": self.spacing is None and measurement.spacing is None,
+            "lateral_unit": self.spacing is None and measurement.spacing is not None and lateral_unit is None,
+            "height_unit": height_unit is None,
+        }
+        if any(silent.values()):
+            asked = [name for name, asks in silent.items() if asks]
+            words = " and ".join(_SILENT[name][0] for name in asked)
+            example = ", ".join(f"{name.replace('_', '-')} = {_SILENT[name][1]}" for name in asked)
+            raise SceneError(
+                f"{self.key}.{' and '.join(asked)} must be given (got None): {self.file!r} does not tell {words}; for"
+                f" example {example}"
+            )
+        assert height_unit is not None
+        told = measurement.spacing
+        if told is None:
+            assert self.spacing is not None
+            return (*self.spacing, height_unit)
+        if lateral_unit is None:  # of coordinates in an unknown unit the proportion counts
+            assert self.spacing is not None
+            lateral_unit = self.spacing[0] / told[0]
+        dx, dy = told[0] * lateral_unit, told[1] * lateral_unit
         rule = f"positive and finite in {self.file!r}, as dx and dy"
         require(0 < dx < np.inf and 0 < dy < np.inf, self.key, "spacing", (dx, dy), rule)
         agrees = self.spacing is None or np.allclose(self.spacing, (dx, dy), rtol=1e-3, atol=0)
         rule = f"that of the file, ({dx:.6g}, {dy:.6g}) m, or left out"
         require(agrees, self.key, "spacing", self.spacing, rule)
-        return dx, dy
+        return dx, dy, height_unit
+
+    def _unit(self, name: str, told: float | None, *, fixed: bool) -> float | None:
+        """Unit that the field gives, else the file."""
+        given: float | None = getattr(self, name)
+        if given is None:
+            return told
+        agrees = told is None or not fixed or np.isclose(given, told, rtol=1e-9, atol=0)
+        require(agrees, self.key, name, given, f"left out: {self.file!r} carries its own units")
+        return given
+
+
+#: What a file does not tell, by the field that does; and an example.
+_SILENT = {
+    "spacing": ("the distance of its points", '"0.5 um"'),
+    "lateral_unit": ("the unit of its coordinates", '"1 um"'),
+    "height_unit": ("the unit of its heights", '"1 nm"'),
+}
 
 
 @hookimpl

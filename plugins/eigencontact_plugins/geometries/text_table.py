@@ -1,0 +1,110 @@
+"""A table of numbers in a file of text, as programs of instruments write it, and its header.
+
+Numbers are parted by blanks, tabs, commas or semicolons; a decimal comma is read where commas part nothing. What stands
+above the first row, and every remark, is header. A cell that is empty or says that it holds nothing is NaN.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_plugins.geometries.text_header import REMARK, Refusal
+
+__all__ = ["Table", "read_table"]
+
+FloatArray = NDArray[np.float64]
+
+#: Cells of points without a height.
+_MISSING = frozenset(("", "nan", "na", "n/a", "bad", "null", "none", "-", "--", "---", "***", "void"))
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+|inf|infinity)(?:[eE][+-]?\d+)?", re.IGNORECASE)
+
+
+class Table(NamedTuple):
+    """Numbers ``(rows, columns)``, NaN where a cell holds none, and the lines of the header."""
+
+    numbers: FloatArray
+    header: list[str]
+
+
+class _Marks(NamedTuple):
+    """What parts numbers, None for blanks, and whether a comma is decimal."""
+
+    delimiter: str | None
+    decimal_comma: bool
+
+
+def read_table(path: Path, refusal: Refusal) -> Table:
+    """Read a file of text.
+
+    Parameters
+    ----------
+    path : Path
+    refusal : callable of (rule, reason)
+        Makes the error for what is wrong with the file.
+    """
+    lines = _text(path).splitlines()
+    header, rows, marks = [], [], None
+    for number, line in enumerate(lines, 1):
+        row = "" if REMARK.match(line) else line.partition("#")[0].rstrip()
+        marks = marks or _marks(row)
+        if marks is None or not row:
+            header.append(line)
+        else:
+            rows.append((number, row))
+    if marks is None:
+        raise refusal("a text file with rows of numbers", "no line holds two numbers or more")
+    delimiter, decimal_comma = marks
+    if delimiter != "," and any("," in row for _, row in rows):  # the first rows may hold whole numbers only
+        decimal_comma = True
+    try:
+        texts = [row.replace(",", ".") if decimal_comma else row for _, row in rows]
+        return Table(np.loadtxt(texts, delimiter=delimiter, ndmin=2, comments=None), header)
+    except ValueError:  # cells that hold nothing, a mark at the end of a row, or no table: it is told cell by cell
+        return Table(_by_cells(rows, _Marks(delimiter, decimal_comma), refusal), header)
+
+
+def _text(path: Path) -> str:
+    raw = path.read_bytes()
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return raw.decode("utf-16", errors="replace")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")  # where µ is one byte
+
+
+def _cells(row: str, marks: _Marks) -> list[str]:
+    cells = [cell.strip().strip('"') for cell in row.split(marks.delimiter)]
+    return [cell.replace(",", ".") for cell in cells] if marks.decimal_comma else cells
+
+
+def _marks(row: str) -> _Marks | None:
+    """What parts the numbers of a row; None where it is no row of two numbers or more."""
+    for delimiter in (";", "\t", ",", None):
+        if delimiter is not None and delimiter not in row:
+            continue
+        marks = _Marks(delimiter, delimiter != "," and "," in row)
+        cells = _cells(row, marks)
+        known = [cell for cell in cells if cell.lower() not in _MISSING]
+        if len(cells) > 1 and known and all(map(_NUMBER.fullmatch, known)):
+            return marks
+    return None
+
+
+def _by_cells(rows: list[tuple[int, str]], marks: _Marks, refusal: Refusal) -> FloatArray:
+    split = [[cell.lower() for cell in _cells(row, marks)] for _, row in rows]
+    if not any(cells[-1] for cells in split):  # a mark ends every row
+        split = [cells[:-1] for cells in split]
+    columns, table = len(split[0]), []
+    for (number, _), cells in zip(rows, split, strict=True):
+        wrong = [cell for cell in cells if cell not in _MISSING and not _NUMBER.fullmatch(cell)]
+        if wrong or len(cells) != columns:
+            reason = f"line {number} holds {repr(wrong[0]) if wrong else len(cells)}"
+            raise refusal(f"a text file with rows of {columns} numbers", reason)
+        table.append([np.nan if cell in _MISSING else float(cell) for cell in cells])
+    return np.array(table)
