@@ -118,7 +118,7 @@ def test_cattaneo_and_mindlin(pulled):
     c = 0.5 ** (1 / 3) * A
     assert abs(summary["stick_radius"] - c) < 0.1 * 50e-6 / 40
     assert summary["slip_fraction"] == close(1 - (c / A) ** 2, abs=0.02)
-    assert summary["shift"] == close(SLIDES * (1 - 0.5 ** (2 / 3)), rel=3e-3)
+    assert summary["shift_magnitude"] == close(SLIDES * (1 - 0.5 ** (2 / 3)), rel=3e-3)
     assert summary["tangential_load"] == close(0.5 * MU * LOAD, rel=1e-6)
     r = np.hypot(*np.meshgrid(data.x.values, data.y.values))
 
@@ -140,8 +140,8 @@ def test_every_result_has_its_unit_and_the_summary_its_numbers(pulled):
     }.items():  # fmt: skip
         assert data[name].dims == ("step", "y", "x")
         assert data[name].attrs["units"] == unit == QUANTITIES[name].unit
-    for name in ("tangential_load_x", "tangential_load", "shift_x", "shift", "torsion_moment", "twist", "stick_radius",
-                 "slip_fraction", "dissipated_energy", "bound_residual", "stick_residual"):  # fmt: skip
+    for name in ("tangential_load_x", "tangential_load", "shift_x", "shift_magnitude", "torsion_moment", "twist",
+                 "stick_radius", "slip_fraction", "dissipated_energy", "bound_residual", "stick_residual"):  # fmt: skip
         assert data[name].attrs["units"] == SCALARS[name].unit == summary["units"][name]
         assert summary[name] == float(data[name][-1])
     assert summary["tangential_convolutions"] == int(data.tangential_convolutions.sum()) > 0

@@ -107,7 +107,7 @@ def torsion(made, info):
     made.fields["shear_x"], made.fields["shear_y"] = -size * y / r, size * x / r
     scalars = made.scalars
     scalars["torsion_moment"], scalars["twist"] = 1e-6 * scalars["tangential_load_x"], 1e6 * scalars["shift_x"]
-    for name in ("tangential_load_x", "tangential_load", "shift_x", "shift"):
+    for name in ("tangential_load_x", "tangential_load", "shift_x", "shift_magnitude"):
         scalars[name] = 0.0
 
 
@@ -129,7 +129,7 @@ def rough(made, info):
 def nothing(made, info):
     for name in ("pressure", "shear_x", "shear_bound", "contact_zone", "dissipated_energy_density"):
         made.fields[name] = 0.0 * made.fields[name]
-    for name in ("tangential_load_x", "tangential_load", "shift_x", "shift", "dissipated_energy"):
+    for name in ("tangential_load_x", "tangential_load", "shift_x", "shift_magnitude", "dissipated_energy"):
         made.scalars[name] = 0.0
 
 

@@ -267,7 +267,7 @@ class ContactWithFriction(Contact):
             "tangential_load": float(np.hypot(forces[0], forces[1])),
             "shift_x": float(rigid[0]),
             "shift_y": float(rigid[1]),
-            "shift": float(np.hypot(rigid[0], rigid[1])),
+            "shift_magnitude": float(np.hypot(rigid[0], rigid[1])),
             "torsion_moment": float(forces[2]),
             "twist": float(rigid[2]),
             "dissipated_energy": float(last.sliding.dissipated.sum()) * self._grid.cell_area,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.results.layout import AXES, TEXT, Variable, described
+from eigencontact.results.layout import TEXT, Variable, axis_attributes
 from eigencontact.results.records import HistoryRecord, StepRecord
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def history_variables(record: StepRecord) -> Iterator[Variable]:
     for body, coords in of_cells.items():
         yield from _centres(body, coords)
     for axis, values in on_surface[0].items() if on_surface else ():
-        yield Variable(name=axis, dims=(axis,), values=values, attrs=described("coordinate", AXES[axis]))
+        yield Variable(name=axis, dims=(axis,), values=values, attrs=axis_attributes(axis))
     for item in record.history.values():
         yield _stored(item)
 
@@ -79,7 +79,7 @@ def history_variables(record: StepRecord) -> Iterator[Variable]:
 def _centres(body: int, coords: Mapping[str, Any]) -> Iterator[Variable]:
     for axis, values in coords.items():
         name = f"cells_{body}_{axis}"
-        attrs: dict[str, str | int] = {"role": "coordinate", "units": "m", "long_name": f"centres of cells, {axis}"}
+        attrs = {**axis_attributes(axis), "long_name": f"centres of cells, {axis}"}
         yield Variable(name=name, dims=(name,), values=np.asarray(values, dtype=float), attrs=attrs)
 
 

@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
-__all__ = ["AXES", "FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "described", "variables"]
+__all__ = [
+    "AXES", "FORMAT", "RENAMED", "SCALARS", "TEXT", "Variable", "attributes", "axis_attributes", "described",
+    "variables",
+]  # fmt: skip
 
 #: Value of the attribute ``format`` of every file of this layout.
 FORMAT = "eigencontact-results-1"
@@ -50,7 +53,7 @@ SCALARS: dict[str, Quantity] = {
     "tangential_load": Quantity("N", "tangential load, magnitude"),
     "shift_x": Quantity("m", "shift of body 2 against body 1 along x"),
     "shift_y": Quantity("m", "shift of body 2 against body 1 along y"),
-    "shift": Quantity("m", "shift, magnitude"),
+    "shift_magnitude": Quantity("m", "shift, magnitude"),
     "torsion_moment": Quantity("N m", "torsion moment about the z axis, on body 1"),
     "twist": Quantity("rad", "twist of body 2 against body 1 about the z axis, from x to y"),
     "stick_radius": Quantity("m", "radius of the circle of equal stick area"),
@@ -94,6 +97,9 @@ SCALARS: dict[str, Quantity] = {
     ),
     "substeps": Quantity("1", "increments that the step was cut into, to converge or for the accuracy asked for"),
 }
+
+#: Names that variables of earlier versions have now. ``dataset.shift`` is a method of xarray.
+RENAMED = {"shift": "shift_magnitude"}
 
 #: Coordinates: unit and meaning.
 AXES = {
@@ -190,7 +196,7 @@ def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
         attrs={"role": "coordinate", "units": "1", "long_name": "position in the load history, in load steps"},
     )
     for axis, values in (("y", info.grid.y), ("x", info.grid.x)):
-        yield Variable(name=axis, dims=(axis,), values=values, attrs=described("coordinate", AXES[axis]))
+        yield Variable(name=axis, dims=(axis,), values=values, attrs=axis_attributes(axis))
     fields = {name for region in record.regions.values() for name in region.fields}
     if fields & {"stress", "strain"}:
         attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "component of stress or strain"}
@@ -239,7 +245,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
         dims: tuple[str, ...] = ()
         if np.ndim(values) == 1:
             dims = (named[axis] if axis in region.dims else f"{name}_point",)
-        attrs = {**described("coordinate", AXES[axis]), "region": name}
+        attrs = {**axis_attributes(axis), "region": name}
         yield Variable(name=named[axis], dims=dims, values=np.asarray(values, dtype=float), attrs=attrs)
     beside = " ".join(["time", *(named[axis] for axis in region.coords if axis not in region.dims)])
     sizes = {axis: np.size(region.coords[axis]) for axis in region.dims if axis in region.coords}
@@ -258,6 +264,12 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
         }
         dims = ("step", *lead, *(named[axis] for axis in region.dims))
         yield Variable(name=f"{name}_{quantity}", dims=dims, values=np.asarray(values)[None], attrs=attrs)
+
+
+def axis_attributes(axis: str) -> dict[str, str | int]:
+    """Attributes of a coordinate along x, y or z, by the conventions CF: which axis it is, and that z points down."""
+    down = {"positive": "down", "standard_name": "depth"} if axis == "z" else {}
+    return {**described("coordinate", AXES[axis]), "axis": axis.upper(), **down}
 
 
 def described(role: str, quantity: Quantity | None) -> dict[str, str | int]:

@@ -34,7 +34,7 @@ _LAST = (
     "tangential_load",
     "shift_x",
     "shift_y",
-    "shift",
+    "shift_magnitude",
     "torsion_moment",
     "twist",
     "stick_radius",

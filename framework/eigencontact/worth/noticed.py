@@ -70,7 +70,8 @@ def _slip(model: Model, history: Sequence[Row]) -> Iterator[Caution]:
     if model.friction is None:
         return
     for before, after in pairwise(history):
-        moved = any(before[name] != after[name] for name in ("shift", "twist"))  # by a sliding-distance they are not
+        # by a sliding-distance they are not
+        moved = any(before[name] != after[name] for name in ("shift_magnitude", "twist"))
         if moved and before["slip_fraction"] < _SOME and after["slip_fraction"] > _ALL and before["normal_load"] > 0:
             words = (
                 f"in load step {after['step']:.0f} the contact goes from {percent(before['slip_fraction'])} of it "
