@@ -326,3 +326,30 @@ def test_a_missing_summary_is_told(hertz, tmp_path):
     page = Page(ec.report(tmp_path).read_text(encoding="utf-8"))
     assert "There is no summary.json of this run" in page.id("top")["text"]
     assert "which this run has not written" in page.id("times")["text"]
+
+
+def test_a_sweep_tells_every_variant_and_why_some_failed(tmp_path):
+    vary = {"steps.normal-load": ["0.2 N", "0.4 N"], "geometry.radius": ["0.1 mm", "-1 mm"]}
+    found = ec.sweep(ec.load_scene("hertz", [*QUICK, "title=<b>bold</b>"]), vary, tmp_path)
+    page = Page(ec.report(tmp_path).read_text(encoding="utf-8"))
+    assert page.all("h1")[0]["text"] == "<b>bold</b>"
+    assert "2 of 4 variants converged." in page.id("top")["text"]
+    heads = [head["text"] for head in page.after(page.id("variants"), "th") if "thead" in head["inside"]]
+    assert heads[:2] == list(vary)
+    names = [head.split(" [")[0].replace(" ", "_") for head in heads[2:]]
+    assert {"normal_load", "max_pressure", "contact_radius"} <= set(names)
+    assert not {"gap_residual", "iterations", "peak_memory_bytes"} & set(names)
+    rows = [row for row in page.after(page.id("variants"), "tr") if "tbody" in row["inside"]]
+    for k, load in enumerate(vary["steps.normal-load"]):
+        whole, failed = rows[2 * k : 2 * k + 2]
+        assert [head["text"] for head in page.after(whole, "th")] == [load, "0.1 mm"]
+        stored = [float(found.dataset[name][k, 0]) for name in names]
+        assert [float(one["attrs"]["value"]) for one in page.after(whole, "data")] == stored
+        assert page.after(failed, "td")[0]["text"] == str(found.dataset["failed"].values[k, 1])
+    drawn = [name for name in found.files if name.endswith(".png")]
+    assert sorted(one["attrs"]["src"].partition(",")[2] for one in page.all("img")) == sorted(
+        base64.b64encode((tmp_path / name).read_bytes()).decode() for name in drawn
+    )
+    (tmp_path / "sweep.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(ec.EigencontactError, match=r"sweep\.json must describe a sweep"):
+        ec.report(tmp_path)

@@ -22,9 +22,9 @@ EFFORT = (
 )
 #: Numbers that say how good the others are, beside the residuals.
 _ERRORS = ("wear_error", "wear_lag", "layer_error", "plastic_error")
-#: Forces and moments below this part of the largest load, and of that times the contact radius, are round-off; lengths
-#: below the second part of the contact radius, which wear may come nearer to.
-_ROUND_OFF, _LENGTH = 1e-9, 1e-12
+#: Below these parts of the largest load, of that times the contact radius, and of that radius, forces, moments and
+#: lengths are round-off. Solvers balance moments to their tolerance only; friction and wear may be very small.
+_ROUND_OFF, _MOMENT, _LENGTH = 1e-9, 1e-6, 1e-12
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def telling(found: list[Column]) -> list[Column]:
     """Results among the numbers: neither certificates nor effort, nor what is zero, or round-off, in all steps."""
     largest = {column.name: abs(column.largest or 0.0) for column in found}
     load, radius = largest.get("normal_load", 0.0), largest.get("contact_radius", 0.0)
-    least = {"N": _ROUND_OFF * load, "N m": _ROUND_OFF * load * radius, "m": _LENGTH * radius}
+    least = {"N": _ROUND_OFF * load, "N m": _MOMENT * load * radius, "m": _LENGTH * radius}
     return [
         column
         for column in found

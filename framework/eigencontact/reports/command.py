@@ -11,7 +11,9 @@ __all__ = ["report"]
 
 
 def report(
-    results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
+    results: Annotated[
+        Path, typer.Argument(help="The folder of a run or of a sweep, or a results.nc.", metavar="RESULTS")
+    ],
     *,
     output: Annotated[
         Path | None,
@@ -19,7 +21,7 @@ def report(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Write one HTML page about a run: scene, plan, certificates, numbers, pictures, times, sources to cite.
+    """Write one HTML page about a run or a sweep: scene, plan, certificates, numbers, pictures, times, sources to cite.
 
     Example: `eigencontact run hertz && eigencontact report hertz`
     """

@@ -20,27 +20,27 @@ if TYPE_CHECKING:
 __all__ = ["page"]
 
 _TEMPLATES = Path(__file__).parent / "templates"
-#: Rows of the table of steps at most; of more steps evenly spread ones are shown, and the last.
-_ROWS = 200
 
 
-def page(content: Mapping[str, Any]) -> str:
-    """Fill in the template.
+def page(template: str, scene: str, content: Mapping[str, Any]) -> str:
+    """Fill in a template.
 
     Parameters
     ----------
+    template : str
+        ``"report.html"`` or ``"sweep.html"``.
+    scene : str
+        TOML to show.
     content : mapping
-        See ``templates/report.html``.
+        What else the template names.
     """
-    text = content["source"].scene_text
-    made = _environment().get_template("report.html").render(
+    made = _environment().get_template(template).render(
         **content,
         version=__version__,
         style=_own("style.css"),
         script=_own("surface.js"),
-        scene_marked=_highlighted(text),
-        scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(text.encode()).decode()}",
-        rows=_rows(len(content["source"].steps)),
+        scene_marked=_highlighted(scene),
+        scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(scene.encode()).decode()}",
     )
     return made if made.endswith("\n") else f"{made}\n"
 
@@ -82,9 +82,3 @@ def _facts(lines: Sequence[str]) -> list[tuple[str, list[str]]]:
         else:
             found[-1][1].append(words)
     return found
-
-
-def _rows(count: int) -> list[int]:
-    """Positions of the steps that the table shows."""
-    every = -(-count // _ROWS)
-    return [*range(0, count - 1, every), count - 1]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from eigencontact.reports.source import Source
 
-__all__ = ["Picture", "animation_of", "pictures_of"]
+__all__ = ["Picture", "animation_of", "pictures_of", "read_pictures"]
 
 #: Animations above this size [bytes] stay beside the page.
 _LARGEST = 8_000_000
@@ -44,19 +44,19 @@ def pictures_of(source: Source) -> tuple[list[Picture], bool]:
     captions = _captions(source, ".png")
     folder = source.file.parent
     if captions and all(_unchanged(folder / name, folder / SUMMARY) for name in captions):
-        return _read(folder, captions), False
+        return read_pictures(folder, captions), False
     from eigencontact.viz.figures import draw_all
 
     with TemporaryDirectory(prefix="eigencontact-report-") as beside:
         drawn = draw_all(source.dataset, Path(beside), solid="plastic-surfaces.png" in captions)
-        return _read(Path(beside), drawn), True
+        return read_pictures(Path(beside), drawn), True
 
 
 def animation_of(source: Source) -> Picture | None:
     """The animation of a run, if it drew one that a page can hold."""
     folder, captions = source.file.parent, _captions(source, ".gif")
     small = {name: text for name, text in captions.items() if _size(folder / name) <= _LARGEST}
-    return next(iter(_read(folder, small)), None)
+    return next(iter(read_pictures(folder, small)), None)
 
 
 def _captions(source: Source, ending: str) -> dict[str, str]:
@@ -72,7 +72,8 @@ def _size(path: Path) -> float:
     return path.stat().st_size if path.is_file() else float("inf")
 
 
-def _read(folder: Path, captions: Mapping[str, str]) -> list[Picture]:
+def read_pictures(folder: Path, captions: Mapping[str, str]) -> list[Picture]:
+    """Pictures of a folder by the names of their files, with a sentence for each."""
     return [_picture(folder / name, text) for name, text in captions.items()]
 
 

@@ -1,4 +1,4 @@
-"""A report: one self-contained HTML page about a run, from its stored results; nothing is solved again."""
+"""A report: one self-contained HTML page about a run or a sweep, from what they stored; nothing is solved again."""
 
 from __future__ import annotations
 
@@ -14,18 +14,36 @@ if TYPE_CHECKING:
 
 __all__ = ["report"]
 
+#: Parts of the page about a run: the anchor of each, and its name.
+SECTIONS = {
+    "top": "Summary",
+    "scene": "Scene",
+    "model": "What was modelled",
+    "left-out": "What was left out",
+    "certificates": "Certificates",
+    "numbers": "Numbers",
+    "pictures": "Pictures",
+    "surface": "Surface in space",
+    "times": "Times",
+    "provenance": "Provenance",
+    "references": "References",
+}
+#: Rows of the table of steps at most; of more steps evenly spread ones are shown, and the last.
+_ROWS = 200
+
 
 def report(results: str | Path, file: str | Path | None = None) -> Path:
-    """Write one HTML page about a run, which needs no network and no other file.
+    """Write one HTML page about a run, or a sweep, which needs no network and no other file.
 
     It holds the scene, what was modelled and what was left out, certificates and warnings, the numbers of all steps,
     the pictures, surface fields that can be turned, times, versions, and the sources to cite. Of a run that is not
-    finished it says so, and shows the steps that are stored.
+    finished it says so, and shows the steps that are stored. Of a sweep it holds what was varied, figures, the numbers
+    of every variant, and why some failed.
 
     Parameters
     ----------
     results : str or Path
-        The folder of a run, or its ``results.nc``.
+        The folder of a run, or its ``results.nc``; or the folder of a sweep.
     file : str or Path, optional
         The page; by default ``report.html`` beside the results. An earlier report is replaced, complete or not at all;
         a file of another origin never is.
@@ -52,22 +70,29 @@ def report(results: str | Path, file: str | Path | None = None) -> Path:
     ('report.html', '<!DOCTYPE html>')
     """
     from eigencontact.reports.page import page
+    from eigencontact.reports.sweep import content_of, open_sweep
     from eigencontact.results.atomic import replacing
     from eigencontact.results.ownership import refuse_foreign_file
 
-    with opened(results) as source:
-        target = _target(source, file)
+    swept = open_sweep(results)
+    if swept is not None:
+        target = _target(swept.folder / REPORT, file)
         refuse_foreign_file(target)
-        text = page(_content(source))
+        text = page("sweep.html", swept.scene_text, content_of(swept))
+    else:
+        with opened(results) as source:
+            name = REPORT if source.file.name == RESULTS else f"{source.file.stem}.html"
+            target = _target(source.file.with_name(name), file)
+            refuse_foreign_file(target)
+            text = page("report.html", source.scene_text, _content(source))
     with replacing(target, "the report") as sink:
         sink.write(text.encode())
     return target
 
 
-def _target(source: Source, file: str | Path | None) -> Path:
+def _target(beside: Path, file: str | Path | None) -> Path:
     if file is None:
-        name = REPORT if source.file.name == RESULTS else f"{source.file.stem}.html"
-        return source.file.with_name(name)
+        return beside
     try:
         target = Path(file)
         allowed = target.suffix == ".html" and target.parent.is_dir()
@@ -91,7 +116,11 @@ def _content(source: Source) -> dict[str, Any]:
     drawn, anew = pictures_of(source)
     cited = citations(source.references)
     return {
+        "title": source.title,
+        "sections": SECTIONS,
+        "made_by": source.dataset.attrs["eigencontact_version"],
         "source": source,
+        "rows": _rows(len(source.steps)),
         "numbers": numbers,
         "certificates": [column for column in found if is_certificate(column.name)],
         "effort": [column for column in found if column.name in EFFORT],
@@ -107,3 +136,9 @@ def _content(source: Source) -> dict[str, Any]:
         "citations": cited,
         "bibtex": as_bibtex(cited),
     }
+
+
+def _rows(count: int) -> list[int]:
+    """Positions of the steps that the table shows."""
+    every = -(-count // _ROWS)
+    return [*range(0, count - 1, every), count - 1]

@@ -1,0 +1,158 @@
+"""What a report of a sweep shows: what was varied, what came of every variant, figures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from eigencontact.errors import ResultsError
+from eigencontact.results.atomic import DAMAGE, reason
+from eigencontact.results.layout import SCALARS
+from eigencontact.results.ownership import RESULTS, SUMMARY
+
+__all__ = ["Sweep", "content_of", "open_sweep"]
+
+#: What a sweep leaves in its folder, and in that of a variant which failed (`eigencontact.sweeps`).
+_SWEEP, _FAILED = "sweep.json", "failed.json"
+_SECTIONS = {
+    "top": "Summary",
+    "scene": "Scene",
+    "figures": "Figures",
+    "numbers": "Numbers",
+    "provenance": "Provenance",
+    "references": "References",
+}
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep as it is stored.
+
+    Attributes
+    ----------
+    folder : Path
+        Its own.
+    vary : dict of str to list
+        Values by key of the scene.
+    variants : list of dict
+        ``folder`` and ``values`` by key.
+    """
+
+    folder: Path
+    vary: dict[str, list[Any]]
+    variants: list[dict[str, Any]]
+
+    @cached_property
+    def summaries(self) -> list[dict[str, Any]]:
+        """Contents of the ``summary.json`` of every variant; empty where it failed."""
+        return [_read(self.folder / one["folder"] / SUMMARY) for one in self.variants]
+
+    @cached_property
+    def failed(self) -> list[str]:
+        """Why each variant has no numbers; empty where it has."""
+        found = []
+        for one, summary in zip(self.variants, self.summaries, strict=True):
+            told = _read(self.folder / one["folder"] / _FAILED)
+            found.append("" if summary else str(told.get("failed", "it was not run")))
+        return found
+
+    @cached_property
+    def first(self) -> dict[str, Any]:
+        """Attributes of the results of the first variant that has some; empty where none has."""
+        from eigencontact.results.stored import open_stored
+
+        for one, summary in zip(self.variants, self.summaries, strict=True):
+            if summary:
+                with open_stored(self.folder / one["folder"] / RESULTS) as dataset:
+                    return dict(dataset.attrs)
+        return {}
+
+    @property
+    def scene_text(self) -> str:
+        """Scene of that variant, as TOML."""
+        return str(self.first.get("scene", ""))
+
+
+def open_sweep(results: str | Path) -> Sweep | None:
+    """The sweep whose folder a path is; None where it is none.
+
+    Raises
+    ------
+    ResultsError
+        When the description of the sweep is damaged.
+    """
+    try:
+        folder = Path(results)
+        if not (folder / _SWEEP).is_file() or (folder / RESULTS).exists():
+            return None
+    except (OSError, TypeError, ValueError):  # what it is instead is said where a run is opened
+        return None
+    try:
+        found = json.loads((folder / _SWEEP).read_text(encoding="utf-8"))
+        variants = [{"folder": str(one["folder"]), "values": dict(one["values"])} for one in found["variants"]]
+        return Sweep(folder, {str(key): list(values) for key, values in found["vary"].items()}, variants)
+    except DAMAGE as problem:
+        raise ResultsError(
+            f"{folder / _SWEEP} must describe a sweep as this version writes it (got {type(problem).__name__}: "
+            f"{reason(problem)}); run the sweep again, finished variants are kept"
+        ) from problem
+
+
+def content_of(sweep: Sweep) -> dict[str, Any]:
+    """Everything that the template ``sweep.html`` shows."""
+    from eigencontact.reports.citations import as_bibtex, citations
+    from eigencontact.reports.columns import Column, telling
+    from eigencontact.reports.pictures import read_pictures
+
+    names = list(dict.fromkeys(name for summary in sweep.summaries for name in summary.get("units", {})))
+    units = {name: unit for summary in sweep.summaries for name, unit in summary.get("units", {}).items()}
+    every = []
+    for name in names:
+        values = [_number(summary, name) for summary in sweep.summaries]
+        if any(value is not None for value in values):
+            meaning = SCALARS[name].long_name if name in SCALARS else "of a law or an observer"
+            every.append(Column(name, meaning, units[name], values))
+    numbers = telling([column for column in every if column.name != "peak_memory_bytes"])
+    drawn = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
+    against = ", ".join(sweep.vary)
+    captions = {f"{name}.png": f"{words[:1].upper()}{words[1:]} against {against}." for name, words in drawn.items()}
+    references = dict.fromkeys(text for summary in sweep.summaries for text in summary.get("references", []))
+    cited = citations(list(references))
+    return {
+        "title": str(sweep.first.get("title") or sweep.first.get("name") or sweep.folder.name),
+        "sections": _SECTIONS,
+        "made_by": sweep.first.get("eigencontact_version", ""),
+        "sweep": sweep,
+        "varying": [column for column in numbers if column.varies],
+        "constant": [column for column in numbers if not column.varies],
+        "pictures": read_pictures(sweep.folder, captions),
+        "warnings": _warnings(sweep),
+        "versions": json.loads(sweep.first.get("versions", "{}")),
+        "citations": cited,
+        "bibtex": as_bibtex(cited),
+    }
+
+
+def _number(summary: dict[str, Any], name: str) -> float | None:
+    value = summary.get(name, summary.get("observed", {}).get(name))
+    return None if value is None else float(value)
+
+
+def _warnings(sweep: Sweep) -> list[tuple[str, list[str]]]:
+    """Each warning, and the variants that have it."""
+    found: dict[str, list[str]] = {}
+    for one, summary in zip(sweep.variants, sweep.summaries, strict=True):
+        for caution in summary.get("warnings", []):
+            found.setdefault(f"{caution['words']} ({caution['code']})", []).append(one["folder"])
+    return list(found.items())
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """A JSON file of ours; empty where there is none that can be read."""
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, RecursionError):
+        return {}
