@@ -38,6 +38,7 @@ def test_library_examples_run(tmp_path, monkeypatch):
     names = {}
     for text in blocks(README, "python"):
         exec(text, names)  # the blocks build on each other
+    assert abs(names["found"].max_pressure / 8.4697e9 - 1) < 0.02  # Hertz; eight cells to a micron
     assert names["u"].shape == (1, 3)
     assert names["u"][0, 2] < 0  # what swells lifts the surface
 

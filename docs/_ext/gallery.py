@@ -23,13 +23,13 @@ from sphinx.util.display import status_iterator
 from eigencontact.scene.loader import bundled_names, bundled_text
 
 GROUPS = {
-    "wear": "Wear",
-    "yielding": "Plasticity and damage",
-    "layers": "Coatings",
-    "regions": "Regions of other materials",
-    "eigenstrain": "Eigenstrain",
-    "friction": "Friction",
     "contact": "Normal contact",
+    "friction": "Friction",
+    "eigenstrain": "Eigenstrain",
+    "regions": "Regions of other materials",
+    "layers": "Coatings",
+    "yielding": "Plasticity and damage",
+    "wear": "Wear",
 }
 THUMBNAIL = 480
 #: Names of pictures begin so; what shows a region below the surface says more than a map of the pressure.

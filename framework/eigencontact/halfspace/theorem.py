@@ -1,7 +1,7 @@
 r"""Displacement, strain and stress of an eigenstrain in a half-space, as linear forms in potentials of its region.
 
 The source is a region with uniform eigenstrain e in the isotropic half-space z >= 0 with a traction-free surface. With
-s = (1, 1, -1), q_jk = s_j s_k e_jk, potentials Psi0, Phi0 of the region, and Psi, Phi, Chi of its mirror image,
+s = (1, 1, -1), q_jk = s_j s_k e_jk, potentials Psi0, Phi0 of the region, and Psi, Phi, Chi of its mirror image::
 
     8 pi (1-nu) u_i = e_jk Psi0,ijk - 4(1-nu) e_ik Phi0,k - 2 nu e_kk Phi0,i                          full space
         + s_i S,i - 4(1-nu) s_i v_i + 2 z T,i + 4(1-2nu) z delta_i3 B - 2 z^2 B,i                     image

@@ -134,7 +134,7 @@ class PeriodicHalfSpace:
 
         Returns
         -------
-        (3 or 6, nd, *target)
+        (3 or 6, nd) + target
         """
         require(quantity in QUANTITIES, _HERE, "quantity", quantity, f"one of {', '.join(map(repr, QUANTITIES))}")
         values, at = np.asarray(eigenstrain, dtype=float), np.asarray(depths, dtype=float)

@@ -147,7 +147,7 @@ class ImagePressure:
 
         Returns
         -------
-        (3 or 6, nz, *target)
+        (3 or 6, nz) + target
         """
         self._check(quantity)
         load = self.pressure(field) if pressure is None else pressure
