@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.stopwatch import Stopwatch
-from eigencontact.errors import ResultsError, SceneError, shown
+from eigencontact.errors import DomainTooSmall, ResultsError, SceneError, shown
 from eigencontact.hooks.registry import Registry
 from eigencontact.library import installed_plugins, make, rectangle_field
 
@@ -304,11 +304,16 @@ def _solve(
     last = done[max(done)]() if done else None
     predicted = resident_bytes() + planned.cost.peak
     solving, resumed = 0.0, perf_counter()
-    for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=done):
-        solving += perf_counter() - resumed
-        with stopwatch.on("storing"):
-            store.write_step(record)
-        last, resumed = record, perf_counter()
+    try:
+        for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=done):
+            solving += perf_counter() - resumed
+            with stopwatch.on("storing"):
+                store.write_step(record)
+            last, resumed = record, perf_counter()
+    except DomainTooSmall as problem:
+        from eigencontact.planning.room import with_room
+
+        raise with_room(problem, planned, problem.step) from problem
     assert last is not None
     return _Solved(last, solving, predicted, peak_bytes())
 

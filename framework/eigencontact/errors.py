@@ -49,9 +49,22 @@ class PlanError(EigencontactError):
 
 
 class DomainTooSmall(EigencontactError):
-    """Contact that reaches the edge of the computed window."""
+    """Contact that reaches the edge of the computed window.
+
+    Attributes
+    ----------
+    sides : sequence of str
+        Directions in which it does: ``"x"``, ``"y"``.
+    step : object
+        Load step of a run, `eigencontact.execution.step.Step`, in which it did.
+    """
 
     exit_code = 4
+
+    def __init__(self, message: str, sides: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.sides = sides
+        self.step: Any = None
 
 
 class ResultsError(EigencontactError):

@@ -129,8 +129,8 @@ REFUSED = {
     "load beyond the window": (
         ["grid={cells=16, size=[2e-5, 2e-5]}", "steps.normal-load=50"],
         (
-            "contact must stay inside the window (it reaches its edge along x and y; the window is 2e-05 m x 2e-05 m); "
-            "enlarge grid size, lower the load, or set numerics.allow-contact-at-edge = true"
+            "contact must stay inside the window (in load step 1, at normal load 50 N, it reaches its edge along x and "
+            "y; the window is 20 um x 20 um, given in the scene); lower the normal load (about "
         ),
     ),
     "probe outside": (

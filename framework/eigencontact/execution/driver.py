@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from eigencontact.core.stopwatch import Stopwatch
+from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.block import Block, Part
 from eigencontact.execution.loading import (
     LoadHistory,
@@ -112,7 +113,11 @@ def _steps(
         point, last = course.settled(point, last)
         course.passes(point, last)
         step = course.step(point, before, last)
-        course.advance(plan.blocks, step)
+        try:
+            course.advance(plan.blocks, step)
+        except DomainTooSmall as problem:
+            problem.step = step
+            raise
         last, before = step.record(), point
         yield last
         if watcher is not None:

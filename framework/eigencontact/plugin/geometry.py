@@ -43,7 +43,11 @@ class HasReferencePressure(Protocol):
 
 @runtime_checkable
 class HasNativeGrid(Protocol):
-    """Optional ability of a geometry: it was measured on a grid of its own, which ``grid = "auto"`` then uses."""
+    """Optional ability of a geometry: it was measured on a grid of its own, which ``grid = "auto"`` then uses.
+
+    An attribute ``larger_window`` of the class, a phrase such as ``"measure a larger patch"``, says what there is to do
+    where the contact reaches the edge of that grid.
+    """
 
     def native_grid(self) -> Grid:
         """Grid of the measurement."""

@@ -344,7 +344,8 @@ def refuse_edge(pressure: FloatArray, grid: Grid) -> None:
         raise DomainTooSmall(
             f"contact must stay inside the window (it reaches its edge along {' and '.join(touched)}; the window "
             f"is {width:.4g} m x {height:.4g} m); enlarge grid size, lower the load, or set "
-            "numerics.allow-contact-at-edge = true if the bodies end there"
+            "numerics.allow-contact-at-edge = true if the bodies end there",
+            touched,
         )
 
 

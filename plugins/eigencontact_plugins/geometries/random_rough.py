@@ -84,6 +84,7 @@ class RandomRough(Geometry):
     """
 
     key: ClassVar[str] = "random-rough"
+    larger_window: ClassVar[str] = "give the geometry 'random-rough' a larger size"
     references: ClassVar[tuple[str, ...]] = (
         "B. N. J. Persson et al. 2005, doi:10.1088/0953-8984/17/1/R01",
         "T. D. B. Jacobs, T. Junge, L. Pastewka 2017, doi:10.1088/2051-672X/aa51f8",

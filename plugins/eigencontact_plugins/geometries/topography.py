@@ -65,6 +65,7 @@ class Topography(Geometry):
     """
 
     key: ClassVar[str] = "topography"
+    larger_window: ClassVar[str] = "measure a larger patch or let it go on (outside = 'mirror', and a larger grid)"
 
     file: DataFile
     spacing: Lengths | None = None

@@ -1,0 +1,113 @@
+"""What would make room for a contact that has reached the edge of its window: words for the error of a run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import floor, log10
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.units import readable
+from eigencontact.errors import DomainTooSmall
+from eigencontact.execution.step import Step
+from eigencontact.model.kernels import PairCoefficients
+from eigencontact.model.model import Model
+from eigencontact.model.separation import sum_separations
+from eigencontact.model.window import estimate_contact
+from eigencontact.plugin import HasNativeGrid
+from eigencontact.solvers.control import Control
+
+__all__ = ["load_that_fits", "with_room"]
+
+FloatArray = NDArray[np.float64]
+
+#: Cells each way of the solves that look for a load that fits, the smallest part of the load, and the halvings of its
+#: logarithm: the load is found to 3 %.
+_CELLS, _LEAST, _HALVINGS = 144, 1e-3, 8
+#: Part of the estimated load that is recommended: what lies between the cells of the estimate is not seen by it.
+_SAFE = 0.9
+
+
+def with_room(problem: DomainTooSmall, model: Model, step: Step) -> DomainTooSmall:
+    """Error that also names the load step, a load that would fit, and what the scene can change."""
+    if step.control is None:
+        return problem
+    name, value, unit = _driven(step.control)
+    fits = load_that_fits(model, step)
+    lower = f"lower the {name}"
+    if fits is None:
+        lower = f"no {name} from {readable(_LEAST * value, unit)} on keeps it inside, as for surfaces flat on the whole"
+    elif value:
+        lower += f" (about {readable(fits, unit)} fits)"
+    width, height = (readable(side, "m") for side in model.grid.size)
+    edges = " and ".join(problem.sides)
+    return DomainTooSmall(
+        f"contact must stay inside the window (in load step {step.index}, at {name} {readable(value, unit)}, it reaches"
+        f" its edge along {edges}; the window is {width} x {height}, {model.grid_reason}); {lower}, {_wider(model)},"
+        " set numerics.boundary = 'periodic' if the surfaces repeat, or numerics.allow-contact-at-edge = true if the"
+        " bodies end there",
+        problem.sides,
+    )
+
+
+def _wider(model: Model) -> str:
+    """How the window becomes larger."""
+    if not model.scene.grid.automatic:
+        return "enlarge grid size"
+    native = next((geometry for geometry in model.geometries if isinstance(geometry, HasNativeGrid)), None)
+    if native is None:
+        return f"raise grid.margin ({model.scene.grid.margin:g})"
+    return str(getattr(native, "larger_window", f"give the geometry {native.key!r} a larger surface"))
+
+
+def _driven(control: Control) -> tuple[str, float, str]:
+    """Name, value and unit of what presses the bodies together."""
+    if control.normal_load is not None:
+        return "normal load", control.normal_load, "N"
+    return "approach", control.approach or 0.0, "m"
+
+
+def load_that_fits(model: Model, step: Step) -> float | None:
+    """Load [N], or approach [m], under which the contact of a step stays inside the window, by coarse solves.
+
+    The bodies are taken without what lies in them or yields. None where not even a thousandth of the load fits.
+    """
+    control = step.control
+    assert control is not None
+    _, value, _ = _driven(control)
+    pressure = PairCoefficients(model.influences["p"], model.bodies, "z")
+    place = partial(sum_separations, model.geometries)
+    x0, y0 = step.travel
+
+    def inside(part: float) -> bool:
+        forces = {"normal_load": part * value} if control.normal_load is not None else {"approach": part * value}
+        names = ("moment_x", "moment_y")
+        forces |= {name: part * given for name in names if (given := getattr(control, name)) is not None}
+        found = estimate_contact(
+            model.grid,
+            lambda x, y: place(x - x0, y - y0),
+            pressure,
+            replace(control, **forces),
+            periodic=False,
+            cells=_CELLS,
+        )
+        if found is None:
+            return True
+        (width, height), (x, y) = model.grid.size, model.grid.center
+        edge = 1e-9 * max(width, height)
+        return (
+            min(found.x0 - x + 0.5 * width, x + 0.5 * width - found.x1) > edge
+            and min(found.y0 - y + 0.5 * height, y + 0.5 * height - found.y1) > edge
+        )
+
+    low, high = _LEAST, 1.0
+    if value <= 0.0 or not inside(low):
+        return None
+    for _ in range(_HALVINGS):
+        middle = (low * high) ** 0.5
+        low, high = (middle, high) if inside(middle) else (low, middle)
+    fits = _SAFE * low * value
+    digits = 10.0 ** (floor(log10(fits)) - 1)
+    return floor(fits / digits) * digits
