@@ -293,12 +293,12 @@ def test_trends_of_friction_beyond_yield():
     study = find("plastic-friction")
 
     def row(mu):
-        values = {"μ": mu, "p0/Sy": 2.0}
+        values = {"mu": mu, "rate": 2.0}
         scene = study.scene(values, coarse=True)
         edge = A / 6
         finer = scene.grid.model_copy(update={"cells": (19, 19), "spacing": (edge, edge)})
         dataset = ec.run(scene.model_copy(update={"grid": finer})).dataset
-        return study.read(study.variants(coarse=True)[0], dataset)
+        return study.read(values, dataset, coarse=True)
 
     plastic = [row(mu) for mu in (0.0, 0.2, 0.5)]
     for name, sign in (("depth / elastic depth", -1), ("print [m]", 1), ("wall [m]", 1)):

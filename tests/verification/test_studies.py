@@ -1,24 +1,82 @@
-"""Studies: listed, run coarsely, resumed, drawn; refused by name."""
+"""Studies: listed, run coarsely, resumed, drawn; written by users; refused by key, name and formula."""
 
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact_verification.studies.catalogue import find, names, studies
-from eigencontact_verification.studies.study import run_study, write_study
+from eigencontact_verification.studies.checks import verdicts
+from eigencontact_verification.studies.form import FORM
+from eigencontact_verification.studies.formula import Context, evaluate
+from eigencontact_verification.studies.run import Failed, run_study, source_in_words, variants_of_study, write_study
+from eigencontact_verification.studies.study import read_study
+from eigencontact_verification.studies.template import filled
+
+OWN = """
+title = "Load on a ball"
+scene = "ball.toml"
+[[source]]
+authors = "H. Hertz"
+year = 1881
+title = "Ueber die Beruehrung fester elastischer Koerper"
+journal = "Journal fuer die reine und angewandte Mathematik 92, 156-171"
+[vary]
+"geometry.radius" = ["50 um", "100 um"]
+load = { key = "steps.normal-load", values = ["0.1 N", "0.8 N", "600 N"], label = "load" }
+[read]
+"largest pressure [Pa]" = { is = "max_pressure", as = "p" }
+[[check]]
+number = "p"
+is = "rising"
+along = "load"
+[[check]]
+number = "p"
+is = [1e9, 2e9]
+[[panel]]
+[[panel.curve]]
+x = "load"
+y = "1e-9 * p"
+by = "geometry.radius"
+"""
+BALL = """
+body1 = {young-modulus = "210 GPa", poisson-ratio = 0.3}
+geometry = {type = "sphere", radius = "100 um"}
+grid = {cells = 24, size = "26 um"}
+steps = {normal-load = "0.5 N"}
+"""
+
+
+@pytest.fixture
+def own(tmp_path):
+    (tmp_path / "ball.toml").write_text(BALL, encoding="utf-8")
+    path = tmp_path / "own.toml"
+    path.write_text(OWN, encoding="utf-8")
+    return path
 
 
 def test_names_are_unique_and_variants_are_scenes():
     assert len(set(names())) == len(names())
     for study in studies():
-        coarse, fine = study.variants(coarse=True), study.variants(coarse=False)
+        coarse, fine = variants_of_study(study, coarse=True), variants_of_study(study, coarse=False)
         assert 1 < len(coarse) <= len(fine)
-        assert len({variant.label for variant in fine}) == len(fine)
+        assert [variant.label for variant in (*coarse, *fine) if variant.refused] == []
+
+
+def test_every_study_names_its_source_in_full():
+    for study in studies():
+        assert study.sources, study.name
+        for source in study.sources:
+            assert {"authors", "year", "title", "journal"} <= set(source), study.name
+            assert {"figure", "form", "case"} & set(source), study.name
+        assert study.figure["panel"], study.name
 
 
 def test_unknown_name_gets_the_nearest():
@@ -33,8 +91,9 @@ def test_finished_variants_are_read_again(tmp_path):
     for item in found:
         item.dataset.close()
     assert picture.stat().st_size > 10_000
-    rows = json.loads(numbers.read_text(encoding="utf-8"))["variants"]
-    assert rows[1]["largest von Mises / p0"] == close(0.620, rel=0.02)
+    content = json.loads(numbers.read_text(encoding="utf-8"))
+    assert content["variants"][1]["largest von Mises / p0"] == close(0.620, rel=0.02)
+    assert [check["holds"] for check in content["checks"]] == [True]
     stamps = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
     again = list(run_study(study, tmp_path, coarse=True))
     assert [item.row for item in again] == [item.row for item in found]
@@ -58,14 +117,14 @@ def test_finished_variants_are_read_again(tmp_path):
 )
 def test_scenes_can_be_planned(name, blocks):
     """One study of a kind; the last of its coarse variants."""
-    plan = ec.plan(find(name).variants(coarse=True)[-1].scene)
+    plan = ec.plan(variants_of_study(find(name), coarse=True)[-1].scene)
     assert blocks <= {part.name for part in plan.parts}
 
 
 def test_thick_coating_against_the_integral_equation(tmp_path):
     """Case PL-2 of the soft coating, read off coarse cells; and what is read agrees with the catalogue."""
     study = find("coating-thickness")
-    chosen = replace(study, coarse=study.coarse[1:2])
+    chosen = replace(study, coarse_rows=study.coarse_rows[1:2])
     (found,) = run_study(chosen, tmp_path, coarse=True)
     found.dataset.close()
     assert found.row["integral equation: pressure"] == close(0.638, abs=1e-3)
@@ -74,10 +133,107 @@ def test_thick_coating_against_the_integral_equation(tmp_path):
     assert found.row["area ratio"] == close(1.568, rel=0.02)
 
 
+def test_a_study_of_a_user(own, tmp_path, command):
+    """Texts with units become numbers; a variant that fails is told, and stops nothing; checks are judged."""
+    done = command("study", own, "-o", tmp_path)
+    assert done.code == 1
+    assert done.err.count("failed: ") == 2  # 600 N fill more than the window
+    assert "holds: p rising along load at geometry.radius = 5e-05" in done.out
+    assert "does not hold: p within 1e+09 and 2e+09" in done.out
+    assert "after: H. Hertz 1881, Ueber die" in done.out
+    content = json.loads((tmp_path / "own.json").read_text(encoding="utf-8"))
+    assert len(content["failed"]) == 2
+    rows = {(row["geometry.radius"], row["load"]): row["largest pressure [Pa]"] for row in content["variants"]}
+    assert set(rows) == {(5e-5, 0.1), (5e-5, 0.8), (1e-4, 0.1), (1e-4, 0.8)}
+    assert rows[1e-4, 0.8] / rows[1e-4, 0.1] == close(2.0, rel=0.05)  # P^(1/3)
+    assert rows[5e-5, 0.8] / rows[1e-4, 0.8] == close(2.0 ** (2 / 3), rel=0.05)  # R^(-2/3)
+    assert (tmp_path / "own.png").read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("[read]", "[raed]", "unknown key 'raed' in study own; .*did you mean 'read'"),
+        ("journal = ", "jurnal = ", "unknown key 'jurnal' in source; .*did you mean 'journal'"),
+        ('label = "load"', 'labl = "load"', "unknown key 'labl' in vary.load"),
+        ('title = "Load on a ball"', "", "study own must have title"),
+        ('is = "max_pressure"', 'is = "max_presure"', "did you mean 'max_pressure'"),
+        ('is = "max_pressure"', "is = \"__import__('os')\"", "function must be one of"),
+        ('is = "max_pressure"', 'is = "max_pressure.values"', "a formula may have"),
+        ('is = "rising"', 'is = "up"', "check.is must be rising or falling"),
+        ('"50 um", "100 um"', '"50 um", "50 um"', "each value once"),
+        ('"geometry.radius" = [', '"geometri.radius" = [', "every variant is refused; .*geometri"),
+    ],
+)
+def test_what_is_refused(own, tmp_path, before, after, words):
+    assert before in OWN
+    own.write_text(OWN.replace(before, after).replace(', "0.8 N", "600 N"', ""), encoding="utf-8")
+    with pytest.raises(SceneError, match=words):
+        _judged(own, tmp_path)
+
+
+def _judged(path, folder):
+    study = read_study(path)
+    done = list(run_study(study, folder))
+    assert not any(isinstance(one, Failed) for one in done)
+    return verdicts(study, done)
+
+
+def test_formulas():
+    steps = np.arange(4)
+    data = xr.Dataset({"normal_load": ("step", [1.0, 3.0, 2.0, 0.0]), "depth": ("step", [1.0, 4.0, 3.5, 2.0]),
+                       "field": (("y", "x"), np.arange(6.0).reshape(2, 3))},
+                      {"step": steps, "y": [-1.0, 0.2], "x": [-1.0, 0.0, 2.0]})  # fmt: skip
+    context = Context({"a": 2.0, "several": [1, 2]}, data)
+    for text, value in {
+        "depth": 2.0, "peak(depth)": 4.0, "first(depth) + a**2": 5.0, "max(all(depth))": 4.0,
+        "max(row(field))": 5.0, "place(x, field)": 2.0, "nearest(row(field), 0.1)": 4.0,
+        "sum(where(field, field > 3))": 9.0, "when(normal_load, 1.9, depth)": 3.5,
+        "integral([0, 1, 1], [0, 1, 3])": 2.5,
+        "if_else(has(nothing), nothing, -1)": -1.0, "given(a) and not given(b)": 1.0,
+        "interp(2.5, [1, 2, 3], [0, 0, 1])": 0.5,
+        "round(2.6) // 2": 1.0,
+    }.items():  # fmt: skip
+        assert float(evaluate(text, context)) == close(value, rel=1e-12), text
+
+
+@pytest.mark.parametrize("text", ["open('x')", "a.b", "lambda: 1", "[i for i in a]", "a := 1", "1 if a else 2", "a +"])
+def test_what_formulas_cannot_say(text):
+    with pytest.raises(SceneError):
+        evaluate(text, Context({"a": 1.0}))
+
+
+def test_an_entry_stands_for_several():
+    nested = [{"each": {"r": "count(2)"}, "entries": [{"load": "= r"}, {"load": 0}]}]
+    assert filled(nested, Context({}), "steps") == [{"load": 1.0}, {"load": 0}, {"load": 2.0}, {"load": 0}]
+
+
+def test_the_form_is_told(command):
+    told = command("study", "--form").out
+    for table, keys in FORM.items():
+        assert f"\n{table} (in a study)\n" in told or table == "study"
+        assert all(f"\n  {key}" in told and meaning for key, meaning in keys.items())
+
+
+def test_a_bundled_study_is_printed_to_start_from(command):
+    printed = command("study", "spence-radius", "--show").out
+    assert read_study(Path("spence-radius.toml"), printed) == find("spence-radius")
+
+
+def test_sources_in_words():
+    (thesis,) = find("coating-thickness").sources
+    assert source_in_words(thesis) == (
+        "B. Fulleringer 2011, Semi-analytical modeling of complex mechanical contacts: application to inclusions and "
+        "wear of coated surfaces, PhD thesis, INSA de Lyon, 2011ISAL0061, figures 4.13 and 4.14, case PL-1 to PL-3"
+    )
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("study", studies(), ids=names())
-def test_coarse_studies_run_and_are_drawn(study, tmp_path):
+@pytest.mark.parametrize("name", names())
+def test_coarse_studies_run_and_are_drawn(name, tmp_path):
+    study = find(name)
     found = list(run_study(study, tmp_path, coarse=True))
+    assert [one.reason for one in found if isinstance(one, Failed)] == []
     picture, numbers = write_study(study, found, tmp_path)
     for item in found:
         item.dataset.close()

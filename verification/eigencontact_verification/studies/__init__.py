@@ -1,1 +1,1 @@
-"""Parameter studies: the trends of a chapter of the literature, computed anew and drawn, one command each."""
+"""Parameter studies: the trends of the literature, computed anew and drawn, one file of data and one command each."""

@@ -1,57 +1,44 @@
-"""All studies, by name; a module is imported when one of its studies is asked for."""
+"""The bundled studies, by name; each is a TOML file beside this module."""
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
 
 from eigencontact.errors import SceneError, nearest
-
-if TYPE_CHECKING:
-    from eigencontact_verification.studies.study import Study
+from eigencontact_verification.studies.study import Study, read_study
 
 __all__ = ["find", "names", "studies"]
 
-_MODULES = (
-    "rolling",
-    "clusters",
-    "single_sphere",
-    "two_spheres",
-    "coatings",
-    "coating_thickness",
-    "coating_sliding",
-    "coating_friction",
-    "plastic_friction",
-    "plastic_fretting",
-    "plastic_cells",
-    "bone",
-    "damage_mesh",
-    "wear_sliding",
-    "wear_fretting",
-)
+
+@cache
+def names() -> tuple[str, ...]:
+    """Names of the bundled studies."""
+    folder = files("eigencontact_verification") / "studies"
+    return tuple(sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml")))
 
 
 def studies() -> tuple[Study, ...]:
-    """All of them, in the order of the catalogue."""
-    return tuple(
-        study for name in _MODULES for study in import_module(f"eigencontact_verification.studies.{name}").STUDIES
-    )
+    """All bundled studies."""
+    return tuple(find(name) for name in names())
 
 
-def names() -> tuple[str, ...]:
-    """Their names."""
-    return tuple(study.name for study in studies())
-
-
+@cache
 def find(name: str) -> Study:
-    """Study of a name.
+    """Study of a file, or of the name of a bundled one.
 
     Raises
     ------
     SceneError
-        With the nearest name.
+        No such study, with the nearest name; or a file that is none.
     """
-    for study in studies():
-        if study.name == name:
-            return study
-    raise SceneError(f"study must be one of {', '.join(names())} (got {name!r}){nearest(name, names())}")
+    path = Path(name)
+    if path.suffix == ".toml" or path.is_file():
+        return read_study(path)
+    if name not in names():
+        raise SceneError(
+            f"study must be a TOML file or one of {', '.join(names())} (got {name!r}){nearest(name, names())}"
+        )
+    text = (files("eigencontact_verification") / "studies" / f"{name}.toml").read_text(encoding="utf-8")
+    return read_study(Path(f"{name}.toml"), text)

@@ -3,33 +3,55 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from eigencontact_verification.studies.run import Failed
+    from eigencontact_verification.studies.study import Finished, Study
 
 __all__ = ["study"]
 
 
 def study(
-    name: Annotated[str | None, typer.Argument(help="Name of a study; without one they are listed.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="A bundled study, or a TOML file of your own; without one they are listed.")
+    ] = None,
     *,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of results and figure.")] = Path(
         "studies"
     ),
     coarse: Annotated[bool, typer.Option("--coarse", help="Fewer variants and cells, for a first look.")] = False,
+    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes that share the variants.")] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+    form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
+    show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
 ) -> None:
-    """Compute a trend anew: variants of a scene, their numbers and a figure. Finished variants are not run again."""
+    """Compute a trend anew: a sweep as data, its numbers, and a figure with its source. Finished variants are kept.
+
+    A study is a TOML file: a scene, what is varied, what is read and drawn, and where the trend was published. `--form`
+    tells its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
+    """
     from eigencontact.errors import EigencontactError
 
     try:
-        if name is None:
+        if form:
+            _print_form()
+        elif name is None:
             _list()
+        elif show:
+            _show(name)
         else:
-            _run(name, output, coarse=coarse, as_json=as_json)
+            _run(name, output, coarse=coarse, workers=workers, as_json=as_json)
     except EigencontactError as problem:
-        typer.echo(f"eigencontact: {problem}", err=True)
-        raise typer.Exit(1) from None
+        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
+        raise typer.Exit(problem.exit_code) from None
+    except KeyboardInterrupt:
+        typer.echo("eigencontact: interrupted; finished variants are kept, the same command continues", err=True)
+        raise typer.Exit(130) from None
 
 
 def _list() -> None:
@@ -38,39 +60,92 @@ def _list() -> None:
 
     from eigencontact_verification.studies.catalogue import studies
 
-    table = Table("study", "what", "repeats", box=None, pad_edge=False)
+    table = Table("study", "what", "after", box=None, pad_edge=False)
     for item in studies():
-        table.add_row(item.name, item.title, item.repeats)
+        after = "; ".join(f"{one.get('authors', '')} {one.get('year', '')}, {one.get('figure', one.get('form', ''))}"
+                          for one in item.sources)  # fmt: skip
+        table.add_row(item.name, item.title, after)
     Console().print(table)
 
 
-def _run(name: str, output: Path, *, coarse: bool, as_json: bool) -> None:
+def _print_form() -> None:
+    from eigencontact_verification.studies.form import FORM
+    from eigencontact_verification.studies.formula import FUNCTIONS
+    from eigencontact_verification.studies.moments import MOMENTS
+
+    for table, keys in FORM.items():
+        typer.echo(f"{table}" if table == "study" else f"\n{table} (in a study)")
+        for key, meaning in keys.items():
+            typer.echo(f"  {key:<12} {meaning}")
+    typer.echo("\nfunctions of formulas")
+    told = {name: meaning for name, (_, meaning) in FUNCTIONS.items()}
+    told |= {"given": "whether a variant has a parameter", "has": "whether results have a name"}
+    for key, meaning in told.items():
+        typer.echo(f"  {key:<16} {meaning}")
+    typer.echo("\nmoments of a load history, whose last argument is read then; a bare name is read at the end")
+    for key, (_, meaning) in MOMENTS.items():
+        typer.echo(f"  {key:<16} {meaning}")
+
+
+def _show(name: str) -> None:
+    from importlib.resources import files
+
+    from eigencontact_verification.studies.catalogue import find, names
+
+    find(name)  # refuses what is none
+    folder = files("eigencontact_verification") / "studies"
+    text = (folder / f"{name}.toml") if name in names() else Path(name)
+    typer.echo(text.read_text(encoding="utf-8"), nl=False)
+
+
+def _run(name: str, output: Path, *, coarse: bool, workers: int, as_json: bool) -> None:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-    from rich.table import Table
 
     from eigencontact_verification.studies.catalogue import find
-    from eigencontact_verification.studies.study import Finished, run_study, write_study
+    from eigencontact_verification.studies.run import Failed, run_study, write_study
 
     item, console = find(name), Console(stderr=True)
-    total = len(item.variants(coarse=coarse))
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed}/{task.total}"))
-    found: list[Finished] = []
+    found: list[Finished | Failed] = []
     with Progress(*columns, TimeElapsedColumn(), console=console) as bar:
-        task = bar.add_task(item.name, total=total)
-        for finished in run_study(item, output, coarse=coarse):
-            found.append(finished)
+        task = bar.add_task(item.name, total=len(item.coarse_rows if coarse else item.rows))
+        for outcome in run_study(item, output, coarse=coarse, workers=workers):
+            found.append(outcome)
             bar.advance(task)
     files = write_study(item, found, output)
-    for finished in found:
-        finished.dataset.close()
+    failed = [one for one in found if isinstance(one, Failed)]
     if as_json:
-        typer.echo(files[1].read_text(encoding="utf-8"))
-        return
-    table = Table("variant", *found[0].row, title=item.title, box=None, pad_edge=False)
-    for finished in found:
-        table.add_row(finished.variant.label, *(f"{value:.4g}" for value in finished.row.values()))
+        typer.echo(files[-1].read_text(encoding="utf-8"))
+    else:
+        _report(item, found)
+        typer.echo(f"written: {', '.join(str(path) for path in files)}")
+    for one in found:
+        if not isinstance(one, Failed):
+            one.dataset.close()
+    for bad in failed:
+        typer.echo(f"eigencontact: variant {bad.label} failed: {bad.reason}", err=True)
+    if failed:
+        raise typer.Exit(1)
+
+
+def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from eigencontact_verification.studies.checks import verdicts
+    from eigencontact_verification.studies.run import source_in_words
+    from eigencontact_verification.studies.study import Finished
+
+    done = [one for one in found if isinstance(one, Finished)]
+    columns = dict.fromkeys(name for one in done for name in one.row)
+    table = Table("variant", *columns, title=item.title, box=None, pad_edge=False)
+    for one in done:
+        table.add_row(one.label, *(f"{one.row[name]:.4g}" if name in one.row else "" for name in columns))
     Console().print(table)
-    if item.remark:
-        typer.echo(item.remark)
-    typer.echo(f"written: {', '.join(str(path) for path in files)}")
+    for verdict in verdicts(item, done):
+        typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.found})")
+    if item.trend:
+        typer.echo(item.trend)
+    for source in item.sources:
+        typer.echo(f"after: {source_in_words(source)}")

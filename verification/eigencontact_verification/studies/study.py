@@ -1,51 +1,40 @@
-"""A study: a scene and a table of its variants, what is read off each of them, and a figure of all."""
+"""A study: a scene and what is varied of it, what is read off each variant, a figure, and where it was published."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.units import NUMBER
+from eigencontact.errors import SceneError, nearest, shown
+from eigencontact_verification.studies.form import checked
+from eigencontact_verification.studies.formula import Context, evaluate
+from eigencontact_verification.studies.template import changed, filled
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from eigencontact.scene.schema import Scene
+    from eigencontact.sweeps.axes import Axis
 
-__all__ = ["Finished", "Row", "Study", "Variant", "every", "having", "levels", "run_study", "write_study"]
+__all__ = ["Finished", "Parameter", "Study", "formatted", "number_of", "plain", "read_study"]
 
-#: Numbers of one variant, by name with its unit.
-Row = dict[str, float]
+Values = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Variant:
-    """One scene of a study.
+class Parameter:
+    """What a study varies: a name in formulas, and where its values go by themselves, if anywhere."""
 
-    Attributes
-    ----------
-    label : str
-        For legends and for the folder of its results; unique in the study.
-    scene : Scene
-        What is run.
-    values : mapping of str to float
-        Parameters that the study varies.
-    """
-
-    label: str
-    scene: Scene
-    values: Mapping[str, float]
-
-
-class SceneOf(Protocol):
-    """Makes the scene of some values; coarse for a first look and for tests: fewer cells and steps."""
-
-    def __call__(self, values: Mapping[str, float], /, *, coarse: bool) -> Scene:
-        """Scene of these values."""
-        ...
+    name: str
+    key: str = ""
+    label: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,125 +45,271 @@ class Study:
     ----------
     name : str
         What is typed.
-    title : str
-        One line: what is varied and what is looked at.
-    repeats : str
-        Where the trend was published, for comparison by eye.
-    scene : callable
-        ``scene(values, coarse=coarse)``, the scene of a variant.
-    label : callable
-        Label of values; mostly the ``format_map`` of a text with the parameters as fields.
-    rows : sequence of mapping of str to float
-        Parameters of the variants, by name with unit, in the order of the figure.
-    coarse : sequence of mapping of str to float
-        Those of a first look and of tests.
-    read : callable
-        Numbers of a finished variant.
-    draw : callable
-        Figure of all, in the style of the papers.
-    remark : str
-        What is known of the trend, and of its limits.
+    title, trend : str
+        What is varied and looked at; what is known of the outcome.
+    sources : sequence of mapping
+        Where the trend was published.
+    scene_tables : mapping
+        Scene, with formulas.
+    constants, coarse_constants : mapping
+        Numbers by name; those of a first look.
+    parameters : sequence of Parameter
+        What is varied.
+    rows, coarse_rows : sequence of mapping
+        Values of the parameters of each variant, in the order of the figure.
+    changes, coarse_changes : mapping
+        What is put at keys of the scene.
+    cases : sequence of mapping
+        Changes for some variants.
+    label : str
+        Text of a variant.
+    readings : mapping of str to (str, str, str)
+        Name in formulas, formula, and condition of each number.
+    figure : mapping
+        ``size``, ``columns``, ``legend`` and ``panel``.
+    checks : sequence of mapping
+        What the trend must show.
+    folder : Path, optional
+        Where the files that the scene names lie.
     """
 
     name: str
     title: str
-    repeats: str
-    scene: SceneOf
-    label: Callable[[Mapping[str, float]], str]
-    rows: Sequence[Mapping[str, float]]
-    coarse: Sequence[Mapping[str, float]]
-    read: Callable[[Variant, xr.Dataset], Row]
-    draw: Callable[[Sequence[Finished]], Figure]
-    remark: str = ""
+    trend: str = ""
+    sources: Sequence[Mapping[str, Any]] = ()
+    scene_tables: Mapping[str, Any]
+    constants: Values
+    coarse_constants: Values
+    parameters: Sequence[Parameter]
+    rows: Sequence[Values]
+    coarse_rows: Sequence[Values]
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    coarse_changes: Mapping[str, Any] = field(default_factory=dict)
+    cases: Sequence[Mapping[str, Any]] = ()
+    label: str = ""
+    readings: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
+    figure: Mapping[str, Any] = field(default_factory=dict)
+    checks: Sequence[Mapping[str, Any]] = ()
+    folder: Path | None = None
 
-    def variants(self, *, coarse: bool) -> list[Variant]:
-        """One variant a row."""
-        rows = self.coarse if coarse else self.rows
-        return [Variant(self.label(row), self.scene(row, coarse=coarse), row) for row in rows]
+    def names(self, values: Values, *, coarse: bool) -> dict[str, Any]:
+        """Constants, and parameters of a variant."""
+        return {**(self.coarse_constants if coarse else self.constants), **values}
 
+    def scene(self, values: Values, *, coarse: bool) -> Scene:
+        """Scene of some values; coarse for a first look: fewer cells and steps."""
+        from eigencontact.scene.schema import Scene
 
-def every(values: Mapping[str, Sequence[float]]) -> Sequence[Mapping[str, float]]:
-    """Rows of each value of the first parameter with each of the second, and so on; the last changes fastest.
+        context = Context(self.names(values, coarse=coarse))
+        put = {one.key: values[one.name] for one in self.parameters if one.key and one.name in values}
+        tables = changed(self.scene_tables, {**self.changes, **put})
+        for case in self.cases:
+            if bool(evaluate(case["if"], context, f"{self.name}: when.if")):
+                tables = changed(tables, case.get("set", {}), case.get("without", ()))
+        if coarse:
+            tables = changed(tables, self.coarse_changes)
+        return Scene(**filled(tables, context, self.name)).within(self.folder)
 
-    Examples
-    --------
-    >>> every({"E": [0.5, 2.0], "h": [1.0]})
-    [{'E': 0.5, 'h': 1.0}, {'E': 2.0, 'h': 1.0}]
-    """
-    return [dict(zip(values, row, strict=True)) for row in product(*values.values())]
+    def text(self, values: Values) -> str:
+        """Label of a variant."""
+        if self.label:
+            return formatted(self.label, values)
+        return ", ".join(f"{one.label} = {plain(values[one.name])}" for one in self.parameters if one.name in values)
+
+    def read(self, values: Values, dataset: xr.Dataset, *, coarse: bool = False) -> dict[str, float]:
+        """Numbers of a finished variant, by name; those that its results do not have are left out."""
+        names, found = self.names(values, coarse=coarse), dict[str, float]()
+        for label, (symbol, formula, condition) in self.readings.items():
+            if condition and not bool(evaluate(condition, Context(names, dataset), f"{self.name}: read.{label}.if")):
+                continue
+            number = float(np.asarray(evaluate(formula, Context(names, dataset), f"{self.name}: read.{label}")))
+            found[label] = names[symbol] = number
+        return found
+
+    def axes(self, *, coarse: bool) -> list[Axis]:
+        """Parameters as a sweep has them."""
+        from eigencontact.sweeps.axes import Axis
+
+        rows = self.coarse_rows if coarse else self.rows
+        return [Axis(one.key or one.name, tuple(dict.fromkeys(row.get(one.name) for row in rows)))
+                for one in self.parameters]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Finished:
-    """A variant with its results; `row` is what the study reads off them."""
+    """A variant with its results.
 
-    variant: Variant
-    dataset: xr.Dataset
-    row: Row
-
-    def __getitem__(self, name: str) -> float:
-        """Value of a parameter or of a reading."""
-        return self.row[name] if name in self.row else self.variant.values[name]
-
-
-def levels(found: Sequence[Finished], name: str, *, falling: bool = False) -> list[float]:
-    """Values of a parameter that occur, in order."""
-    return sorted({item.variant.values[name] for item in found}, reverse=falling)
-
-
-def having(found: Sequence[Finished], name: str, value: float) -> list[Finished]:
-    """Variants with this value of a parameter."""
-    return [item for item in found if item.variant.values.get(name) == value]
-
-
-def run_study(study: Study, folder: Path, *, coarse: bool = False) -> Iterator[Finished]:
-    """Run the variants one by one, each into a folder of its own; finished ones are read again, not run again.
-
-    A folder that holds results of another scene is written anew.
+    Attributes
+    ----------
+    label : str
+        Of the variant.
+    values : mapping
+        Its parameters.
+    dataset : xarray.Dataset
+        Its results.
+    row : mapping
+        Numbers read off them, by name.
+    names : mapping
+        What formulas may use: constants, parameters, numbers.
     """
-    import eigencontact as ec
 
-    for variant in study.variants(coarse=coarse):
-        place = folder / study.name / _plain(variant.label)
-        scene = variant.scene
-        if _holds(place, scene):
-            dataset = ec.open_results(place)
-        else:
-            dataset = ec.run(scene, place, overwrite=place.exists()).dataset
-            (place / _MARK).write_text(_text(scene), encoding="utf-8")
-        yield Finished(variant, dataset, study.read(variant, dataset))
+    label: str
+    values: Values
+    dataset: xr.Dataset
+    row: Mapping[str, float]
+    names: Mapping[str, Any]
 
-
-def write_study(study: Study, found: Sequence[Finished], folder: Path) -> list[Path]:
-    """Write figure (PNG) and numbers (JSON) of a study; return the files."""
-    from eigencontact.viz.style import paper_style, save
-
-    folder.mkdir(parents=True, exist_ok=True)
-    picture, numbers = folder / f"{study.name}.png", folder / f"{study.name}.json"
-    with paper_style():
-        figure = study.draw(found)
-    save(figure, picture)
-    rows: list[dict[str, Any]] = [{"variant": item.variant.label, **item.variant.values, **item.row} for item in found]
-    content = {"study": study.name, "title": study.title, "repeats": study.repeats, "remark": study.remark}
-    numbers.write_text(json.dumps({**content, "variants": rows}, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    return [picture, numbers]
+    @property
+    def context(self) -> Context:
+        """Context of formulas."""
+        return Context(self.names, self.dataset)
 
 
-#: File beside the results of a variant: the scene that they belong to.
-_MARK = "study.json"
+def read_study(path: Path, text: str | None = None) -> Study:
+    """Study of a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+        Its file; the name of the study is that of the file.
+    text : str, optional
+        Its contents, where they have been read.
+
+    Raises
+    ------
+    SceneError
+        What is wrong with it, by key.
+    """
+    try:
+        given = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
+    except (OSError, ValueError, RecursionError) as problem:
+        raise SceneError(f"study must be a readable TOML file (got {str(path)!r}): {problem}") from None
+    table = checked(given, "study", f"study {path.stem}", needs=("title", "scene", "vary"))
+    coarse = checked(table.get("coarse", {}), "coarse", "coarse")
+    groups = _tables(table["vary"])
+    parameters: dict[str, Parameter] = {}
+    constants = _numbers(table.get("constants", {}))
+    blocks = [_block(group, parameters, constants) for group in groups]
+    coarser = _numbers({**table.get("constants", {}), **coarse.get("constants", {})})
+    few = [_block({**group, **one}, parameters, coarser)
+           for group, one in zip(groups, _fewer(coarse, len(groups)), strict=True) if one is not None]  # fmt: skip
+    return Study(
+        name=path.stem,
+        title=str(table["title"]),
+        trend=" ".join(str(table.get("trend", "")).split()),
+        sources=[checked(one, "source", "source") for one in _tables(table.get("source", []))],
+        scene_tables=_scene(table["scene"], path.parent),
+        constants=constants,
+        coarse_constants=coarser,
+        parameters=list(parameters.values()),
+        rows=[row for block in blocks for row in block],
+        coarse_rows=[row for block in few for row in block],
+        changes=table.get("set", {}),
+        coarse_changes=coarse.get("set", {}),
+        cases=[checked(one, "when", "when", needs=("if",)) for one in _tables(table.get("when", []))],
+        label=str(table.get("label", "")),
+        readings=_readings(table.get("read", {})),
+        figure=_figure(table),
+        checks=[checked(one, "check", "check", needs=("number", "is")) for one in _tables(table.get("check", []))],
+        folder=path.resolve().parent if path.is_file() else None,
+    )
 
 
-def _text(scene: Scene) -> str:
-    from eigencontact import __version__
-
-    return json.dumps({"version": __version__, "scene": scene.resolved()}, sort_keys=True, indent=1)
+def _tables(given: Any) -> list[Any]:
+    return list(given) if isinstance(given, list) else [given]
 
 
-def _holds(place: Path, scene: Scene) -> bool:
-    mark = place / _MARK
-    return mark.exists() and mark.read_text(encoding="utf-8") == _text(scene)
+def _fewer(coarse: Mapping[str, Any], count: int) -> list[Mapping[str, Any] | None]:
+    """Changes of each product of values for a first look; None leaves it out."""
+    if "vary" not in coarse:
+        return [{}] * count
+    given = _tables(coarse["vary"])
+    return [*given, *[None] * (count - len(given))]
 
 
-def _plain(label: str) -> str:
-    """Label as the name of a folder."""
-    return "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in label)
+def _numbers(given: Mapping[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in given.items():
+        found[name] = evaluate(value, Context(found), f"constants.{name}") if isinstance(value, str) else value
+    return found
+
+
+def _block(group: Any, parameters: dict[str, Parameter], constants: Values) -> list[dict[str, Any]]:
+    """Rows of each value of the first parameter with each of the second, and so on; the last changes fastest."""
+    from eigencontact.sweeps.axes import axes_of
+
+    if not isinstance(group, Mapping) or not group:
+        raise SceneError(f"vary must be a table of parameters and their values (got {shown(group)})")
+    columns: dict[str, list[Any]] = {}
+    for name, given in group.items():
+        table = checked(given, "vary", f"vary.{name}") if isinstance(given, Mapping) else {"values": given}
+        key = str(table.get("key", "" if name.isidentifier() else name))
+        label = str(table.get("label", parameters[name].label if name in parameters else name))
+        parameters[name] = Parameter(name, key or (parameters[name].key if name in parameters else ""), label)
+        values = table.get("values", {part: table[part] for part in ("from", "to", "count", "log") if part in table})
+        if isinstance(values, str):
+            values = [float(value) for value in np.ravel(evaluate(values, Context(constants), f"vary.{name}"))]
+        columns[name] = list(axes_of({name: values})[0].values)
+    return [dict(zip(columns, row, strict=True)) for row in product(*columns.values())]
+
+
+def _scene(given: Any, folder: Path) -> Mapping[str, Any]:
+    from eigencontact.app import load_scene
+
+    if isinstance(given, Mapping):
+        return given
+    beside = folder / str(given)
+    loaded = load_scene(beside if beside.is_file() else given)
+    return loaded.resolved()
+
+
+def _readings(given: Any) -> dict[str, tuple[str, str, str]]:
+    if not isinstance(given, Mapping):
+        raise SceneError(f"read must be a table of formulas (got {shown(given)})")
+    found = {}
+    for name, one in given.items():
+        table = {"is": one} if isinstance(one, str) else checked(one, "read", f"read.{name!r}", needs=("is",))
+        found[str(name)] = (str(table.get("as", name)), str(table["is"]), str(table.get("if", "")))
+    return found
+
+
+def _figure(table: Mapping[str, Any]) -> dict[str, Any]:
+    figure = dict(checked(table.get("figure", {}), "figure", "figure"))
+    panels = []
+    for n, given in enumerate(_tables(table.get("panel", []))):
+        panel = dict(checked(given, "panel", f"panel {n}"))
+        curves = _tables(panel.get("curve", []))
+        panel["curve"] = [checked(one, "curve", f"panel {n}, curve", needs=("x", "y")) for one in curves]
+        if "map" in panel:
+            panel["map"] = checked(panel["map"], "map", f"panel {n}, map", needs=("x", "y", "z"))
+        panels.append(panel)
+    legend, places = figure.get("legend", "right"), ("right", "below", "none")
+    if legend not in places:
+        near = nearest(str(legend), places)
+        raise SceneError(f"figure.legend must be one of {', '.join(places)} (got {shown(legend)}){near}")
+    return {**figure, "panel": panels}
+
+
+def formatted(label: str, values: Values) -> str:
+    """Text with parameters in braces.
+
+    Raises
+    ------
+    SceneError
+        Braces that name no parameter.
+    """
+    try:
+        return label.format_map(values)
+    except (KeyError, ValueError, IndexError) as problem:
+        raise SceneError(f"label must name parameters in braces (got {label!r}): {problem}") from None
+
+
+def plain(value: Any) -> str:
+    """Value of a parameter as text."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def number_of(value: Any) -> Any:
+    """Number at the beginning of a text, so that texts with units have an order."""
+    found = NUMBER.match(value) if isinstance(value, str) else None
+    return float(found[0]) if found else value

@@ -1,0 +1,67 @@
+"""What a study says that its trend must show, and whether the numbers show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from eigencontact.errors import SceneError, shown
+from eigencontact_verification.studies.formula import Context, evaluate
+from eigencontact_verification.studies.study import Finished, Study
+
+__all__ = ["Verdict", "verdicts"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A check and its outcome.
+
+    Attributes
+    ----------
+    check : str
+        In words.
+    holds : bool
+        Whether the numbers show it.
+    found : str
+        The numbers.
+    """
+
+    check: str
+    holds: bool
+    found: str
+
+
+def verdicts(study: Study, found: Sequence[Finished]) -> list[Verdict]:
+    """Verdict of each check of a study that its variants can tell of; the numbers are those that were read."""
+    return [one for check in study.checks for one in _verdicts(check, found)]
+
+
+def _verdicts(check: Mapping[str, Any], found: Sequence[Finished]) -> list[Verdict]:
+    rule, along = check["is"], str(check.get("along", ""))
+    chosen = [one for one in found if "only" not in check or bool(evaluate(check["only"], Context(one.names), "only"))]
+    numbers = [float(evaluate(check["number"], Context(one.names), "check.number")) for one in chosen]
+    if isinstance(rule, list) and len(rule) == 2:
+        words = f"{check['number']} within {rule[0]:g} and {rule[1]:g}"
+        holds = all(rule[0] <= number <= rule[1] for number in numbers)
+        return [Verdict(words, holds, _listed(numbers))] if numbers else []
+    if rule not in ("rising", "falling") or not along:
+        raise SceneError(f"check.is must be rising or falling with along, or two bounds (got {shown(rule)})")
+    out, sign = [], 1.0 if rule == "rising" else -1.0
+    groups: dict[Any, list[tuple[float, float]]] = {}
+    for one, number in zip(chosen, numbers, strict=True):
+        others = tuple((name, value) for name, value in one.values.items() if name != along)
+        groups.setdefault(others, []).append((float(evaluate(along, Context(one.names), "along")), number))
+    for others, points in groups.items():
+        if len(points) < 2:
+            continue
+        course = [number for _, number in sorted(points)]
+        where = ", ".join(f"{name} = {value}" for name, value in others)
+        words = f"{check['number']} {rule} along {along}{f' at {where}' if where else ''}"
+        out.append(Verdict(words, all(sign * (b - a) > 0 for a, b in pairwise(course)), _listed(course)))
+    return out
+
+
+def _listed(numbers: Sequence[float]) -> str:
+    return ", ".join(f"{number:.4g}" for number in numbers)

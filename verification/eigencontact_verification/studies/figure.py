@@ -1,0 +1,209 @@
+"""Figure of a study from the description of its panels."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.errors import SceneError
+from eigencontact.viz.style import COLOURS, new_figure
+from eigencontact_verification.studies.formula import Context, evaluate
+from eigencontact_verification.studies.run import source_in_words
+from eigencontact_verification.studies.study import Finished, Study, formatted, number_of, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_study"]
+
+_DEFAULT_STYLES = ("-", "--", ":", "-.")
+_NAMED = {"black": "black", "grey": "0.5"}
+
+
+def draw_study(study: Study, found: Sequence[Finished]) -> Figure:
+    """Figure of all variants, with its source below.
+
+    Parameters
+    ----------
+    study : Study
+        Whose panels are drawn.
+    found : sequence of Finished
+        Its variants.
+    """
+    panels = [one for panel in study.figure["panel"] for one in _each(study, panel, found)]
+    if not panels:
+        raise SceneError(f"{study.name}: no panel has anything to show")
+    first = len(_each(study, study.figure["panel"][0], found))
+    told = study.figure.get("columns", first if first > 1 else 4)
+    columns = min(len(panels), len(_levels(found, told)) if isinstance(told, str) else int(told))
+    rows = -(-len(panels) // columns)
+    width, height = study.figure.get("size", (3.4 * columns + 1.4, 2.9 * rows))
+    figure = new_figure(float(width), float(height))
+    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    maps: dict[int, list[tuple[Axes, Any]]] = {}
+    for place, (panel, chosen, title) in zip(axes, panels, strict=False):
+        place.set_title(title)
+        if "map" in panel:
+            maps.setdefault(id(panel["map"]), []).extend((place, one) for one in chosen)
+        for n, curve in enumerate(panel["curve"]):
+            _draw_curve(place, study, curve, chosen, found, n)
+        _dress(place, panel, study, chosen[0] if chosen else found[0])
+    for place in axes[len(panels) :]:
+        place.set_axis_off()
+    for panel in study.figure["panel"]:
+        if "map" in panel and id(panel["map"]) in maps:
+            _draw_maps(figure, panel["map"], maps[id(panel["map"])])
+    _legend(figure, axes, str(study.figure.get("legend", "right")))
+    words = "; ".join(source_in_words(one) for one in study.sources)
+    if words:
+        caption = "\n".join(textwrap.wrap(f"Computed anew after: {words}", max(40, int(17 * float(width)))))
+        figure.supxlabel(caption, fontsize=6.5, x=0.01, ha="left", color="0.35")
+    return figure
+
+
+def _each(
+    study: Study, panel: Mapping[str, Any], found: Sequence[Finished]
+) -> list[tuple[Mapping[str, Any], list[Finished], str]]:
+    """Panels of a description: itself, or one for each variant or value of a parameter, with its variants and title."""
+    chosen, title = _only(panel, found), str(panel.get("title", ""))
+    each = panel.get("each")
+    if each is None:
+        return [(panel, chosen, title)]
+    if each == "variant":
+        return [(panel, [one], _filled(title or "{label}", one)) for one in chosen]
+    return [(panel, group, _filled(title, group[0]) if title else f"{_label(study, each)} = {plain(level)}")
+            for level in _levels(chosen, each)
+            for group in [[one for one in chosen if one.values.get(each) == level]]]  # fmt: skip
+
+
+def _only(table: Mapping[str, Any], found: Sequence[Finished]) -> list[Finished]:
+    if "only" not in table:
+        return list(found)
+    return [one for one in found if bool(evaluate(str(table["only"]), one.context, "only"))]
+
+
+def _levels(found: Sequence[Finished], name: str) -> list[Any]:
+    """Values of a parameter that occur, in order."""
+    levels = list(dict.fromkeys(one.values[name] for one in found if name in one.values))
+    return sorted(levels, key=number_of) if all(isinstance(number_of(one), int | float) for one in levels) else levels
+
+
+def _label(study: Study, name: str) -> str:
+    return next((one.label for one in study.parameters if one.name == name), name)
+
+
+def _filled(text: str, one: Finished) -> str:
+    """Text with parameters and numbers in braces; what stands between dollars has braces of its own."""
+    parts = text.split("$")
+    parts[::2] = [formatted(part, {**one.names, "label": one.label}) for part in parts[::2]]
+    return "$".join(parts)
+
+
+def _draw_curve(
+    axes: Axes, study: Study, curve: Mapping[str, Any], panel: Sequence[Finished], found: Sequence[Finished], n: int
+) -> None:
+    """Draw a curve of each variant, or one through the variants for each value of `by`."""
+    if curve.get("once"):
+        context = Context(found[0].names)
+        x, y = (np.ravel(evaluate(str(curve[axis]), context, f"curve.{axis}")) for axis in "xy")
+        axes.plot(x, y, _style(curve, 0), color=_colour(curve, None, n), label=curve.get("label"), linewidth=0.9)
+        return
+    chosen = _only(curve, panel)
+    by, dash = curve.get("by"), curve.get("dash-by")
+    colours, dashes = (_levels(found, name) if name else [] for name in (by, dash))
+    points: dict[Any, list[tuple[float, float, Finished]]] = {}
+    for number, one in enumerate(chosen):
+        x, y = (_of(one, str(curve[axis]), study) for axis in "xy")
+        dash_at = dashes.index(one.values[dash]) if dash else 0
+        colour_at = colours.index(one.values[by]) if by else None
+        if np.ndim(y) == 0 and np.ndim(x) == 0:
+            points.setdefault((colour_at, dash_at), []).append((x, float(y), one))
+            continue
+        at = colour_at if by else (number if len(chosen) > 1 else None)
+        label = _filled(str(curve.get("label", "{label}")), one)
+        x, y = np.broadcast_arrays(np.asarray(x), np.asarray(y))
+        axes.plot(x, y, _style(curve, dash_at), color=_colour(curve, at, n), label=label)
+    for (colour_at, dash_at), group in points.items():
+        words = f"{_label(study, by)} = {plain(group[0][2].values[by])}" if by else ""
+        label = _filled(str(curve["label"]), group[0][2]) if "label" in curve else words
+        across, up = [one[0] for one in group], [one[1] for one in group]
+        axes.plot(across, up, _style(curve, dash_at, "o-"), color=_colour(curve, colour_at, n), label=label or None)
+
+
+def _of(one: Finished, formula: str, study: Study) -> Any:
+    """Number or values of a variant; a parameter may be named as it is, whatever its name."""
+    if formula in one.values:
+        return one.values[formula]
+    return np.asarray(evaluate(formula, one.context, f"{study.name}: curve"))
+
+
+def _style(curve: Mapping[str, Any], at: int, default: str = "") -> str:
+    given = curve.get("style", default or list(_DEFAULT_STYLES))
+    return str(given[at % len(given)]) if isinstance(given, list) else str(given)
+
+
+def _colour(curve: Mapping[str, Any], at: int | None, n: int) -> str:
+    given = curve.get("colour")
+    if isinstance(given, str):
+        return _NAMED.get(given, given)
+    return COLOURS[(given if given is not None else at if at is not None else n) % len(COLOURS)]
+
+
+def _dress(axes: Axes, panel: Mapping[str, Any], study: Study, one: Finished) -> None:
+    first = panel["curve"][0] if panel["curve"] else panel.get("map", {})
+    for axis in "xy":
+        plain = str(first.get(axis, ""))
+        told = panel.get(f"{axis}-label", _label(study, plain) if plain in one.values else plain)
+        getattr(axes, f"set_{axis}label")(told)
+        if f"{axis}-limits" in panel:
+            getattr(axes, f"set_{axis}lim")(*panel[f"{axis}-limits"])
+    if "x-scale" in panel:
+        axes.set_xscale(str(panel["x-scale"]))
+    for height in panel.get("levels", []):
+        axes.axhline(float(height), color="0.6", linewidth=0.7, zorder=0)
+
+
+def _draw_maps(figure: Figure, table: Mapping[str, Any], places: Sequence[tuple[Axes, Finished]]) -> None:
+    """Fields of one description in one scale of colours; the uppermost points are drawn up to the surface."""
+    fields = {id(one): _field(table, one) for _, one in places}
+    drawn = [values for _, _, values in (field for field in fields.values() if field is not None)]
+    high = max((float(np.nanmax(np.abs(values))) for values in drawn), default=1.0) or 1.0
+    low, colours = (-high, "RdBu_r") if table.get("signed") else (0.0, "viridis")
+    image = None
+    for axes, one in places:
+        field = fields[id(one)]
+        axes.set_aspect("equal")
+        if field is None:
+            axes.set_axis_off()
+            continue
+        x, y, values = field
+        if y[0] > 0:
+            y, values = np.concatenate([[0.0], y]), np.concatenate([values[:1], values])
+        image = axes.pcolormesh(x, y, values, vmin=low, vmax=high, cmap=colours, shading="gouraud", rasterized=True)
+        if "line" in table:
+            axes.axhline(float(table["line"]), color="white", linewidth=0.8)
+    if image is not None:
+        figure.colorbar(image, ax=[axes for axes, _ in places], shrink=0.9, label=str(table.get("label", table["z"])))
+
+
+def _field(table: Mapping[str, Any], one: Finished) -> tuple[Any, Any, Any] | None:
+    if "only" in table and not bool(evaluate(str(table["only"]), one.context, "map.only")):
+        return None
+    x, y, z = (np.asarray(evaluate(str(table[key]), one.context, f"map.{key}")) for key in "xyz")
+    return x, y, z
+
+
+def _legend(figure: Figure, axes: Sequence[Axes], where: str) -> None:
+    """One legend of all panels outside of them, each label once."""
+    found: dict[str, Any] = {}
+    for one in axes:
+        for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    if not found or where == "none":
+        return
+    place = {"loc": "outside lower center", "ncols": 4} if where == "below" else {"loc": "outside right upper"}
+    figure.legend(list(found.values()), list(found), **place)

@@ -1,0 +1,162 @@
+"""Running a study by the machinery of sweeps: what is finished is kept, what fails is told and stops nothing."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from eigencontact.errors import EigencontactError, SceneError
+from eigencontact.sweeps.variants import Variant
+from eigencontact_verification.studies.checks import verdicts
+from eigencontact_verification.studies.study import Finished, Study
+
+__all__ = ["Failed", "run_study", "source_in_words", "variants_of_study", "write_study"]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A variant that has no results, and why."""
+
+    label: str
+    values: Mapping[str, Any]
+    reason: str
+
+
+def variants_of_study(study: Study, *, coarse: bool) -> list[Variant]:
+    """Variants, labelled as in the figure; refused ones say why.
+
+    Raises
+    ------
+    SceneError
+        Two variants of one label, or every variant refused.
+    """
+    found = list[Variant]()
+    for n, values in enumerate(study.coarse_rows if coarse else study.rows):
+        label = study.text(values)
+        try:
+            found.append(Variant(label, (n,), dict(values), study.scene(values, coarse=coarse)))
+        except EigencontactError as problem:
+            found.append(Variant(label, (n,), dict(values), None, str(problem)))
+    labels = [one.label for one in found]
+    twice = next((label for label in labels if labels.count(label) > 1), None)
+    if twice is not None:
+        raise SceneError(f"{study.name}: label must tell variants apart (got {twice!r} twice)")
+    if all(one.refused for one in found):
+        raise SceneError(f"{study.name}: every variant is refused; the first: {found[0].refused}")
+    return found
+
+
+def run_study(
+    study: Study, folder: Path, *, coarse: bool = False, workers: int = 1
+) -> Iterator[Finished | Failed]:
+    """Run the variants, each into a folder of its own; finished ones are read again, not run again.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    folder : Path
+        Each study has a folder in it, and each variant one in that.
+    coarse : bool
+        Fewer variants and cells, for a first look.
+    workers : int
+        Processes that share the variants.
+
+    Yields
+    ------
+    Finished or Failed
+        In the order in which they are finished.
+    """
+    from dataclasses import replace
+
+    from eigencontact.afterwards import open_results
+    from eigencontact.sweeps.runner import outcomes
+
+    variants = variants_of_study(study, coarse=coarse)
+    place = folder / study.name
+    place.mkdir(parents=True, exist_ok=True)
+    for outcome in outcomes([replace(one, label=_plain(one.label)) for one in variants], place, workers=workers):
+        variant = variants[outcome.place[0]]
+        if outcome.failed:
+            yield Failed(variant.label, variant.values, outcome.failed)
+            continue
+        dataset = open_results(place / _plain(variant.label))
+        numbers = _in_si(study, variant)
+        row = study.read(numbers, dataset, coarse=coarse)
+        symbols = {symbol: row[name] for name, (symbol, *_) in study.readings.items() if name in row}
+        names = {**study.names(numbers, coarse=coarse), **symbols}
+        yield Finished(variant.label, numbers, dataset, row, names)
+
+
+def _in_si(study: Study, variant: Variant) -> dict[str, Any]:
+    """Values of parameters; texts with units, which stand at keys of the scene, as numbers."""
+    from eigencontact.core.units import parse_quantity
+    from eigencontact.reference.places import key_at
+    from eigencontact.scene.installed import installed_plugins
+
+    assert variant.scene is not None
+    numbers = dict(variant.values)
+    for one in study.parameters:
+        value = numbers.get(one.name)
+        if one.key and isinstance(value, str):
+            known = key_at(installed_plugins(), variant.scene.resolved(), one.key)
+            if known is not None and known.unit:
+                numbers[one.name] = parse_quantity(value, known.unit, one.key)
+    return numbers
+
+
+def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) -> list[Path]:
+    """Write figure (PNG) and numbers (JSON) of a study; return the files."""
+    from eigencontact.viz.style import paper_style, save
+    from eigencontact_verification.studies.figure import draw_study
+
+    folder.mkdir(parents=True, exist_ok=True)
+    order = {study.text(values): n for n, values in enumerate([*study.rows, *study.coarse_rows])}
+    done = sorted((one for one in found if isinstance(one, Finished)), key=lambda one: order.get(one.label, 0))
+    files = [folder / f"{study.name}.json"]
+    if done and study.figure["panel"]:
+        with paper_style():
+            figure = draw_study(study, done)
+        save(figure, folder / f"{study.name}.png")
+        files.insert(0, folder / f"{study.name}.png")
+    labels = {one.name: one.label for one in study.parameters}
+    rows: list[dict[str, Any]] = [
+        {"variant": item.label, **{labels[k]: v for k, v in item.values.items()},
+         **{name: value if math.isfinite(value) else None for name, value in item.row.items()}}
+        for item in done
+    ]  # fmt: skip
+    content = {
+        "study": study.name, "title": study.title, "source": [dict(one) for one in study.sources],
+        "trend": study.trend, "variants": rows, "checks": [vars(one) for one in verdicts(study, done)],
+        "failed": {one.label: one.reason for one in found if isinstance(one, Failed)},
+    }  # fmt: skip
+    files[-1].write_text(json.dumps(content, indent=2, ensure_ascii=False, default=str) + "\n", encoding="utf-8")
+    return files
+
+
+def source_in_words(source: Mapping[str, Any]) -> str:
+    """Source as a caption names it.
+
+    Examples
+    --------
+    >>> source_in_words({"authors": "A. Author", "year": 1975, "title": "On contact", "figure": "figure 2"})
+    'A. Author 1975, On contact, figure 2'
+    """
+    who = " ".join(str(source[key]) for key in ("authors", "year") if key in source)
+    doi = f"doi:{source['doi']}" if "doi" in source else ""
+    case = f"case {source['case']}" if "case" in source else ""
+    parts = [who, *(str(source.get(key, "")) for key in ("title", "journal", "figure", "form")), doi, case]
+    return ", ".join(part for part in parts if part)
+
+
+def _plain(label: str) -> str:
+    """Label as the name of a folder."""
+    plain = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in label)
+    short = re.sub("_+", "_", plain).strip("_")
+    return short if len(short) <= 100 else f"{short[:90]}-{sha256(label.encode()).hexdigest()[:8]}"

@@ -1,0 +1,73 @@
+"""Tables of a scene with formulas in them: put at keys, left out, filled in for one variant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import Any
+
+import numpy as np
+
+from eigencontact.scene.loader import put_values
+from eigencontact_verification.studies.formula import Context, evaluate
+
+__all__ = ["changed", "filled"]
+
+#: An entry of an array with this key stands for several: one for each value of the names in it.
+_EACH = "each"
+
+
+def changed(tables: Mapping[str, Any], put: Mapping[str, Any], without: Sequence[str] = ()) -> dict[str, Any]:
+    """Tables with values at dotted keys, and without others."""
+    out = put_values(tables, deepcopy(dict(put)))
+    for key in without:
+        out.pop(key, None)
+    return out
+
+
+def filled(value: Any, context: Context, told: str) -> Any:
+    """Tables with their formulas computed.
+
+    Parameters
+    ----------
+    value : tables, arrays, texts, numbers
+        A text that begins with "=" is a formula. An entry of an array with a table ``each`` of one name and its values
+        stands for an entry for each value, in which the formulas may use the name.
+    context : Context
+        Names of the formulas.
+    told : str
+        Where it stands, for messages.
+
+    Examples
+    --------
+    >>> filled([{"each": {"k": "count(3)"}, "load": "= 2 * k"}], Context({}), "steps")
+    [{'load': 2.0}, {'load': 4.0}, {'load': 6.0}]
+    """
+    if isinstance(value, str):
+        return _plain(evaluate(value[1:], context, told)) if value.startswith("=") else value
+    if isinstance(value, Mapping):
+        return {key: filled(one, context, f"{told}.{key}") for key, one in value.items()}
+    if isinstance(value, list):
+        return [entry for n, one in enumerate(value) for entry in _entries(one, context, f"{told}.{n}")]
+    return value
+
+
+def _entries(one: Any, context: Context, told: str) -> list[Any]:
+    if not isinstance(one, Mapping) or _EACH not in one:
+        return [filled(one, context, told)]
+    ((name, values),) = one[_EACH].items()
+    inner = {key: entry for key, entry in one.items() if key != _EACH}
+    listed = evaluate(values, context, told) if isinstance(values, str) else values
+    found: list[Any] = []
+    for number in listed:
+        entry = Context({**context.names, name: _plain(number)})
+        nested = inner.get("entries")  # several entries for each value
+        found += filled(nested, entry, told) if nested is not None else [filled(inner, entry, told)]
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and lists instead of arrays."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return value
