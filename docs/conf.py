@@ -1,4 +1,4 @@
-"""The documentation site: `sphinx-build -W -j auto docs docs/_build/html`, with the extra `docs` installed and nothing else."""
+"""The site: `sphinx-build -W -j auto docs docs/_build/html`, with the extra `docs` installed and nothing else."""
 
 from __future__ import annotations
 
