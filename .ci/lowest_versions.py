@@ -26,6 +26,7 @@ TESTS = (
     "tests/hooks",
     "tests/results",  # xarray, h5netcdf, h5py, tomli-w
     "tests/viz",  # matplotlib, pyvista
+    "tests/reports",  # jinja2, markupsafe, pygments
     "tests/plugins/test_polyhedron.py",  # meshio
     "tests/solvers/test_hertz.py",
     "tests/solvers/test_subsurface.py",

@@ -6,11 +6,13 @@ import re
 import tomllib
 from html.parser import HTMLParser
 
+import h5py
 import numpy as np
 import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.reports.columns import Column
 
 SECTIONS = (
     *("top", "scene", "model", "left-out", "certificates", "numbers"),
@@ -320,12 +322,32 @@ def test_a_run_that_is_not_finished_says_so(tmp_path):
     assert sorted(path.name for path in tmp_path.rglob("*")) == sorted([*before, "report.html"])
 
 
-def test_a_missing_summary_is_told(hertz, tmp_path):
+@pytest.mark.parametrize(
+    ("unit", "value", "shown", "label"),
+    [
+        ("m^3", 2.0852e-15, "2085.2", "worn volume [µm³]"),
+        ("m3", 2.0852e-15, "2085.2", "worn volume [µm³]"),
+        ("m2", 3e-10, "300", "worn volume [µm²]"),
+        ("J/m^2", 1.2e4, "12", "worn volume [kJ/m²]"),
+        ("1", 0.5, "0.5", "worn volume"),
+        ("unknown", 1e-7, "1e-07", "worn volume"),
+    ],
+)
+def test_numbers_are_told_in_units_of_engineers(unit, value, shown, label):
+    column = Column("worn_volume", "", unit, [0.0, None, value])
+    assert (column.text(value), column.label, column.text(None)) == (shown, label, "")
+
+
+def test_a_missing_summary_and_a_missing_plan_are_told(hertz, tmp_path):
     folder, _ = hertz
     (tmp_path / "results.nc").write_bytes((folder / "results.nc").read_bytes())
+    with h5py.File(tmp_path / "results.nc", "r+") as file:  # as earlier versions wrote it
+        del file.attrs["plan"]
     page = Page(ec.report(tmp_path).read_text(encoding="utf-8"))
     assert "There is no summary.json of this run" in page.id("top")["text"]
     assert "which this run has not written" in page.id("times")["text"]
+    assert "did not store the plan" in page.id("model")["text"]
+    assert "Not known" in page.id("left-out")["text"]
 
 
 def test_a_sweep_tells_every_variant_and_why_some_failed(tmp_path):

@@ -49,7 +49,9 @@ class Column:
     @cached_property
     def scale(self) -> Scale:
         """Engineering unit for all of them."""
-        return scale_for([value for value in self.values if value is not None], self.unit)
+        # Observers spell powers with a circumflex; a prefix belongs to what is raised.
+        found = scale_for([value for value in self.values if value is not None], self.unit.replace("^", ""))
+        return Scale(found.factor, found.unit.replace("m2", "m²").replace("m3", "m³"))
 
     @property
     def label(self) -> str:
