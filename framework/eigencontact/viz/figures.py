@@ -14,7 +14,7 @@ from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
-from eigencontact.viz.history import load_history
+from eigencontact.viz.history import history_words, load_history
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
@@ -137,8 +137,7 @@ def draw_all(
         wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
     several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
     if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
-        sentence = "Normal load against approach, and contact area against normal load."
-        wanted.append(("history.png", sentence, lambda: load_history(dataset)))
+        wanted.append(("history.png", history_words(dataset), lambda: load_history(dataset)))
     for name, _, draw in wanted[part[0] :: part[1]]:
         save(draw(), folder / name)
         gc.collect()  # a figure refers to itself

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["load_history"]
+__all__ = ["history_words", "load_history"]
 
 #: With more steps than this, only some carry a marker.
 MARKERS = 40
@@ -63,6 +63,12 @@ def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> F
         left.set_title(f"{words[0]} and {words[1].lower()}")
         right.set_title(f"Contact area and {words[0].lower()}")
     return figure
+
+
+def history_words(dataset: Results) -> str:
+    """What the picture shows, in a sentence."""
+    force, way = _driver(dataset)[2]
+    return f"{force} against {way.lower()}, and contact area against {force.lower()}."
 
 
 def _driver(dataset: Results) -> tuple[str, str, tuple[str, str]]:
