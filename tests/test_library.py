@@ -57,8 +57,28 @@ def test_public_names_have_docstrings(module):
                     assert inspect.getdoc(getattr(item, method)), f"{name}.{method}"
 
 
+#: Methods for the package itself, and what pydantic brings.
+NOT_FOR_USERS = {"scene_table", "scene_inclusions", "tables", "model_post_init", "within", "known_plugins", "resolved"}
+
+
+def test_what_users_meet_has_an_example():
+    """Names of the top of the package with their methods, every kind of plugin; the tests above run the examples."""
+    met = [(name, getattr(ec, name)) for name in ec.__all__] + [*eigencontact.plugin.KINDS.items()]
+    for name, item in list(met):
+        if inspect.isclass(item) and item.__module__.startswith("eigencontact.facade"):
+            own = {method: value for base in item.__mro__[:-1] for method, value in vars(base).items()}
+            met += [
+                (f"{name}.{method}", value)
+                for method, value in own.items()
+                if inspect.isfunction(value) and not method.startswith("_") and method not in NOT_FOR_USERS
+            ]
+    finder = doctest.DocTestFinder(recurse=False)
+    without = [name for name, item in met if not any(test.examples for test in finder.find(item, name))]
+    assert without == []
+
+
 def test_public_functions_are_documented_by_parameter():
-    for name in ("load_scene", "make", "rectangle_field", "run"):
+    for name in ("load_scene", "make", "rectangle_field", "run", "solve_contact"):
         function = getattr(ec, name)
         for parameter in inspect.signature(function).parameters:
             assert parameter in function.__doc__, f"{name}: {parameter}"

@@ -1,4 +1,16 @@
-"""Semi-analytical contact mechanics: exact half-space kernels, FFT convolution, constrained solvers, plugins."""
+"""Semi-analytical contact mechanics: exact half-space kernels, FFT convolution, constrained solvers, plugins.
+
+The names in ``eigencontact.__all__`` and in ``eigencontact.plugin.__all__``, and what they return, are stable: they
+keep their meaning, and warn for a minor version before they go. Everything else may change from one version to the
+next (``docs/api/stability.md``).
+
+Examples
+--------
+>>> import eigencontact as ec
+>>> found = ec.solve_contact(ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3), load="0.65 N")
+>>> f"{found.max_pressure / 1e9:.2f} GPa"
+'8.47 GPa'
+"""
 
 from __future__ import annotations
 

@@ -130,6 +130,16 @@ def region(
     ------
     SceneError, ResultsError
         A region that is refused; a step, or what the bodies remember after it, that is not stored.
+
+    Examples
+    --------
+    >>> import tempfile, eigencontact as ec
+    >>> small = ["stress=[]", "grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     ec.run(ec.load_scene("hertz", small), folder).dataset.close()
+    ...     with ec.region(folder, 'name = "deep", shape = "line", start = [0, 0, 0], end = [0, 0, "9 um"]') as data:
+    ...         print(f"{float(data.deep_von_mises.max()) / 1e9:.1f} GPa")
+    5.2 GPa
     """
     from eigencontact.planning.revisit import region_table, revisit
     from eigencontact.results.join import dataset_of, join_steps
@@ -156,6 +166,16 @@ def open_results(path: str | Path) -> xarray.Dataset:
     ------
     ResultsError
         Missing, unfinished or foreign files.
+
+    Examples
+    --------
+    >>> import tempfile, eigencontact as ec
+    >>> small = ["stress=[]", "grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     ec.run(ec.load_scene("hertz", small), folder).dataset.close()
+    ...     with ec.open_results(folder) as data:
+    ...         print(data.pressure.dims, data.pressure.attrs["units"])
+    ('step', 'y', 'x') Pa
     """
     from eigencontact.results.reader import open_results as open_stored
 

@@ -89,6 +89,12 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
     ------
     SceneError, PluginError, PlanError
         See `eigencontact.errors`.
+
+    Examples
+    --------
+    >>> planned = plan("hertz")
+    >>> planned.grid.shape, planned.steps
+    ((224, 224), 1)
     """
     from eigencontact.planning.planner import make_plan
 
@@ -97,8 +103,26 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
 
 
 def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
-    """Say what a scene will model, with which kernels, memory and time, and what is left out and why."""
+    """Say what a scene will model, with which kernels, memory and time, and what is left out and why.
+
+    Examples
+    --------
+    >>> print(explain("hertz").splitlines()[0])
+    hertz: Hertz contact: rigid sphere on steel
+    """
     return plan(scene).explain()
+
+
+#: Numbers of a run that a notebook shows.
+_IN_HTML = (
+    "normal_load", "approach", "contact_radius", "contact_area", "max_pressure", "max_von_mises", "tangential_load",
+    "shift_magnitude", "slip_fraction", "worn_volume", "max_uplift",
+)  # fmt: skip
+
+
+def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
+    """What makes numbers worth less than they look, in one text."""
+    return "; ".join(str(one["words"]) for one in warnings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,6 +155,20 @@ class RunResult:
     @cached_property
     def dataset(self) -> xarray.Dataset:  # noqa: D102 - an attribute to its users, described above
         return self._store.dataset()
+
+    def _repr_html_(self) -> str:
+        from eigencontact.core.html_table import html_table
+        from eigencontact.core.units import readable
+
+        units, numbers = self.summary["units"], self.summary
+        rows = [("steps", str(numbers["steps"]))] + [
+            (name.replace("_", " "), f"{value:.4g}" if unit == "1" else readable(value, unit.replace("m2", "m^2")))
+            for name in _IN_HTML
+            if (value := numbers.get(name)) is not None
+            for unit in [units[name]]
+        ]
+        rows += [("wall time", readable(self.seconds, "s")), ("folder", str(self.folder or "none: in memory"))]
+        return html_table(numbers["title"] or numbers["name"], rows, _cautions(numbers["warnings"]))
 
     def course(self) -> str:
         """Loads, motions, stick, work of friction and wear through the steps, as a small table of text.

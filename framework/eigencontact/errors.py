@@ -25,7 +25,17 @@ __all__ = [
 
 
 class EigencontactError(Exception):
-    """Anything this package refuses or fails to do; ``exit_code`` is what the command line returns."""
+    """Anything this package refuses or fails to do; ``exit_code`` is what the command line returns.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> try:
+    ...     ec.HalfSpace(210e9, 0.7)
+    ... except ec.EigencontactError as problem:
+    ...     print(problem)
+    HalfSpace.poisson_ratio must be in (-1, 0.5] [-] (got 0.7)
+    """
 
     exit_code = 1
 
@@ -80,6 +90,16 @@ class NotConverged(EigencontactError):
     ----------
     report : object
         The solver's report: its certificate at the last iteration and the history of its residual.
+
+    Examples
+    --------
+    >>> import eigencontact as ec
+    >>> hasty = ec.load_scene("hertz", ["stress=[]", "numerics.max-iterations=1", "grid.cells-per-contact-radius=16"])
+    >>> try:
+    ...     ec.run(hasty)
+    ... except ec.NotConverged as problem:
+    ...     print(problem.report is not None)
+    True
     """
 
     exit_code = 3
@@ -121,6 +141,12 @@ def require(condition: object, where: str, field: str, value: object, rule: str)
     ------
     SceneError
         ``<where>.<field> must be <rule> (got <value>)``.
+
+    Examples
+    --------
+    >>> require(-1.0 > 0, "sphere", "radius", -1.0, "positive [m]")
+    Traceback (most recent call last):
+    eigencontact.errors.SceneError: sphere.radius must be positive [m] (got -1.0)
     """
     if not condition:
         raise SceneError(f"{where}.{field} must be {rule} (got {shown(value)})")

@@ -46,6 +46,11 @@ def real_array(value: Any, where: str, field: str, rule: str) -> FloatArray:
     ------
     SceneError
         Complex numbers, booleans, texts, masked values, rows of different length.
+
+    Examples
+    --------
+    >>> real_array([[1, 2], [3, 4]], "call", "heights", "an array (ny, nx) [m]").dtype
+    dtype('float64')
     """
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise SceneError(

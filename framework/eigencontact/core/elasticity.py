@@ -119,7 +119,13 @@ def shear_ratios(elasticity: Elasticity, shear_modulus: float) -> tuple[float, f
 
 
 def isotropic_stiffness(young_modulus: ArrayLike, poisson_ratio: ArrayLike) -> FloatArray:
-    """Mandel stiffness ``(..., 6, 6)`` [Pa] of isotropic solids; infinite entries at ν = 0.5."""
+    """Mandel stiffness ``(..., 6, 6)`` [Pa] of isotropic solids; infinite entries at ν = 0.5.
+
+    Examples
+    --------
+    >>> isotropic_stiffness(2.6, 0.3).diagonal().round(6).tolist()
+    [3.5, 3.5, 3.5, 2.0, 2.0, 2.0]
+    """
     E, nu = np.broadcast_arrays(np.asarray(young_modulus, dtype=float), np.asarray(poisson_ratio, dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
         volume = np.where(E == 0.0, 0.0, E / (1.0 - 2.0 * nu))

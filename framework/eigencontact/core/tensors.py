@@ -32,7 +32,13 @@ SQRT2 = float(np.sqrt(2.0))
 
 
 def to_mandel(components: ArrayLike) -> FloatArray:
-    """Mandel vector of plain tensor components (xx, yy, zz, yz, xz, xy), both ``(6, ...)``."""
+    """Mandel vector of plain tensor components (xx, yy, zz, yz, xz, xy), both ``(6, ...)``.
+
+    Examples
+    --------
+    >>> to_mandel([1.0, 2.0, 3.0, 1.0, 1.0, 1.0]).round(3).tolist()
+    [1.0, 2.0, 3.0, 1.414, 1.414, 1.414]
+    """
     out = np.array(components, dtype=float)
     out[3:] *= SQRT2
     return out

@@ -224,7 +224,8 @@ class ContactResult:
         from eigencontact.results.join import dataset_of
         from eigencontact.results.stepfile import step_part
 
-        info, record = self._look(table)
+        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in table.items()}
+        info, record = self._look(plain)
         return dataset_of([step_part(info, record, copied=False)])
 
     def _at_points(self, points: ArrayLike, body: int, quantity: str) -> FloatArray:

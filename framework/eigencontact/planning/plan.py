@@ -75,6 +75,22 @@ class Plan(Model):
 
         return explain(self)
 
+    def _repr_html_(self) -> str:
+        from eigencontact.core.html_table import html_table
+        from eigencontact.core.units import readable
+
+        grid = self.grid
+        rows = [
+            ("cells", f"{grid.nx} x {grid.ny} of {readable(grid.dx, 'm')} x {readable(grid.dy, 'm')}"),
+            ("load steps", str(self.steps)),
+            ("blocks", ", ".join(block.name for block in self.blocks)),
+            ("kernels", str(sum(kernel.count for kernel in self.kernels))),
+            ("memory, predicted", readable(float(self.cost.peak), "B")),
+            ("time, predicted", readable(self.seconds, "s")),
+            *(("left out", f"{one.what}: {one.why}") for one in self.left_out),
+        ]
+        return html_table(self.scene.title or self.name, rows)
+
     def to_dict(self) -> dict[str, object]:
         """Return the plan as plain data for JSON."""
         from eigencontact.planning.explain import as_data

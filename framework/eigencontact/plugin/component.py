@@ -20,6 +20,27 @@ class Component:
         Kind of plugin; set by the abstract class.
     references : tuple of str
         Sources to cite when a run uses this component.
+
+    Examples
+    --------
+    Every kind has components of its own; their fields are their table in a scene:
+
+    >>> from dataclasses import dataclass
+    >>> import numpy as np
+    >>> from eigencontact.plugin import Geometry, Length, require
+    >>> @dataclass(frozen=True, kw_only=True)
+    ... class Wave(Geometry):
+    ...     key = "wave"
+    ...     length: Length
+    ...     def __post_init__(self):
+    ...         require(self.length > 0, self.key, "length", self.length, "positive [m]")
+    ...     def separation(self, x, y):
+    ...         return self.length * (1 - np.cos(2 * np.pi * x / self.length)) + 0 * y
+    >>> Wave(length=1e-6).kind
+    'geometry'
+    >>> Wave(length=-1.0)
+    Traceback (most recent call last):
+    eigencontact.errors.SceneError: wave.length must be positive [m] (got -1.0)
     """
 
     key: ClassVar[str]

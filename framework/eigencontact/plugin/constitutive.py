@@ -125,6 +125,17 @@ class ConstitutiveLaw(Component, ABC):
         are annotated `Direction` or `Rotation`: turned with the strain and what is remembered, they turn the stress.
     advice : str
         Class attribute; what helps where cells of the material find no answer, or several, for messages.
+
+    Examples
+    --------
+    >>> class Rubber(ConstitutiveLaw):
+    ...     key, isotropic = "rubber", True
+    ...     def update(self, strain, before, step):
+    ...         stiffness = 2e6 * np.eye(6)
+    ...         return Response(stress=stiffness @ strain, tangent=stiffness)
+    >>> step = LawStep(x=np.zeros(1), y=np.zeros(1), z=np.ones(1), time=1.0, duration=1.0)
+    >>> Rubber().update(np.full((6, 1), 1e-3), {}, step).stress[:, 0].tolist()
+    [2000.0, 2000.0, 2000.0, 2000.0, 2000.0, 2000.0]
     """
 
     kind: ClassVar[str] = "constitutive-law"
@@ -163,6 +174,16 @@ class LinearLaw(ConstitutiveLaw):
 
     One method is enough. A law whose stiffness may be infinite (incompressible, rigid) gives `factors` as well; the
     solvers ask for nothing else.
+
+    Examples
+    --------
+    >>> class Gel(LinearLaw):
+    ...     key = "gel"
+    ...     def stiffness_matrix(self):
+    ...         return np.diag([3e6, 3e6, 3e6, 1e6, 1e6, 1e6])
+    >>> soft, stiff = Gel().factors(1e6)
+    >>> bool(np.allclose(stiff + 2e6 * soft, np.eye(6)))
+    True
     """
 
     @abstractmethod

@@ -29,6 +29,16 @@ class DamageLaw(Component, ABC):
     ----------
     length : float, optional
         Radius [m] over which the number is averaged before D is taken of it; without it D is that of the point.
+
+    Examples
+    --------
+    >>> class Sudden(StrainDamage):
+    ...     key = "sudden"
+    ...     def damage(self, driven):
+    ...         late = np.maximum(driven - 1e-3, 0)
+    ...         return 1 - np.exp(-late / 1e-3), np.where(late > 0, np.exp(-late / 1e-3) / 1e-3, 0)
+    >>> Sudden().damage(np.array([1e-3, 2e-3]))[0].round(3).tolist()
+    [0.0, 0.632]
     """
 
     kind: ClassVar[str] = "damage-law"

@@ -54,6 +54,17 @@ class FrictionLaw(Component, ABC):
 
     The law sets the size of the shear traction alone. That slip and shear point in opposite directions, where the
     surfaces stick and how far they slip is found by the solver.
+
+    Examples
+    --------
+    >>> class RunsIn(FrictionLaw):
+    ...     key = "runs-in"
+    ...     def shear_bound(self, state):
+    ...         return (0.2 + 0.3 * np.exp(-state.slip_distance / 1e-6)) * state.pressure
+    >>> fresh = np.zeros((1, 2))
+    >>> state = FrictionState(pressure=fresh + 1e9, x=fresh, y=fresh, slip_distance=fresh, time=1.0)
+    >>> RunsIn().shear_bound(state).tolist()
+    [[500000000.0, 500000000.0]]
     """
 
     kind: ClassVar[str] = "friction-law"

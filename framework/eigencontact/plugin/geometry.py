@@ -17,7 +17,17 @@ FloatArray = NDArray[np.float64]
 
 
 class Geometry(Component, ABC):
-    """Initial separation of the two surfaces, positive where they are apart."""
+    """Initial separation of the two surfaces, positive where they are apart.
+
+    Examples
+    --------
+    >>> class Wedge(Geometry):
+    ...     key = "wedge"
+    ...     def separation(self, x, y):
+    ...         return 0.1 * np.abs(x) + 0 * y
+    >>> Wedge().separation(np.array([[-1.0, 0.0, 2.0]]), np.array([[0.0]])).tolist()
+    [[0.1, 0.0, 0.2]]
+    """
 
     kind: ClassVar[str] = "geometry"
 

@@ -16,7 +16,17 @@ FloatArray = NDArray[np.float64]
 
 
 class HardeningLaw(Component, ABC):
-    """What a plastic law asks when it yields: see `IsotropicHardening` and `KinematicHardening`."""
+    """What a plastic law asks when it yields: see `IsotropicHardening` and `KinematicHardening`.
+
+    Examples
+    --------
+    >>> class Straight(IsotropicHardening):
+    ...     key = "straight"
+    ...     def flow_stress(self, p):
+    ...         return 1e9 + 5e9 * p, 0 * p + 5e9
+    >>> Straight().flow_stress(np.array([0.0, 0.1]))[0].tolist()
+    [1000000000.0, 1500000000.0]
+    """
 
     kind: ClassVar[str] = "hardening-law"
 

@@ -23,6 +23,18 @@ class InclusionShape(Component, ABC):
     has ``phi`` and ``psi`` (`HasPotentials`) gives the exact field of a uniform eigenstrain; ``chi``
     (`HasMirrorPotential`) and ``far_field`` (`HasFarField`) make it faster and keep its digits at a distance.
     Displacement, strain and stress, the free surface, grids and materials are the framework's business.
+
+    Examples
+    --------
+    >>> class Bar(InclusionShape):
+    ...     key, references = "bar", ("elementary",)
+    ...     bounds = ((-1.0, -1.0, 2.0), (1.0, 1.0, 3.0))
+    ...     def contains(self, x, y, z):
+    ...         return (np.abs(x) <= 1) & (np.abs(y) <= 1) & (np.abs(z - 2.5) <= 0.5)
+    >>> from eigencontact import inclusion_field
+    >>> steel = {"young_modulus": 210e9, "poisson_ratio": 0.3}
+    >>> bool(inclusion_field(Bar(), 1e-3 * np.eye(3), [[0, 0, 0]], **steel)[0, 2] < 0)  # it lifts the surface
+    True
     """
 
     kind: ClassVar[str] = "inclusion-shape"
@@ -50,6 +62,16 @@ class EigenstrainField(Component, ABC):
     uniform : bool
         Class attribute; True where the value does not depend on the place, so that a shape with potentials needs no
         cutting into cells.
+
+    Examples
+    --------
+    >>> class Swelling(EigenstrainField):
+    ...     key, references = "swelling", ("elementary",)
+    ...     def eigenstrain(self, x, y, z, time):
+    ...         x, y, z = np.broadcast_arrays(x, y, z)
+    ...         return np.array([1e-3 * np.exp(-z)] * 3 + [0 * z] * 3)
+    >>> Swelling().eigenstrain(np.zeros(2), 0.0, np.array([0.0, 1.0]), 1.0).shape
+    (6, 2)
     """
 
     kind: ClassVar[str] = "eigenstrain-field"

@@ -27,6 +27,17 @@ class LayeredMedium(Component, ABC):
     saves time where stress is asked for at many depths. What follows from the response is kept on disk under the fields
     of the medium, the source of its module and its answer to some waves; for a medium whose fields are not text,
     numbers and dataclasses of these it is computed each time.
+
+    Examples
+    --------
+    >>> from eigencontact import make
+    >>> steel = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
+    >>> hard = {"thickness": "2 um", "young_modulus": "420 GPa", "poisson_ratio": 0.3}
+    >>> coated = make("bonded-layers", layers=[hard], substrate=steel)
+    >>> k = np.array([1e9, 1e3])  # waves that see the coating alone, and the substrate alone
+    >>> answer = coated.response("displacement", ["z"], "p", k, 0 * k, 0.0)[0]
+    >>> (answer * k).real.round(14).tolist()  # 2 (1 - ν²) / E of each
+    [4.33e-12, 8.66e-12]
     """
 
     kind: ClassVar[str] = "layered-medium"

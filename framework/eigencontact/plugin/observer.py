@@ -94,6 +94,18 @@ class Observer(Component, ABC):
     remembered : sequence of str
         Class attribute: names of `StepView.history` without which the observer is of no use. A scene whose bodies do
         not remember them is refused.
+
+    Examples
+    --------
+    >>> class Middle(Observer):
+    ...     key, units = "middle", {"pressure": "Pa"}
+    ...     def observe(self, step):
+    ...         ny, nx = step.grid.shape
+    ...         return {"pressure": float(step.fields["pressure"][ny // 2, nx // 2])}
+    >>> grid = Grid(nx=3, ny=3, dx=1.0, dy=1.0)
+    >>> seen = StepView(index=1, grid=grid, fields={"pressure": np.eye(3)}, scalars={})
+    >>> Middle().observe(seen)
+    {'pressure': 1.0}
     """
 
     kind: ClassVar[str] = "observer"

@@ -75,6 +75,20 @@ class WearLaw(Component, ABC):
         Whether it looks at shear or energy: without friction there are none.
     needs_cycles : bool
         Whether it looks at the slip amplitude: only a cycle has one.
+
+    Examples
+    --------
+    >>> class ByWork(WearLaw):
+    ...     key, needs_friction = "by-work", True
+    ...     def depth(self, state):
+    ...         return state.energy / 1e13
+    >>> one = np.ones((1, 1))
+    >>> state = WearState(
+    ...     pressure=one, shear=np.ones((2, 1, 1)), slip=one, slip_amplitude=one, energy=2e6 * one, worn_depth=0 * one,
+    ...     total_energy=0 * one, material=one.astype(int), x=one, y=one, time=1.0,
+    ... )
+    >>> ByWork().depth(state).tolist()
+    [[2e-07]]
     """
 
     kind: ClassVar[str] = "wear-law"
