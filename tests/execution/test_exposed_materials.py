@@ -112,7 +112,7 @@ REFUSED = {
         "friction.laws.substrate.*coulomb",
     ),
     "materials in both bodies": (
-        {"friction": COULOMB, "inclusions": [BAR, BAR | {"body": 2}], "body2": STEEL},
+        {"friction": COULOMB, "inclusions": [BAR, BAR | {"body": 2, "name": "beam"}], "body2": STEEL},
         "friction.type must be a law that does not tell materials apart where both bodies have several",
     ),
 }  # fmt: skip

@@ -160,7 +160,7 @@ REFUSED = {
     "numbered inclusion": ({"inclusions": [ball(), ball(radius="3 N")]}, "inclusions.1.radius must be a length [m]"),
     "above the surface": (
         {"inclusions": [ball(), ball(name="egg", center=[0, 0, "0.9 um"])]},
-        "inclusions.1 ('egg') must lie below the surface, z >= 0 (got z from -1e-07 m to 1.9e-06 m); move or shrink",
+        "inclusion 'egg' (second) must lie below the surface, z >= 0 (got z from -1e-07 m to 1.9e-06 m); move",
     ),
     "a center and centers": (
         {"inclusions": [ball(centers=[[0, 0, 1]])]},

@@ -41,7 +41,7 @@ REFUSED = {
         "steps.1.normal-load must be zero or positive, and finite [N] (got '-1 N')",
     ),
     "unknown scene key": (["colour=3"], "unknown key 'colour' in the scene; known: name, title"),
-    "unknown table": (["bodi1.rigid=true"], "unknown key 'bodi1' in the scene; known: name, title, description, body1"),
+    "unknown table": (["bodi1.rigid=true"], "unknown key 'bodi1' in the scene; known: name, title, description, plugins"),
     "nearest table": (["gird.cells=8"], "did you mean 'grid'?"),
     "unknown key of a table": (
         ["body1.poison-ratio=0.3"],
@@ -49,7 +49,7 @@ REFUSED = {
     ),
     "unknown key of an array": (
         ["stress.1.cuont=3"],
-        "unknown key 'cuont' in stress.1; known: name, shape",
+        "unknown key 'cuont' in stress 'axis' (second); known: name, shape",
     ),
     "unknown key of a component": (
         ["geometry.radus=1"],
@@ -100,7 +100,10 @@ REFUSED = {
         ["stress.0.body=2"],
         "stress region 'section' must lie in an elastic body (body2 is rigid)",
     ),
-    "negative depth": (["stress.0.depth-max=-1"], "stress.0.depth-max must be positive and finite [m] (got -1)"),
+    "negative depth": (
+        ["stress.0.depth-max=-1"],
+        "depth-max of stress 'section' (first) must be positive and finite [m] (got -1)",
+    ),
     "a depth twice": (
         ["stress=[{shape='volume', depths=[0.0, 1e-6, 1e-6]}]"],
         "stress.0 must be given depths that ascend, each once",

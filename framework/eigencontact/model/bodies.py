@@ -26,6 +26,7 @@ __all__ = [
     "influence_for",
     "kernel_key",
     "layered_bodies",
+    "layers_as_data",
     "layers_in_words",
     "without_layers",
 ]
@@ -132,10 +133,27 @@ def body_in_words(body: Solid | None) -> str:
     if isinstance(body, Material):
         return f"elastic, {_constants(body)}"
     tops = (0.0, *body.interfaces)
-    parts = [f"{readable(bottom - top, 'm')} of {_constants(body.material_at(top))}" for top, bottom in pairwise(tops)]
+    parts = [
+        f"{readable(bottom - top, 'm')} of {called}{_constants(body.material_at(top))}"
+        for (top, bottom), called in zip(pairwise(tops), _called(body), strict=False)
+    ]
     if len(parts) > 4:
         parts = [parts[0], f"{len(parts) - 2} more layers", parts[-1]]
     return f"layered (plugin {body.key!r}): {'; '.join([*parts, _constants(body.deep_material)])} below"
+
+
+def layers_as_data(body: LayeredMedium) -> list[dict[str, Any]]:
+    """Name, and depths of top and bottom [m], of each layer above the substrate."""
+    tops = (0.0, *body.interfaces)
+    return [
+        {"name": name, "top": float(top), "bottom": float(bottom)}
+        for name, (top, bottom) in zip(body.layer_names, pairwise(tops), strict=False)
+    ]
+
+
+def _called(body: LayeredMedium) -> list[str]:
+    """Names of layers before their constants; nothing for those that have their number alone."""
+    return ["" if name == f"layer {number}" else f"{name!r}, " for number, name in enumerate(body.layer_names, 1)]
 
 
 def layers_in_words(bodies: Sequence[Solid | None], *, periodic: bool) -> str:

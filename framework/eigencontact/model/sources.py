@@ -276,6 +276,6 @@ def _refuse_above(source: Source) -> None:
     size = max(hi - lo for lo, hi in zip(low, high, strict=True))
     if not low[2] >= -_ROUND_OFF * size:
         raise SceneError(
-            f"{source.where} ({source.name!r}) must lie below the surface, z >= 0 (got z from {low[2]:g} m to "
+            f"{source.where} must lie below the surface, z >= 0 (got z from {low[2]:g} m to "
             f'{high[2]:g} m); move or shrink it, or set numerics.half-space = "full-space" to leave the surface out'
         )

@@ -19,6 +19,7 @@ from eigencontact.planning.left_out import left_out
 from eigencontact.planning.order import in_order
 from eigencontact.planning.plan import Plan
 from eigencontact.scene.files import anchored
+from eigencontact.scene.labels import labels_in_messages
 from eigencontact.scene.schema import Scene
 from eigencontact.worth.foreseen import foreseen
 
@@ -34,6 +35,11 @@ def make_plan(scene: Scene, registry: Registry) -> Plan:
         A component that is refused, a plugin that is missing, an output that nothing provides, a window too large
         for this machine's memory.
     """
+    with labels_in_messages(scene):
+        return _planned(scene, registry)
+
+
+def _planned(scene: Scene, registry: Registry) -> Plan:
     began = perf_counter()
     model = build_model(scene, registry, initial_states(anchored(scene, registry)[0]))
     mechanics = list(_mechanics(model))

@@ -12,11 +12,15 @@ from typing import Any
 
 import numpy as np
 
+from eigencontact.model.sources import Source
 from eigencontact.planning.plan import Plan
 from eigencontact.results.ownership import RESULTS
 from eigencontact.results.records import RunInfo
 
 __all__ = ["run_info"]
+
+#: Regions that results describe one by one: of more, the first.
+_MOST = 1000
 
 
 def run_info(plan: Plan) -> RunInfo:
@@ -24,9 +28,10 @@ def run_info(plan: Plan) -> RunInfo:
     import tomli_w
 
     from eigencontact.core.material import contact_modulus
-    from eigencontact.model.bodies import layered_bodies, without_layers
+    from eigencontact.model.bodies import layered_bodies, layers_as_data, without_layers
     from eigencontact.model.law_numbers import named
     from eigencontact.planning.explain import references, told
+    from eigencontact.plugin import LayeredMedium
 
     outlines = {}
     if plan.sources:
@@ -47,11 +52,28 @@ def run_info(plan: Plan) -> RunInfo:
         contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
         steps=plan.steps,
         outlines=outlines,
+        inclusions=tuple(_inclusion(source) for source in plan.sources[:_MOST]),
+        layers={
+            str(number): layers_as_data(body)
+            for number, body in enumerate(plan.bodies, 1)
+            if isinstance(body, LayeredMedium)
+        },
         numbers=named(plan.laws),
         observed_units={name: unit for one in plan.observers for name, unit in one.units.items()},
         every_history=plan.scene.output.history == "all",
         plan=asdict(told(plan)),
     )
+
+
+def _inclusion(source: Source) -> dict[str, Any]:
+    """What results say of a region, for people and pictures."""
+    return {
+        "name": source.name,
+        "plugin": source.key,
+        "body": source.body,
+        "bounds": [[float(at) for at in corner] for corner in source.shape.bounds],
+        "material": source.material,
+    }
 
 
 def _digest(plan: Plan, resolved: dict[str, Any]) -> str:

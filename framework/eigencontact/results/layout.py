@@ -155,6 +155,8 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
         "cell_size": np.array([info.grid.dx, info.grid.dy]),
         "load_steps": info.steps,
         "regions": json.dumps(described),
+        **({"inclusions": json.dumps(info.inclusions)} if info.inclusions else {}),
+        **({"layers": json.dumps(info.layers)} if info.layers else {}),
         "history": json.dumps(sorted(record.history)),
         "comment": "SI units; z points into the body; pressure positive in compression, stress positive in tension",
     }

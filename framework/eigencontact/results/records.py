@@ -149,6 +149,10 @@ class RunInfo:
     outlines : mapping of str to (n, 2, 2) array
         Line segments [m] around the inclusions for pictures: ``""`` as seen from above, others on the plane region of
         their name.
+    inclusions : tuple of mapping
+        Name, plugin, body, bounds [m] and material of every region with eigenstrain or constants of its own.
+    layers : mapping of str to sequence of mapping
+        Name, top and bottom [m] of the layers of each layered body, by its number.
     every_history : bool
         Whether what bodies remember is kept after every step, not after the last alone.
     numbers : mapping of str to Quantity
@@ -171,6 +175,8 @@ class RunInfo:
     contact_modulus: float | None
     steps: int
     outlines: dict[str, FloatArray] = field(default_factory=dict)
+    inclusions: tuple[dict[str, Any], ...] = ()
+    layers: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     every_history: bool = False
     numbers: dict[str, Quantity] = field(default_factory=dict)
     observed_units: dict[str, str] = field(default_factory=dict)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
@@ -43,7 +44,9 @@ def instantiate(
     values = converted(registry, entry, parameters, where, beside)
     try:
         return entry.component(**values)
-    except SceneError:
+    except SceneError as problem:
+        if re.search(r"\.\d+$", where) and where not in str(problem):  # a component names its key, not which of many
+            raise SceneError(f"{where}: {problem}") from None
         raise
     except Exception as problem:
         raise PluginError(

@@ -9,6 +9,7 @@ from eigencontact.core.names import clashes
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
+from eigencontact.scene.labels import ordinal
 from eigencontact.scene.steps import Step, expected_points
 
 if TYPE_CHECKING:
@@ -40,6 +41,15 @@ def check_contents(scene: Scene) -> None:
 
 def _check_names(scene: Scene) -> None:
     """Files and variables of a region have its name; case is no difference to some systems of files."""
+    for group in ("inclusions", "eigenstrain"):
+        names = [item.name or f"{item.type} {number + 1}" for number, item in enumerate(getattr(scene, group))]
+        twice = next((number for number, name in enumerate(names) if name in names[:number]), None)
+        if twice is not None:
+            places = f"{ordinal(names.index(names[twice]))} and {ordinal(twice)}"
+            raise ValueError(
+                f"!{group} must have different names (got {names[twice]!r} twice, the {places}); rename one"
+                + (", or give one table centers" if group == "inclusions" else "")
+            )
     labels = [request.label for request in scene.stress]
     for number, label in enumerate(labels):
         if clashes(label):

@@ -23,7 +23,8 @@ class _Component(ComponentTable):
     Parameters
     ----------
     name : str, optional
-        For pictures and `explain`; by default the shape or field and its number.
+        For pictures, messages, results, `explain` and laws that tell materials apart, different from the others of its
+        kind; by default the shape or field and its number.
     body : {1, 2}
         The half-space it lies in.
     """

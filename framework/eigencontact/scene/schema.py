@@ -337,6 +337,7 @@ class Scene(Table):
         from pydantic import ValidationError
 
         from eigencontact.errors import SceneError
+        from eigencontact.scene.labels import labels_in_messages
         from eigencontact.scene.messages import explain_error
 
         refuse_deep(data)
@@ -345,10 +346,11 @@ class Scene(Table):
         except ValidationError as problem:
             from eigencontact.scene.unknown import find_unknown
 
-            find_unknown(data, Scene)
-            errors = problem.errors()
-            more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-            raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
+            with labels_in_messages(data):
+                find_unknown(data, Scene)
+                errors = problem.errors()
+                more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+                raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
 
     _folder: Path | None = None
 

@@ -91,7 +91,8 @@ class Layer(_Solid):
     thickness : float
         h [m].
     name : str, optional
-        For laws that tell materials apart; ``"layer 1"``, ``"layer 2"`` ... from the surface down by default.
+        For pictures, messages, results, `explain` and laws that tell materials apart, different from that of the other
+        layers; ``"layer 1"``, ``"layer 2"`` ... from the surface down by default.
     """
 
     thickness: Length
@@ -138,6 +139,9 @@ class BondedLayers(LayeredMedium):
             )
         for number, layer in enumerate(self.layers):
             layer.check(f"{self.key}.layers.{number}")
+        names = [layer.name for layer in self.layers if layer.name]
+        twice = next((name for number, name in enumerate(names) if name in names[:number]), None)
+        require(twice is None, self.key, "layers", twice, "of different names; rename one of the layers called so")
         self.substrate.check(f"{self.key}.substrate")
 
     @property
