@@ -67,9 +67,10 @@ def in_words(column: Column, steps: Sequence[int]) -> str:
     """What a chart shows: first and last value, and the largest where it is neither."""
     held = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
     (first, begun), (last, ended) = held[0], held[-1]
-    words = f"{_said(column, begun)} at step {first}, {_said(column, ended)} at step {last}"
-    at, largest = steps[column.at_largest], column.largest
-    return words if at in (first, last) else f"{words}; largest {_said(column, largest)} at step {at}"
+    ends = _said(column, begun), _said(column, ended)
+    words = f"{ends[0]} at step {first}, {ends[1]} at step {last}"
+    largest = _said(column, column.largest)
+    return words if largest in ends else f"{words}; largest {largest} at step {steps[column.at_largest]}"
 
 
 def _said(column: Column, value: float | None) -> str:

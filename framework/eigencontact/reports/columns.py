@@ -70,13 +70,14 @@ class Column:
 
     @property
     def at_largest(self) -> int:
-        """Position of the largest magnitude."""
-        return max(range(len(self.values)), key=lambda at: abs(self.values[at] or 0.0))
+        """Position where the largest magnitude is first reached, but for round-off."""
+        reached = (1 - _ROUND_OFF) * abs(self.largest or 0.0)
+        return next(at for at, value in enumerate(self.values) if abs(value or 0.0) >= reached)
 
     @property
     def largest(self) -> float | None:
         """The value of the largest magnitude."""
-        return self.values[self.at_largest]
+        return max((value for value in self.values if value is not None), key=abs, default=None)
 
     @property
     def varies(self) -> bool:
