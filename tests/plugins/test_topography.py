@@ -510,7 +510,7 @@ SILENT = [
         "a.npy",
         {},
         "spacing and height_unit",
-        "the distance of its points and the unit of its heights",
+        "the distance of its points or the unit of its heights",
         'spacing = "0.5 um", height-unit = "1 nm"',
     ),
     (
@@ -526,7 +526,7 @@ SILENT = [
         "a.xyz",
         {},
         "lateral_unit and height_unit",
-        "the unit of its coordinates and the unit of its heights",
+        "the unit of its coordinates or the unit of its heights",
         'lateral-unit = "1 um", height-unit = "1 nm"',
     ),
     (

@@ -152,7 +152,7 @@ class Topography(Geometry):
         }
         if any(silent.values()):
             asked = [name for name, asks in silent.items() if asks]
-            words = " and ".join(_SILENT[name][0] for name in asked)
+            words = " or ".join(_SILENT[name][0] for name in asked)
             example = ", ".join(f"{name.replace('_', '-')} = {_SILENT[name][1]}" for name in asked)
             raise SceneError(
                 f"{self.key}.{' and '.join(asked)} must be given (got None): {self.file!r} does not tell {words}; for"
