@@ -67,7 +67,7 @@ def test_every_block_is_executed_somewhere():
     """By the build (cells), by the tests above, by CI as a command of README, or it is no code."""
     tested = {"README.md": {"toml", "python", "sh"}}
     for page, text in PAGES.items():
-        rest = re.sub(r"^```sh\n(.*?)^```", lambda hit: "" if hit[1] in README else hit[0], text, flags=re.DOTALL | re.M)
+        rest = re.sub(r"(?ms)^```sh\n(.*?)^```", lambda hit: "" if hit[1] in README else hit[0], text)
         for language in re.findall(r"^```+(\S+)", rest, re.MULTILINE):
             allowed = {*PLAIN, *EXECUTED_BY_THE_BUILD, *tested.get(page, {"toml"})}
             assert language in allowed, f"{page}: a block of {language!r} is executed by nothing; make it a cell"

@@ -41,7 +41,7 @@ REFUSED = {
         "steps.1.normal-load must be zero or positive, and finite [N] (got '-1 N')",
     ),
     "unknown scene key": (["colour=3"], "unknown key 'colour' in the scene; known: name, title"),
-    "unknown table": (["bodi1.rigid=true"], "unknown key 'bodi1' in the scene; known: name, title, description, plugins"),
+    "unknown table": (["bodi1.rigid=true"], "unknown key 'bodi1' in the scene; known: name, title, description, "),
     "nearest table": (["gird.cells=8"], "did you mean 'grid'?"),
     "unknown key of a table": (
         ["body1.poison-ratio=0.3"],
