@@ -14,7 +14,7 @@ from types import ModuleType
 
 from eigencontact.errors import PluginError, nearest
 from eigencontact.hooks.manager import add_module
-from eigencontact.hooks.registry import Registry
+from eigencontact.hooks.registry import OF_FILE, Registry
 
 __all__ = ["with_files"]
 
@@ -73,7 +73,7 @@ def _module(path: Path) -> tuple[ModuleType, str]:
         text = path.read_text(encoding="utf-8")
     except (OSError, ValueError) as problem:
         raise PluginError(f"plugin file must be readable text (got {str(path)!r}): {problem}") from None
-    return _run(path.resolve(), text), f"sha256:{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
+    return _run(path.resolve(), text), f"{OF_FILE}{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
 
 
 @lru_cache(maxsize=64)

@@ -10,10 +10,12 @@ from typing import Any, get_type_hints
 
 from eigencontact.errors import PluginError, nearest
 
-__all__ = ["BUNDLED", "BrokenPlugin", "Entry", "Registry"]
+__all__ = ["BUNDLED", "OF_FILE", "BrokenPlugin", "Entry", "Registry"]
 
 #: The package whose plugins keep their plain keys, whatever else is installed.
 BUNDLED = "eigencontact"
+#: What the version of a single file begins with: a hash of its text follows.
+OF_FILE = "sha256:"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,11 @@ class Entry:
     def bundled(self) -> bool:
         """Whether it is one of ours, which keeps its plain key."""
         return _normal(self.package) == BUNDLED
+
+    @property
+    def of_file(self) -> bool:
+        """Whether it comes from a single file, which somebody named: see `eigencontact.hooks.files`."""
+        return self.version.startswith(OF_FILE)
 
 
 @dataclass(frozen=True, slots=True)

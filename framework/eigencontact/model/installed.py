@@ -18,12 +18,15 @@ CellMaker = Callable[[Point, Point], Any]
 def installed_influence(registry: Registry, traction: str) -> SurfaceInfluence:
     """Return the installed influence of one traction component.
 
+    That of a plugin file takes the place of the bundled one, for the scene names the file; a package does not.
+
     Raises
     ------
     PlanError
         None is installed, or more than one; broken plugins are named.
     """
     found = [entry for entry in registry.of_kind("surface-influence") if entry.component.traction == traction]  # type: ignore[attr-defined]
+    found = [entry for entry in found if entry.of_file] or found
     rule = f"traction {traction!r} must have one installed surface influence"
     component: SurfaceInfluence = _only(registry, found, rule)()
     return component

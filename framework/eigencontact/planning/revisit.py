@@ -18,7 +18,7 @@ import numpy as np
 from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.execution.regions import Region
 from eigencontact.execution.step import Step
-from eigencontact.hooks.registry import Registry
+from eigencontact.hooks.registry import OF_FILE, Registry
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.planner import make_plan
 from eigencontact.planning.provenance import run_info
@@ -145,7 +145,7 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
 def _refuse_other_plugins(results: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
     """A plugin file may have been written anew since the run: its fields would not be those of the run."""
     for name, origin in now.items():
-        if " sha256:" in origin and before.get(name) != origin:
+        if f" {OF_FILE}" in origin and before.get(name) != origin:
             raise ResultsError(
                 f"{results} must be of the plugin file as it is now, {origin} (got {before.get(name, 'none')}); "
                 "run the scene again"

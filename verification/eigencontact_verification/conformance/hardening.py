@@ -78,7 +78,7 @@ def check_curve_slope(law: Any) -> None:
     worst = int(np.argmax(error))
     ensure(
         error[worst] <= _ALLOWED, f"slope of {name} at {at[worst]:.2g}", f"the derivative, {sides[0][worst]:.6g}",
-        f"{slope[worst]:.6g}", "differentiate by strain, not by microstrain",
+        f"{slope[worst]:.6g}", "differentiate by strain, not microstrain; next to 0 np.expm1 and np.log1p keep digits",
     )  # fmt: skip
 
 

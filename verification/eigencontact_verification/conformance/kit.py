@@ -138,7 +138,7 @@ _BY_ABILITY: tuple[tuple[type, tuple[Check, ...]], ...] = (
 _SLOW: dict[str, tuple[Check, ...]] = {"inclusion-shape": (finite_elements.check_against_finite_elements,)}
 
 
-def checks_for(component: Any, *, finite_elements: bool = False) -> tuple[Check, ...]:
+def checks_for(component: Any, *, finite_elements: bool = False, installed: bool = True) -> tuple[Check, ...]:
     """Checks that apply to a component: those of every kind, of its kind, and of each ability it offers.
 
     Parameters
@@ -147,6 +147,8 @@ def checks_for(component: Any, *, finite_elements: bool = False) -> tuple[Check,
         An instance of a plugin class.
     finite_elements : bool
         Also the slow check of a shape, against finite elements: ten seconds to two minutes.
+    installed : bool
+        Whether the class should be installed: False leaves `check_registered` out.
 
     Returns
     -------
@@ -170,7 +172,7 @@ def checks_for(component: Any, *, finite_elements: bool = False) -> tuple[Check,
                 checks += more
     if finite_elements:
         checks += _SLOW.get(component.kind, ())
-    return tuple(checks)
+    return tuple(one for one in checks if installed or one is not common.check_registered)
 
 
 def parametrize_with_checks(
@@ -178,6 +180,7 @@ def parametrize_with_checks(
     *,
     waive: Mapping[str, str] | None = None,
     finite_elements: bool = False,
+    installed: bool = True,
     slow_marks: Iterable[Any] = (),
 ) -> Any:
     """Decorate a test of (component, check): one test for every component and every check that applies to it.
@@ -192,6 +195,8 @@ def parametrize_with_checks(
     finite_elements : bool
         Also `check_against_finite_elements`, ten seconds to two minutes a shape; ``pytest -k "not finite_elements"``
         leaves it out of a run.
+    installed : bool
+        As of `checks_for`.
     slow_marks : iterable of pytest marks
         Put on that check: ``[pytest.mark.slow]`` where the suite has such a marker.
 
@@ -219,7 +224,9 @@ def parametrize_with_checks(
 
     waive, components, slow_marks = dict(waive or {}), list(components), list(slow_marks)
     applicable = {
-        check.__name__ for component in components for check in checks_for(component, finite_elements=finite_elements)
+        check.__name__
+        for component in components
+        for check in checks_for(component, finite_elements=finite_elements, installed=installed)
     }
     for name, reason in waive.items():
         if name not in applicable:
@@ -228,7 +235,7 @@ def parametrize_with_checks(
             raise ValueError(f"waive[{name!r}] must be the reason (got {reason!r})")
     cases = []
     for number, component in enumerate(components):
-        for check in checks_for(component, finite_elements=finite_elements):
+        for check in checks_for(component, finite_elements=finite_elements, installed=installed):
             known = waive.get(check.__name__)
             marks = [pytest.mark.xfail(reason=known, strict=True)] if known else []
             if check in _SLOW.get(component.kind, ()):
