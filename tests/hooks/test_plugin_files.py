@@ -304,3 +304,36 @@ def test_the_cross_check_wants_a_shape_or_a_law(bowl, tmp_path, command):
     outcome = command("verify", "--plugin", tmp_path / "bowl.py")
     assert outcome.code == 2
     assert "--plugin must register a shape or a law (got geometry)" in outcome.err
+
+
+def test_an_influence_of_a_file_takes_the_place_of_the_bundled_one(bowl, tmp_path):
+    """A spring under each cell alone: by hand the pressure is its stiffness times what it is pressed by."""
+    source = '''
+    from dataclasses import dataclass
+    from typing import ClassVar
+    import numpy as np
+    from eigencontact.plugin import CornerInfluence, hookimpl
+
+    @dataclass(frozen=True, kw_only=True)
+    class Springs(CornerInfluence):
+        key: ClassVar[str] = "springs"
+        traction: ClassVar[str] = "p"
+
+        def displacement_corner(self, components, x, y, z, material):
+            return (np.sign(x) * np.sign(y) / 4 * 1e-6 / material.young_modulus)[None]
+
+        def stress_corner(self, components, x, y, z, material):
+            raise NotImplementedError
+
+    @hookimpl
+    def eigencontact_register():
+        return [Springs]
+    '''
+    (tmp_path / "springs.py").write_text(dedent(source), encoding="utf-8")
+    plain = ec.run(ec.load_scene(bowl))
+    result = ec.run(ec.load_scene(bowl, ["plugins=['bowl.py', 'springs.py']", "steps.normal-load=0.1 N"]))
+    assert result.summary["versions"]["plugin surface-influence springs"].startswith("springs.py sha256:")
+    assert "plugin surface-influence pressure" in plain.summary["versions"]
+    x = result.dataset["x"].values[12]
+    by_hand = 210e9 / 1e-6 * (result.summary["approach"] - 2 * x**2 / (2 * 105e-6))
+    assert float(result.dataset["pressure"][0, 12, 12]) == close(by_hand, rel=1e-5)
