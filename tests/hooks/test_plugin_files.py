@@ -308,7 +308,7 @@ def test_the_cross_check_wants_a_shape_or_a_law(bowl, tmp_path, command):
 
 def test_an_influence_of_a_file_takes_the_place_of_the_bundled_one(bowl, tmp_path):
     """A spring under each cell alone: by hand the pressure is its stiffness times what it is pressed by."""
-    source = '''
+    source = """
     from dataclasses import dataclass
     from typing import ClassVar
     import numpy as np
@@ -328,7 +328,7 @@ def test_an_influence_of_a_file_takes_the_place_of_the_bundled_one(bowl, tmp_pat
     @hookimpl
     def eigencontact_register():
         return [Springs]
-    '''
+    """
     (tmp_path / "springs.py").write_text(dedent(source), encoding="utf-8")
     plain = ec.run(ec.load_scene(bowl))
     result = ec.run(ec.load_scene(bowl, ["plugins=['bowl.py', 'springs.py']", "steps.normal-load=0.1 N"]))
