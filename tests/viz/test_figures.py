@@ -8,7 +8,8 @@ from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.history import load_history
-from eigencontact.viz.section import drawable, stress_profile, stress_section
+from eigencontact.viz.profile import stress_profile
+from eigencontact.viz.section import drawable, stress_section
 from eigencontact.viz.style import scale_for
 from eigencontact.viz.surface import pressure_map, pressure_profiles, relative_difference
 from eigencontact.viz.window import DOTS, _sampled, middle
@@ -135,7 +136,7 @@ def test_signed_pressure_takes_a_diverging_map_centred_on_zero(stored):
 def test_profiles_show_every_cell_and_the_closed_form(stored):
     dataset = stored(nx=16, ny=12)
     figure = pressure_profiles(dataset)
-    reference, computed = figure.axes[0].get_lines()
+    reference, computed = (line for line in figure.axes[0].get_lines() if line.get_label() != "_contact")
     assert (reference.get_marker(), computed.get_marker()) == ("None", "o")
     np.testing.assert_allclose(computed.get_ydata() * 1e9, dataset["pressure"][-1, 6].values, rtol=1e-12)
     np.testing.assert_allclose(reference.get_ydata() * 1e9, dataset["reference_pressure"][-1, 6].values, rtol=1e-12)
@@ -167,11 +168,22 @@ def test_a_map_of_many_cells_is_drawn_by_evenly_spread_ones():
     assert _sampled(few) is few
 
 
-def test_profile_through_the_maximum_when_the_pressure_has_no_symmetry(stored):
-    bump = {"pressure": lambda x, y: 1e9 * np.exp(-((x - 3e-6) ** 2 + (y + 1.8e-6) ** 2) / 4e-12)}
-    figure = pressure_profiles(stored(nx=32, ny=32, reference=False, **bump))
-    assert figure.axes[0].get_title() == "along x at y = -1.75 µm"
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["computed cells"]
+def test_profiles_pass_through_the_middle_of_one_contact_and_the_largest_pressure_of_many(stored):
+    def title(pressure):
+        return pressure_profiles(stored(nx=32, ny=32, reference=False, pressure=pressure)).axes[0].get_title()
+
+    leaning = title(lambda x, y: 1e9 * (np.hypot(x - 1e-6, y + 1.8e-6) < 3e-6) * (10e-6 + x + y))
+    assert leaning == "along x through the middle (y = -1.75 µm)"
+    assert title(WINDOWS["rough"]["pressure"]).startswith("along x at y = ")
+
+
+def test_the_ends_of_the_contact_are_marked_at_edges_of_cells(stored):
+    dataset = stored(nx=16, ny=12)
+    figure = pressure_profiles(dataset)
+    ends = sorted(line.get_xdata()[0] for line in figure.axes[0].get_lines() if line.get_label() == "_contact")
+    touched = np.flatnonzero(dataset["pressure"][-1, 6].values)
+    cell, x = float(dataset.attrs["cell_size"][0]), dataset["x"].values
+    assert np.array(ends) == close(1e6 * np.array([x[touched[0]] - cell / 2, x[touched[-1]] + cell / 2]), rel=1e-12)
 
 
 def test_relative_difference():
@@ -189,7 +201,7 @@ def test_section_has_z_down_and_marks_the_maximum(stored):
     assert bar.get_ylabel() == "Von Mises stress [GPa]"
     field = dataset["plane_0_von_mises"][-1]
     at = field.argmax(...)
-    cross = main.get_lines()[0]
+    cross = next(line for line in main.get_lines() if line.get_marker() == "+")
     assert cross.get_ydata()[0] == close(1e6 * float(dataset["plane_0_z"][at["plane_0_z"]]), rel=1e-12)
     assert main.texts[0].get_text().splitlines()[0] == f"{float(field.max()) / 1e9:.3g} GPa"
 

@@ -19,8 +19,9 @@ from eigencontact.viz.coverage import coverage_map, impacts, strikes, struck
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.isosurface import plastic_surfaces, surface_of
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, unloads
+from eigencontact.viz.profile import mean_profile
 from eigencontact.viz.remembered import plastic_strains
-from eigencontact.viz.section import mean_profile, stress_section
+from eigencontact.viz.section import stress_section
 from eigencontact.viz.vtk import write_vtk
 from results import synthetic
 

@@ -46,7 +46,7 @@ def exposed_map(dataset: Results, step: int = -1) -> Figure:
     pale = [_PALE + (1 - _PALE) * np.array(to_rgb(COLOURS[n % len(COLOURS)])) for n in range(numbers.size)]
     window = contact_window(dataset, contact)
     with paper_style():
-        figure, axes, _ = window.axes_of_map()
+        figure, axes, _ = window.axes_of_map(bar=False)
         axes.imshow(
             np.searchsorted(numbers, found)[window.view.slices],
             origin="lower",

@@ -16,10 +16,11 @@ from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import history_words, load_history
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
+from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import passing_history, rolls
-from eigencontact.viz.section import drawable, mean_profile, stress_profile, stress_section
+from eigencontact.viz.section import drawable, stress_section
 from eigencontact.viz.style import moment, save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles

@@ -7,9 +7,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
+from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES, friction_heading
-from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import cell_edges, contact_window, is_ragged, masked_map, middle, view_of
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
+from eigencontact.viz.window import (
+    cell_edges,
+    contact_middle,
+    contact_window,
+    is_ragged,
+    line_words,
+    masked_map,
+    view_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,14 +31,12 @@ if TYPE_CHECKING:
 
 __all__ = ["dissipation_map", "shear_map", "shear_profiles"]
 
-#: Arrows across the longer side of the contact, about.
-ARROWS = 17
+#: Arrows across the longer side of the contact, about; fewer and longer ones where it is in patches.
+ARROWS, FEWER, LONGER = 17, 14, 1.5
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
 #: Components below this part of the largest shear on the lines are not drawn.
 _NEGLIGIBLE = 0.05
-#: Pressures that differ less than this from their mirror image have profiles through the middle.
-_SYMMETRIC = 0.05
 
 
 def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
@@ -47,6 +55,7 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
     -------
     matplotlib.figure.Figure
         Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell.
+        Where the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
@@ -56,7 +65,7 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
     window = contact_window(dataset, touched)
     shown = zone[window.view.slices]
     with paper_style():
-        figure, axes, wide = window.axes_of_map(on)
+        figure, axes, _ = window.axes_of_map(on, bar=False)
         axes.imshow(
             shown,
             origin="lower",
@@ -74,9 +83,8 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
                 Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=word)
                 for value, word in zip((2, 1), words, strict=True)
             ]
-            wide = wide or on is not None
-            where = "outside lower center" if wide else "outside right center"
-            figure.legend(handles=[*patches, *key], loc=where, ncols=3 if wide else 1, handlelength=2.2)
+            entries = [*patches, *key]
+            legend_below(figure, entries, [str(entry.get_label()) for entry in entries], len(entries))
         if not np.any(shown):
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color="0.4")
         axes.set_title(friction_heading(dataset, step, "Shear traction"))
@@ -87,15 +95,19 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
     """Arrows on some cells; an entry for the legend that says what the longest of all cells stands for."""
     from matplotlib.lines import Line2D
 
-    box = Box.around(zone > 0 if on is None else on.film.touched("contact_zone"))
+    loaded = zone > 0
+    box = Box.around(loaded if on is None else on.film.touched("contact_zone"))
     assert box is not None
-    rows, columns = (_thinned(low, side, max(box.shape)) for low, side in zip((box.y0, box.x0), box.shape, strict=True))
     q = [_field(dataset, f"shear_{axis}", step) for axis in "xy"]
     size = np.hypot(*q)
     x, y = (window.length(np.asarray(dataset[axis].values, dtype=float)) for axis in "xy")
-    row, column = (index.ravel() for index in np.meshgrid(rows, columns, indexing="ij"))
-    if is_ragged(zone > 0):
-        row, column = _nearest_loaded(zone > 0, row, column, rows[1] - rows[0] if len(rows) > 1 else 1)
+    ragged = is_ragged(loaded)
+    cells = max(1, round(max(box.shape) / (FEWER if ragged else ARROWS)))
+    if ragged:
+        row, column = _strongest(size * loaded, cells)
+    else:
+        rows, columns = (_thinned(low, side, cells) for low, side in zip((box.y0, box.x0), box.shape, strict=True))
+        row, column = (index.ravel() for index in np.meshgrid(rows, columns, indexing="ij"))
     longest = float(size[row, column].max(initial=0.0))
     whole = longest
     if on is not None:
@@ -104,34 +116,38 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
     row, column = row[kept], column[kept]
     if longest == 0:
         return []
-    steps = [abs(at[index[1]] - at[index[0]]) for at, index in ((x, columns), (y, rows)) if len(index) > 1]
-    reach = 0.95 * min(steps) if steps else 0.5 * float(np.ptp(window.extent[:2]))
+    edges = [float(at[1] - at[0]) for at in (x, y) if at.size > 1]
+    reach = 0.95 * cells * min(edges) if edges else 0.5 * float(np.ptp(window.extent[:2]))
+    pointed: dict[str, Any] = {"headwidth": 3.6, "headlength": 4.2, "headaxislength": 3.8, "minlength": 0.4}
+    if ragged:  # arrows stand alone on spots of any size: longer, and light around, so that they show beside the spots
+        reach *= LONGER
+        pointed |= {"edgecolor": "white", "linewidth": 0.5}
     axes.quiver(
         x[column], y[row], *(part[row, column] / whole * reach for part in q),
-        angles="xy", scale_units="xy", scale=1.0, pivot="middle", color="0.1", width=0.0042, headwidth=3.6,
-        headlength=4.2, headaxislength=3.8, minlength=0.4, zorder=4,
+        angles="xy", scale_units="xy", scale=1.0, pivot="middle", facecolor="0.1", width=0.0052 if ragged else 0.0042,
+        zorder=4, **pointed,
     )  # fmt: skip
     word = f"longest arrow: {scale_for([longest], 'Pa').text(longest)}"
     return [Line2D([], [], color="0.1", marker=r"$\rightarrow$", linestyle="", markersize=11, label=word)]
 
 
-def _thinned(low: int, side: int, longest: int) -> NDArray[np.int_]:
+def _thinned(low: int, side: int, every: int) -> NDArray[np.int_]:
     """Evenly spaced cells of one side of the contact, the same room left at both of its ends where that is possible."""
-    every = max(1, round(longest / ARROWS))
     return np.arange(low + ((side - 1) % every) // 2, low + side, every)
 
 
-def _nearest_loaded(
-    loaded: NDArray[np.bool_], row: NDArray[Any], column: NDArray[Any], every: int
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Loaded cells nearest to the given ones, those within half the distance between the given ones."""
-    from scipy.ndimage import distance_transform_edt
-
-    nearest = distance_transform_edt(~loaded, return_distances=False, return_indices=True)
-    at = nearest[:, row, column]
-    close = np.max(np.abs(at - np.stack([row, column])), axis=0) <= every // 2
-    found = np.unique(at[:, close], axis=1)
-    return found[0], found[1]
+def _strongest(size: NDArray[Any], apart: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Cells of largest values, none closer to another than so many cells."""
+    row, column = np.nonzero(size)
+    order = np.argsort(-size[row, column], kind="stable")
+    free = np.ones(size.shape, dtype=bool)
+    found = []
+    for m, n in zip(row[order].tolist(), column[order].tolist(), strict=True):
+        if free[m, n]:
+            found.append((m, n))
+            free[max(0, m - apart + 1) : m + apart, max(0, n - apart + 1) : n + apart] = False
+    rows, columns = np.array(found, dtype=int).reshape(-1, 2).T
+    return rows, columns
 
 
 def dissipation_map(dataset: Results, step: int = -1) -> Figure:
@@ -165,8 +181,8 @@ def dissipation_map(dataset: Results, step: int = -1) -> Figure:
 def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     """Shear traction of one step along x and along y, between the bounds that the friction law sets.
 
-    The lines pass through the middle of the contact, or through the cell of largest pressure where the pressure is not
-    symmetric. Components that are small on both lines are left out.
+    The lines pass through the middle of the contact; where it is in patches, through the cell of largest pressure.
+    Faint lines are the ends of the contact. Components that are small on both lines are left out.
 
     Parameters
     ----------
@@ -183,11 +199,11 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     """
     pressure, zone = (_field(dataset, name, step) for name in ("pressure", "contact_zone"))
     bound = _optional(dataset, "shear_bound", step)
-    row, column = middle(pressure, _SYMMETRIC)
+    row, column, central = contact_middle(pressure)
     view = view_of(zone > 0.5)
     lines: list[tuple[str, str, tuple[Any, Any]]] = [
-        ("x", place("y", float(dataset["y"][row])), (row, slice(view.x0, view.x1))),
-        ("y", place("x", float(dataset["x"][column])), (slice(view.y0, view.y1), column)),
+        ("x", line_words("x", "y", float(dataset["y"][row]), central=central), (row, slice(view.x0, view.x1))),
+        ("y", line_words("y", "x", float(dataset["x"][column]), central=central), (slice(view.y0, view.y1), column)),
     ]
     lines = [line for line in lines if dataset.sizes[line[0]] > 1] or lines[:1]
     shear = {axis: _field(dataset, f"shear_{axis}", step) for axis in "xy"}
@@ -200,7 +216,7 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     with paper_style():
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.1)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
-        for axes, (along, across, where) in zip(panels, lines, strict=True):
+        for axes, (along, words, where) in zip(panels, lines, strict=True):
             part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
             centres = np.asarray(dataset[along].values, dtype=float)
             edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
@@ -233,7 +249,8 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             axes.set_xlabel(f"{along} [{length.unit}]")
             axes.set_xlim(float(length(edges[0])), float(length(edges[-1])))
-            axes.set_title(f"along {along} at {across}")
+            axes.set_title(words)
+            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges), length)
         panels[0].set_ylabel(f"Shear traction [{stress.unit}]")
         if max(limit, *sizes.values()) == 0:
             panels[0].set_ylim(-1, 1)
@@ -241,8 +258,8 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
             label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
         }
         labels = sorted(entries)  # bound, components, stick; then the closed forms are beside their components
-        figure.legend([entries[label] for label in labels], labels, loc="outside lower center", ncols=len(labels))
-        figure.suptitle(friction_heading(dataset, step, "Shear traction"), fontsize=9.5)
+        legend_below(figure, [entries[label] for label in labels], labels, len(labels))
+        figure.suptitle(friction_heading(dataset, step, "Shear traction"))
     return figure
 
 

@@ -69,7 +69,7 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
                 draw_way(axes, scales[0](ways), scales[1](forces), step)
             axes.set(xlabel=f"{words[1]} [{scales[0].unit}]", ylabel=f"{words[0]} [{scales[1].unit}]")
         title = _energy_words(dataset, modes) if on is None else _spent_words(dataset, step)
-        figure.suptitle(title, fontsize=9.5)
+        figure.suptitle(title)
     return figure
 
 

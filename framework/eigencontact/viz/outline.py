@@ -1,4 +1,4 @@
-"""Outlines of inclusions over a picture."""
+"""Outlines of inclusions and interfaces of layers over a picture."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.style import Scale
 
-__all__ = ["draw_outline", "draw_outline_below", "paths_of"]
+__all__ = ["draw_interfaces", "draw_outline", "draw_outline_below", "paths_of"]
 
 #: Ends of segments closer than this part of the whole picture are one point.
 SAME = 1e-7
@@ -28,6 +28,14 @@ def draw_outline(axes: Axes, dataset: Results, name: str, length: Scale) -> None
 def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
     """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed."""
     _draw(axes, dataset, "outline", length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
+
+
+def draw_interfaces(axes: Axes, depths: tuple[float, ...], length: Scale) -> None:
+    """Draw interfaces of layers at their depths [m] across a picture with z along its vertical."""
+    for depth in depths:
+        for width, colour in ((1.8, "1.0"), (0.8, "0.1")):
+            line = axes.axhline(float(length(depth)), color=colour, linewidth=width, zorder=3, label="_interface")
+            line.set_solid_capstyle("butt")
 
 
 def _draw(axes: Axes, dataset: Results, name: str, length: Scale, strokes: tuple[Any, ...]) -> None:

@@ -1,4 +1,8 @@
-"""Pictures of what eigenstrain and inclusions do to the surface: uplift as a map, displacement along two lines."""
+"""Pictures of what eigenstrain and inclusions do to the surface: uplift as a map, displacement along two lines.
+
+Colours of uplift are the same in every picture: a diverging map centred on zero, red where the surface is lifted out of
+the body, blue where it sinks, white where it stays, also where all of it goes one way.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +10,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
+from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.outline import draw_outline_below
 from eigencontact.viz.style import (
     COLOURS,
     box_size,
-    colour_range,
     heading,
     label_plane,
     new_figure,
     paper_style,
-    place,
     scale_for,
 )
+from eigencontact.viz.window import cell_edges, contact_middle, line_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,6 +32,8 @@ if TYPE_CHECKING:
 
 __all__ = ["cause", "displacement_profiles", "uplift_map"]
 
+#: Colours of uplift, from sunk to lifted.
+UPLIFT = "RdBu_r"
 _NAMES = {"z": "uplift $-u_z$", "x": "$u_x$", "y": "$u_y$"}
 _STYLES = {"z": "-", "x": "--", "y": ":"}
 
@@ -62,20 +69,21 @@ def uplift_map(dataset: Results, step: int = -1) -> Figure:
         wide = width > 2.2 * height
         figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
         axes = figure.add_subplot()
-        colours, low, high = colour_range(uplift)
+        end = float(np.abs(uplift).max()) or 1.0 / rise.factor
         image = axes.imshow(
             rise(uplift),
             origin="lower",
             extent=tuple(length(extent)),
-            cmap=colours,
-            vmin=low * rise.factor,
-            vmax=(high if high > low else 1.0) * rise.factor,
+            cmap=UPLIFT,
+            vmin=-end * rise.factor,
+            vmax=end * rise.factor,
         )
         draw_outline_below(axes, dataset, length)
         label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
         row, column = _largest(uplift)
         title = heading(dataset, step, f"Uplift of the surface by {cause(dataset)}")
-        axes.set_title(f"{title}\n{rise.text(uplift[row, column])} at the cross")
+        way = "down" if uplift[row, column] < 0 else "up"
+        axes.set_title(f"{title}\n{rise.text(abs(uplift[row, column]))} {way} at the cross")
         axes.plot(length(x[column]), length(y[row]), "+", color="black", markersize=8, markeredgewidth=2.4)
         axes.plot(length(x[column]), length(y[row]), "+", color="white", markersize=7, markeredgewidth=1.1)
         bar = figure.colorbar(
@@ -93,7 +101,8 @@ def uplift_map(dataset: Results, step: int = -1) -> Figure:
 def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
     """Uplift and in-plane displacement along x and along y.
 
-    The lines pass through the largest uplift (in magnitude); through the middle of the window when the uplift is
+    The lines pass through the middle of the contact, whose ends are faint lines. Without a contact, or with one in
+    patches, they pass through the largest uplift (in magnitude), or through the middle of the window when the uplift is
     symmetric about it.
 
     Parameters
@@ -109,22 +118,25 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
         One panel along x, one along y; only one where the other direction has a single cell.
     """
     uplift, x, y = _uplift(dataset, step)
-    row, column = _middle(uplift)
+    pressure = np.asarray(dataset["pressure"][step].values) if "pressure" in dataset else np.zeros_like(uplift)
+    row, column, central = contact_middle(pressure)
+    if not (central and pressure.any()):
+        (row, column), central = _middle(uplift), False
     values = {"z": uplift}
     for component in "xy":
         name = f"residual_displacement_{component}"
         if name in dataset:
             values[component] = np.asarray(dataset[name][step].values, dtype=float)
     panels: list[tuple[str, str, NDArray[Any], tuple[Any, Any]]] = [
-        ("x", place("y", y[row]), x, (row, slice(None))),
-        ("y", place("x", x[column]), y, (slice(None), column)),
+        ("x", line_words("x", "y", y[row], central=central), x, (row, slice(None))),
+        ("y", line_words("y", "x", x[column], central=central), y, (slice(None), column)),
     ]
     panels = [panel for panel in panels if panel[2].size > 1] or panels[:1]
     rise = scale_for(np.stack([field[where] for field in values.values() for *_, where in panels[:1]]), "m")
     with paper_style():
         figure = new_figure(3.3 * len(panels) + (0.3 if len(panels) > 1 else 1.2), 2.9)
         drawn = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-        for axes, (along, across, at, where) in zip(drawn, panels, strict=True):
+        for axes, (along, words, at, where) in zip(drawn, panels, strict=True):
             length = scale_for(at, "m")
             for n, (component, field) in enumerate(values.items()):
                 style = {"color": COLOURS[n], "linestyle": _STYLES[component], "linewidth": 1.6 if n == 0 else 1.2}
@@ -132,11 +144,13 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             axes.set_xlabel(f"{along} [{length.unit}]")
             axes.margins(x=0)
-            axes.set_title(f"along {along} at {across}")
+            axes.set_title(words)
+            edges = cell_edges(at, dataset, "xy".index(along))
+            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges), length)
         drawn[0].set_ylabel(f"Displacement [{rise.unit}]")
         handles, labels = drawn[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
-        figure.suptitle(heading(dataset, step, f"Surface displacement by {cause(dataset)}"), fontsize=9.5)
+        legend_below(figure, handles, labels, len(labels))
+        figure.suptitle(heading(dataset, step, f"Surface displacement by {cause(dataset)}"))
     return figure
 
 

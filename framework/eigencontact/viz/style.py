@@ -1,9 +1,8 @@
-"""The look of all figures: sizes, fonts, colours and engineering units. Nothing here changes global settings."""
+"""What all figures share: engineering units, colour ranges, sizes, words of titles, and how they are stored."""
 
 from __future__ import annotations
 
 import math
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
@@ -11,9 +10,10 @@ import numpy as np
 
 from eigencontact import __version__
 from eigencontact.results.atomic import replacing
+from eigencontact.viz.fitting import fit_titles
+from eigencontact.viz.looks import COLOURS, figure_look, used_look
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from matplotlib.axes import Axes
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "COLOURS",
+    "FORMATS",
     "Scale",
     "box_size",
     "colour_range",
@@ -39,45 +40,10 @@ __all__ = [
     "scale_for",
 ]
 
-#: Colour-blind-safe line colours (Okabe and Ito): blue, vermilion, green, orange, purple, sky.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
-#: Resolution of the pictures [dots per inch].
-DPI = 200
+#: Formats of pictures.
+FORMATS = ("png", "pdf", "svg")
 
-_RC: dict[str, Any] = {
-    "font.size": 9,
-    "axes.titlesize": 9.5,
-    "axes.labelsize": 9,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": True,
-    "axes.spines.right": True,
-    "axes.formatter.useoffset": False,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "lines.linewidth": 1.2,
-    "lines.markersize": 3.2,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "xtick.major.pad": 5.5,  # a label at the corner stays clear of that of the other axis
-    "xtick.labelsize": 8.5,
-    "ytick.labelsize": 8.5,
-    "image.interpolation": "nearest",
-    "mathtext.default": "regular",
-    "savefig.facecolor": "white",
-}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-
-
-@contextmanager
-def paper_style() -> Iterator[None]:
-    """Settings of the figures, for the block only."""
-    import matplotlib as mpl
-    from cycler import cycler
-
-    with mpl.rc_context({**_RC, "axes.prop_cycle": cycler(color=COLOURS)}):
-        yield
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +118,8 @@ def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    look = used_look()
+    figure = Figure(figsize=look.size(width, height), layout="compressed" if look.column else "constrained")
     FigureCanvasAgg(figure)
     return figure
 
@@ -196,22 +163,50 @@ def moment(dataset: Results, step: int) -> str:
     return f" (step {number} of {int(dataset['step'][-1])})"
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a PNG that names this package; the file appears complete or not at all.
+#: The look in use; figures are drawn and stored in this block.
+paper_style = figure_look
+
+
+def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
+    """Write a picture that names this package, in the format of its ending; it appears complete or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        Of `new_figure`.
+    path : Path
+        File with the ending ``.png``, ``.pdf`` or ``.svg``.
+    dpi : int, optional
+        Dots per inch, by default those of the look in use.
 
     Raises
     ------
     ResultsError
         When it cannot be stored.
     """
-    said = {"Software": f"eigencontact {__version__}"}
+    kind = path.suffix.removeprefix(".")
+    look = used_look()
+    dots = dpi or look.dpi
     with paper_style(), replacing(path, f"picture {path.name}", lasting=False) as sink:  # `plot` draws it again
         # What bbox_inches="tight" does, without drawing everything once more to find the box.
-        figure.set_dpi(DPI)
+        figure.set_dpi(dots if kind == "png" else 72)
         canvas = cast("FigureCanvasAgg", figure.canvas)
         engine = figure.get_layout_engine()
         if engine is not None:
             engine.execute(figure)
+            if fit_titles(figure):
+                engine.execute(figure)
             figure.set_layout_engine(None)
         box = figure.get_tightbbox(canvas.get_renderer()).padded(0.06)
-        figure.savefig(cast("BinaryIO", sink), format="png", dpi=DPI, bbox_inches=box, metadata=said)
+        if look.column:  # as wide as the column, to the point
+            box.x0, box.x1 = 0.0, figure.get_figwidth()
+        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=_SAID[kind])
+
+
+_MAKER = f"eigencontact {__version__}"
+#: What a file says of itself; a date would make another file of the same picture.
+_SAID: dict[str, dict[str, Any]] = {
+    "png": {"Software": _MAKER},
+    "pdf": {"Creator": _MAKER, "CreationDate": None},
+    "svg": {"Creator": _MAKER, "Date": None},
+}

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
+from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.outline import draw_outline_below
-from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import cell_edges, contact_window, masked_map, middle, view_of
+from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
+from eigencontact.viz.window import cell_edges, contact_middle, contact_window, line_words, masked_map, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,8 +66,8 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
 
     Beside a contact with layers, inclusions or eigenstrain it is the closed form without them, under the same load.
 
-    The lines pass through the cell of largest pressure; through the middle of the window when the pressure is
-    symmetric about it. Markers are computed cells.
+    The lines pass through the middle of the contact; where it is in patches, through the cell of largest pressure.
+    Markers are computed cells; faint lines are the ends of the contact.
 
     Parameters
     ----------
@@ -85,20 +87,22 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     if without or "reference_pressure" in dataset:
         reference = np.asarray(dataset["homogeneous_pressure" if without else "reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
-    row, column = middle(pressure)
+    row, column, central = contact_middle(pressure)
     shown = pressure != 0 if reference is None else (pressure != 0) | (reference != 0)
     view = view_of(shown)
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
+    across, down = slice(view.x0, view.x1), slice(view.y0, view.y1)
+    titles = (line_words("x", "y", y[row], central=central), line_words("y", "x", x[column], central=central))
     lines: list[tuple[str, str, NDArray[Any], NDArray[Any], tuple[Any, Any]]] = [
-        ("x", place("y", y[row]), x, cell_edges(x, dataset, 0), (row, slice(view.x0, view.x1))),
-        ("y", place("x", x[column]), y, cell_edges(y, dataset, 1), (slice(view.y0, view.y1), column)),
+        ("x", titles[0], x, cell_edges(x, dataset, 0), (row, across)),
+        ("y", titles[1], y, cell_edges(y, dataset, 1), (down, column)),
     ]
     lines = [line for line in lines if line[2].size > 1] or lines[:1]
     with paper_style():
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 2.9)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
         thinned = False
-        for axes, (along, across, centres, edges, where) in zip(panels, lines, strict=True):
+        for axes, (along, words, centres, edges, where) in zip(panels, lines, strict=True):
             part = where[along == "x"]
             length = scale_for(edges[part.start : part.stop + 1], "m")
             at = length(centres[part])
@@ -121,24 +125,20 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
             )
             axes.set_xlabel(f"{along} [{length.unit}]")
             axes.set_xlim(float(length(edges[part.start])), float(length(edges[part.stop])))
-            axes.set_title(f"along {along} at {across}")
+            axes.set_title(words)
+            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges[part.start : part.stop + 1]), length)
         low = min(0.0, float(pressure.min()))
         high = max(float(pressure.max()), 0.0 if reference is None else float(reference.max())) or 1.0 / stress.factor
         panels[0].set_ylim(stress(low - 0.025 * (high - low)), stress(high + 0.06 * (high - low)))
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
         handles, labels = panels[0].get_legend_handles_labels()
-        words = {
+        named = {
             "closed form": f"{without} (closed form)" if without else _difference_words(pressure, reference, view),
             "computed": "computed cells (not all marked)" if thinned else "computed cells",
         }
         order = sorted(range(len(labels)), key=lambda n: labels[n] != "computed")
-        figure.legend(
-            [handles[n] for n in order],
-            [words[labels[n]] for n in order],
-            loc="outside lower center",
-            ncols=len(lines),
-        )
-        figure.suptitle(heading(dataset, step, "Contact pressure"), fontsize=9.5)
+        legend_below(figure, [handles[n] for n in order], [named[labels[n]] for n in order], len(lines))
+        figure.suptitle(heading(dataset, step, "Contact pressure"))
     return figure
 
 

@@ -123,7 +123,7 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
             below.set_xlabel(f"{line.along} [{section.length.unit}]")
         panels[1, 0].set_ylabel(f"Worn depth [{depth.unit}]")
         _legend(figure, panels[:, 0], 4 if on is None else 3)
-        figure.suptitle(_heading(dataset, step), fontsize=9.5)
+        figure.suptitle(_heading(dataset, step))
     return figure
 
 
@@ -152,7 +152,7 @@ def worn_coating(dataset: Results, step: int = -1) -> Figure:
             section.draw(axes, line, ends)
             axes.set_xlabel(f"{line.along} [{section.length.unit}]")
         _legend(figure, panels[0, :1])
-        figure.suptitle(_heading(dataset, step), fontsize=9.5)
+        figure.suptitle(_heading(dataset, step))
     return figure
 
 
@@ -302,7 +302,7 @@ def wear_history(dataset: Results) -> Figure:
             axes.xaxis.get_major_locator().set_params(integer=not along.unit)
         if "wear_error" in dataset and float(dataset["wear_error"][-1]) > 0:
             error = 100 * float(dataset["wear_error"][-1])
-            figure.suptitle(f"Wear (estimated error of the volume {error:.2g} %)", fontsize=9.5)
+            figure.suptitle(f"Wear (estimated error of the volume {error:.2g} %)")
     return figure
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
-from eigencontact.viz.style import box_size, colour_range, label_plane, new_figure, paper_style, scale_for
+from eigencontact.viz.style import box_size, colour_range, label_plane, new_figure, paper_style, place, scale_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,9 +21,11 @@ if TYPE_CHECKING:
 __all__ = [
     "Window",
     "cell_edges",
+    "contact_middle",
     "contact_window",
     "draw_contact_outline",
     "is_ragged",
+    "line_words",
     "masked_map",
     "middle",
     "view_of",
@@ -67,11 +69,15 @@ class Window:
         left, right, bottom, top = (float(end) for end in self.length(ends))
         self.extent = (left, right, bottom, top)
 
-    def axes_of_map(self, on: Frame | None = None) -> tuple[Figure, Axes, bool]:
-        """Figure for a map of equal scales; whether it is wide, so that what explains it goes below."""
+    def axes_of_map(self, on: Frame | None = None, *, bar: bool = True) -> tuple[Figure, Axes, bool]:
+        """Figure for a map of equal scales; whether it is wide, so that the bar of its colours goes below.
+
+        Without a bar there is room for a legend below.
+        """
         width, height = box_size(self.extent[1] - self.extent[0], self.extent[3] - self.extent[2])
         wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7), on)
+        below = wide or not bar
+        figure = new_figure(width + (0.8 if below else 1.6), height + (1.5 if wide else 1.0 if below else 0.7), on)
         axes = figure.add_subplot()
         axes.set_facecolor("0.93")
         return figure, axes, wide
@@ -195,6 +201,28 @@ def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
     return int(row), int(column)
 
 
+def contact_middle(pressure: NDArray[Any]) -> tuple[int, int, bool]:
+    """Row and column of profiles of a contact, and whether they pass through its middle.
+
+    They do where it is one patch; through the largest pressure where it is in patches, or open in its middle.
+    """
+    touched = pressure != 0
+    box = Box.around(touched)
+    if box is None:
+        return pressure.shape[0] // 2, pressure.shape[1] // 2, True
+    row, column = (box.y0 + box.y1) // 2, (box.x0 + box.x1) // 2
+    if not is_ragged(touched) and touched[row, column]:
+        return row, column, True
+    row, column = (int(index) for index in np.unravel_index(int(np.argmax(pressure)), pressure.shape))
+    return row, column, False
+
+
+def line_words(along: str, across: str, at: float, *, central: bool) -> str:
+    """Title of a profile: its direction and its place."""
+    where = place(across, at)
+    return f"along {along} through the middle ({where})" if central else f"along {along} at {where}"
+
+
 def is_ragged(contact: NDArray[np.bool_]) -> bool:
     """Whether the border of the contact is much longer than that of the box around it, or there is no contact.
 
@@ -207,7 +235,9 @@ def is_ragged(contact: NDArray[np.bool_]) -> bool:
     return box is None or edges > 3 * sum(box.shape)
 
 
-def draw_contact_outline(axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -> None:
+def draw_contact_outline(
+    axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any], *, faint: bool = False
+) -> None:
     """Line along the cell edges around the contact (`x`, `y`: edges of the cells), unless it is ragged."""
     from matplotlib.collections import LineCollection
 
@@ -218,5 +248,13 @@ def draw_contact_outline(axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any]
     rows, columns = np.nonzero(contact[:, 1:] != contact[:, :-1])
     upright = np.stack([np.stack([x[columns + 1], y[rows + n]], axis=-1) for n in (0, 1)], axis=1)
     axes.add_collection(
-        LineCollection([*level, *upright], colors="0.15", linewidths=0.8, capstyle="projecting"), autolim=False
+        LineCollection(
+            [*level, *upright],
+            colors="1.0" if faint else "0.15",
+            linewidths=0.7 if faint else 0.8,
+            alpha=0.8 if faint else None,
+            capstyle="projecting",
+            zorder=3,
+        ),
+        autolim=False,
     )

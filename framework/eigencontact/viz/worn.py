@@ -154,7 +154,12 @@ def _coatings(scene: str) -> tuple[Source, ...]:
 
 
 def _scene(dataset: Results) -> dict[str, Any]:
-    return tomllib.loads(dataset.attrs["scene"])
+    return _tables(dataset.attrs["scene"])
+
+
+@lru_cache(maxsize=4)
+def _tables(scene: str) -> dict[str, Any]:
+    return tomllib.loads(scene)
 
 
 def _steps(dataset: Results) -> list[dict[str, Any]]:

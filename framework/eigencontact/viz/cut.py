@@ -1,0 +1,223 @@
+"""A section as pictures show it: its points and values, the sides they lie on, and the part that is seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.contact_edge import contact_runs
+from eigencontact.viz.sides import Plane, sides_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from eigencontact.results.stored import Results
+
+    FloatArray = NDArray[np.float64]
+    Range = tuple[float, float]
+
+__all__ = ["WHOLE", "Cut", "Seen", "Shown", "View"]
+
+#: A section is framed around the contact and what reaches this part of the largest value,
+MATTERS = 0.1
+#: with this room around it,
+ROOM = 0.15
+#: unless so much of the section would be left out or more than this part of it stays anyway.
+WORTH_IT = 0.6
+#: A first row of points this many spacings below the surface is the middle of the first layer of cells.
+FIRST_CELL = 0.75
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A number at every point of a region, or every cell of the surface, in one step.
+
+    Attributes
+    ----------
+    words : str
+        What it is, for titles and colour bars.
+    unit : str
+        SI unit.
+    values : array
+        On the dimensions of the region.
+    variable : str
+        Variable of the results that holds it in all steps; empty where it is derived from one.
+    """
+
+    words: str
+    unit: str
+    values: NDArray[Any]
+    variable: str = ""
+
+    @property
+    def nothing(self) -> str:
+        """What is said in a picture of zeros."""
+        return "no stress" if self.unit == "Pa" else "zero everywhere"
+
+
+@dataclass(frozen=True)
+class View:
+    """What a user chooses of a picture.
+
+    Attributes
+    ----------
+    horizontal, vertical : (float, float) or None
+        Ends [m] of what is seen.
+    cmap : str or None
+        Colour map.
+    """
+
+    horizontal: Range | None = None
+    vertical: Range | None = None
+    cmap: str | None = None
+
+
+#: Nothing chosen.
+WHOLE = View()
+
+
+class Cut:
+    """Values of a region of shape plane, or of a volume cut normal to y through its largest value.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    region : str
+        Its name.
+    described : mapping
+        What the results say of it.
+    values : array
+        On its dimensions.
+    step : int
+        Position along ``step``.
+
+    Attributes
+    ----------
+    dims : (str, str)
+        Vertical and horizontal axis.
+    v, h : (m,), (n,)
+        Places along them [m].
+    values : (m, n)
+        There; where the first row is the middle of a layer of cells, it is continued up to the surface.
+    cut : dict
+        Place [m] of the plane along its normal.
+    sides : Sides
+        Of the points.
+    """
+
+    def __init__(
+        self, dataset: Results, region: str, described: Mapping[str, Any], values: NDArray[Any], step: int
+    ) -> None:
+        dims = list(described["dims"])
+        single = [axis for axis in "xyz" if _is_single(dataset, f"{region}_{axis}")]
+        self.cut = {axis: float(dataset[f"{region}_{axis}"]) for axis in single}
+        if len(dims) == 3:
+            largest = np.unravel_index(int(np.argmax(np.abs(np.nan_to_num(values)))), values.shape)
+            at = int(largest[dims.index("y")])
+            values = np.take(values, at, axis=dims.index("y"))
+            self.cut["y"] = float(dataset[f"{region}_y"][at])
+            dims.remove("y")
+        self.dims: tuple[str, str] = (dims[0], dims[1])
+        self.v, self.h = (np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) for axis in self.dims)
+        self.values = np.asarray(values, dtype=float)
+        if self.dims[0] == "z" and 0 < self.v[0] <= FIRST_CELL * _spacing(self.v):
+            self.v, self.values = np.append(0.0, self.v), np.concatenate([self.values[:1], self.values])
+        name = f"{region}_outline"
+        stored = len(described["dims"]) == 2 and name in dataset
+        segments = np.asarray(dataset[name].values, dtype=float) if stored else np.empty((0, 2, 2))
+        plane = Plane(int(described["body"]), self.dims, self.v, self.h)
+        self.sides = sides_of(dataset, plane, segments, step)
+        self.outlined = len(segments) > 0
+
+    @property
+    def normal(self) -> str:
+        """Axis that the plane is normal to; empty where the results do not say."""
+        return next((axis for axis in "xyz" if axis in self.cut), "")
+
+    def largest(self, points: tuple[slice, slice]) -> tuple[int, int]:
+        """Row and column of the largest magnitude among some points."""
+        seen = np.full(self.values.shape, np.nan)
+        seen[points] = self.values[points]
+        return self.sides.largest(seen)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Part of a section that a picture shows.
+
+    Attributes
+    ----------
+    horizontal, vertical : (float, float)
+        Its ends [m], the smaller one first.
+    points : (slice, slice)
+        Rows and columns of the points in it.
+    """
+
+    horizontal: Range
+    vertical: Range
+    points: tuple[slice, slice]
+
+    @property
+    def size(self) -> Range:
+        """Width and height [m]."""
+        return self.horizontal[1] - self.horizontal[0], self.vertical[1] - self.vertical[0]
+
+    def clipped(self, runs: FloatArray) -> FloatArray:
+        """Parts of runs along the horizontal that are seen."""
+        parts = np.clip(runs, *self.horizontal)
+        return np.asarray(parts[parts[:, 1] > parts[:, 0]])
+
+    @staticmethod
+    def of(dataset: Results, section: Cut, view: View, step: int, *, framed: bool) -> Seen:
+        """What a user chose of a section; else, where it is to be framed, what matters in it."""
+        h, v = section.h, section.v
+        whole = ((float(h[0]), float(h[-1])), (float(v[0]), float(v[-1])))
+        if view.horizontal is None and view.vertical is None:
+            ends = _framed(dataset, section, step, whole) if framed else whole
+        else:
+            ends = (view.horizontal or whole[0], view.vertical or whole[1])
+        return Seen(*ends, (_within(v, ends[1]), _within(h, ends[0])))
+
+
+def _framed(dataset: Results, section: Cut, step: int, whole: tuple[Range, Range]) -> tuple[Range, Range]:
+    """Contact and large values with some room, where that leaves out enough of the section."""
+    size = np.where(section.sides.whole, np.abs(np.nan_to_num(section.values)), 0.0)
+    matters = size >= MATTERS * size.max()
+    if not size.any():
+        return whole
+    rows, columns = (np.flatnonzero(matters.any(axis=axis)) for axis in (1, 0))
+    left, right = float(section.h[columns[0]]), float(section.h[columns[-1]])
+    top, bottom = float(section.v[rows[0]]), float(section.v[rows[-1]])
+    runs = contact_runs(dataset, step, section.normal, section.cut.get(section.normal, 0.0))
+    if section.dims[0] == "z":
+        if len(runs):
+            left, right = min(left, float(runs.min())), max(right, float(runs.max()))
+        top = whole[1][0]
+    room = ROOM * max(right - left, bottom - top)
+    across = (max(whole[0][0], left - room), min(whole[0][1], right + room))
+    down = (max(whole[1][0], top - room), min(whole[1][1], bottom + room))
+    kept = (across[1] - across[0]) * (down[1] - down[0])
+    everything = (whole[0][1] - whole[0][0]) * (whole[1][1] - whole[1][0])
+    return (across, down) if 0 < kept <= WORTH_IT * everything else whole
+
+
+def _within(places: FloatArray, ends: Range) -> slice:
+    """Points between two ends; the nearest one where there is none."""
+    slack = 1e-9 * float(np.ptp(places))
+    found = np.flatnonzero((places >= ends[0] - slack) & (places <= ends[1] + slack))
+    if not found.size:
+        found = np.array([np.abs(places - 0.5 * sum(ends)).argmin()])
+    return slice(int(found[0]), int(found[-1]) + 1)
+
+
+def _spacing(places: FloatArray) -> float:
+    return float(places[1] - places[0]) if places.size > 1 else 0.0
+
+
+def _is_single(dataset: Results, name: str) -> bool:
+    return name in dataset.variables and dataset[name].ndim == 0

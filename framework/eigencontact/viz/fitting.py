@@ -1,0 +1,87 @@
+"""Titles and legends that stay inside the width of their figure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+
+__all__ = ["broken", "fit_titles", "legend_below"]
+
+#: Where a line of a title is broken, the first of them that it holds: what comes before stays, what follows goes on.
+BREAKS = ((";  ", ""), (" (", "("), (", ", ""), (" at ", "at "), (" by ", "by "), (" ", ""))
+#: Room beside a title and beside an entry of a legend, in parts of the size of letters.
+_ROOM, _HANDLE = 0.3, 4.6
+#: Lines are broken so many times at most.
+_MOST = 4
+
+
+def fit_titles(figure: Figure) -> bool:
+    """Break titles that reach beyond the figure, once its layout is known; whether one was broken.
+
+    Parameters
+    ----------
+    figure : Figure
+        Whose layout has been found.
+    """
+    renderer = cast("FigureCanvasAgg", figure.canvas).get_renderer()
+    titles: list[Text] = [axes.title for axes in figure.axes if axes.get_title()]
+    above = getattr(figure, "_suptitle", None)
+    titles += [] if above is None else [above]
+    changed = False
+    for title in titles:
+        room = _ROOM * float(title.get_fontsize()) * figure.dpi / 72
+        for _ in range(_MOST):
+            box = title.get_window_extent(renderer)
+            if box.x0 >= room and box.x1 <= figure.bbox.width - room:
+                break
+            words = broken(title.get_text())
+            if words == title.get_text():
+                break
+            title.set_text(words)
+            changed = True
+    return changed
+
+
+def broken(text: str) -> str:
+    """Text with its longest line broken in two; as it is where that line is one word.
+
+    Examples
+    --------
+    >>> broken("Von Mises stress at 650 mN (step 3 of 9)").splitlines()
+    ['Von Mises stress at 650 mN', '(step 3 of 9)']
+    """
+    lines = text.split("\n")
+    longest = max(range(len(lines)), key=lambda n: len(lines[n]))
+    line = lines[longest]
+    for mark, kept in BREAKS:
+        places = [n for n in range(len(line)) if line.startswith(mark, n)]
+        if places:
+            at = min(places, key=lambda n: abs(n - len(line) / 2))
+            first, rest = line[:at], kept + line[at + len(mark) :]
+            lines[longest] = f"{first}{',' if mark == ', ' else ''}\n{rest}"
+            return "\n".join(lines)
+    return text
+
+
+def legend_below(figure: Any, handles: Sequence[Any], labels: Sequence[str], most: int) -> None:
+    """Legend below all panels, in as many columns as the width of the figure has room for, at most so many."""
+    import matplotlib as mpl
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    font = FontProperties(size=mpl.rcParams["legend.fontsize"])
+    size = font.get_size_in_points()
+    wide = [TextPath((0, 0), label, prop=font).get_extents().width + _HANDLE * size for label in labels]
+    room = 72 * float(figure.bbox.width) / float(figure.dpi)
+    count = min(most, len(labels))
+    while count > 1 and sum(float(max(part)) for part in np.array_split(wide, count)) > room:
+        count -= 1
+    figure.legend(handles, labels, loc="outside lower center", ncols=count)

@@ -1,0 +1,237 @@
+"""Which side of interfaces and borders of inclusions the points of a section lie on, so that nothing crosses a jump.
+
+Stress jumps where the material does: at interfaces of layers, at borders of inclusions. A picture must not join points
+of both sides. Where an inclusion is made of cells, stress in the cells that its border cuts is that of neither side: a
+picture fills them from the nearest whole cell of the same side, and looks for no extreme value there. Points finer than
+cells show the jumps at the faces of the cells beside those as well: there, too, no extreme value is looked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.outline import paths_of
+from eigencontact.viz.worn import interfaces
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from eigencontact.results.stored import Results
+
+    FloatArray = NDArray[np.float64]
+
+__all__ = ["Plane", "Side", "Sides", "interface_depths", "one_side", "sides_of"]
+
+#: A depth this close to an interface, in parts of its depth, is on it; the lower layer has it, as in the kernels.
+SAME = 1e-12
+#: A border this close to a face of cells, in parts of their edge, runs along it and cuts none.
+ON_A_FACE = 1e-6
+#: Points of a border to a cell.
+PER_CELL = 4
+#: Points closer than this part of an edge of cells are finer than cells.
+FINER = 0.5
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Points of a section.
+
+    Attributes
+    ----------
+    body : int
+        1 or 2.
+    dims : (str, str)
+        Vertical and horizontal axis of its picture.
+    v, h : (m,), (n,)
+        Places along them [m].
+    """
+
+    body: int
+    dims: tuple[str, str]
+    v: FloatArray
+    h: FloatArray
+
+
+@dataclass(frozen=True)
+class Side:
+    """What lies on one side of all interfaces and borders.
+
+    Attributes
+    ----------
+    points : (m, n) bool
+        Points of the section that lie there.
+    outline : (k, 2) or None
+        Border (horizontal, vertical) [m] of an inclusion; None for what lies around all of them.
+    depths : (float, float)
+        It lies between these [m].
+    """
+
+    points: NDArray[np.bool_]
+    outline: FloatArray | None
+    depths: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Sides of a section, in the order in which they are drawn over each other, and its whole cells.
+
+    Attributes
+    ----------
+    parts : tuple of Side
+        Layers first, then inclusions from the largest to the smallest.
+    whole : (m, n) bool
+        Points that lie in no cell which a border cuts.
+    trusted : (m, n) bool
+        Those of them that may hold an extreme value.
+    interfaces : tuple of float
+        Depths [m] of interfaces in the section.
+    """
+
+    parts: tuple[Side, ...]
+    whole: NDArray[np.bool_]
+    trusted: NDArray[np.bool_]
+    interfaces: tuple[float, ...]
+
+    def filled(self, values: FloatArray, part: Side) -> FloatArray:
+        """Values (m, n) with those of other sides and of cut cells replaced by the nearest of one side.
+
+        Where a side has no whole cell, its values in cut cells stay.
+        """
+        known = part.points & self.whole & np.isfinite(values)
+        known = known if known.any() else part.points & np.isfinite(values)
+        if known.all() or not known.any():
+            return values
+        from scipy.ndimage import distance_transform_edt
+
+        index = distance_transform_edt(~known, return_distances=False, return_indices=True)
+        return np.asarray(values[tuple(index)])
+
+    def largest(self, values: FloatArray) -> tuple[int, int]:
+        """Row and column of the largest magnitude among trusted points; of several alike, nearest to the middle."""
+        size = np.where(self.trusted, np.abs(np.nan_to_num(values)), -1.0)
+        size = size if self.trusted.any() else np.abs(np.nan_to_num(values))
+        rows, columns = np.nonzero(size >= (1.0 - 1e-9) * size.max())
+        best = int(np.argmin(np.abs(columns - (values.shape[1] - 1) / 2) + np.abs(rows - (values.shape[0] - 1) / 2)))
+        return int(rows[best]), int(columns[best])
+
+
+def one_side(shape: tuple[int, int]) -> Sides:
+    """Sides of a section without interfaces and inclusions."""
+    everywhere = np.ones(shape, dtype=bool)
+    return Sides((Side(everywhere, None, (-np.inf, np.inf)),), everywhere, everywhere, ())
+
+
+def interface_depths(dataset: Results, body: int, step: int = -1) -> tuple[float, ...]:
+    """Depths [m] of the interfaces of a layered body in a step, below the surface that its kernels have then."""
+    name = f"layer_lost_{body}"
+    lost = float(dataset[name][step]) if name in dataset else 0.0
+    return tuple(depth - lost for depth in interfaces(dataset, body) if depth > lost)
+
+
+def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -1) -> Sides:
+    """Sides of a section.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    plane : Plane
+        Its points.
+    segments : (n, 2, 2)
+        Borders of inclusions in it [m], as results store them: (horizontal, vertical).
+    step : int
+        Position along ``step``.
+    """
+    layer = np.zeros((plane.v.size, plane.h.size), dtype=int)
+    cuts: tuple[float, ...] = ()
+    if plane.dims[0] == "z":
+        cuts = tuple(at for at in interface_depths(dataset, plane.body, step) if plane.v[0] < at < plane.v[-1])
+        layer += np.searchsorted(np.array(cuts) * (1.0 - SAME), plane.v, side="right")[:, None]
+    ends = (-np.inf, *cuts, np.inf)
+    closed = [path for path in paths_of(segments) if len(path) > 3 and np.array_equal(path[0], path[-1])]
+    owner = np.full(layer.shape, -1)
+    closed.sort(key=_area, reverse=True)
+    for number, path in enumerate(closed):
+        owner[_inside(path, plane)] = number
+    parts = []
+    for number in range(-1, len(closed)):
+        for n, depths in enumerate(pairwise(ends)):
+            points = (owner == number) & (layer == n)
+            if points.any():
+                parts.append(Side(points, closed[number] if number >= 0 else None, depths))
+    return Sides(tuple(parts), *_whole(dataset, plane, closed), cuts)
+
+
+def _area(path: FloatArray) -> float:
+    x, y = path[:-1].T
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+
+
+def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
+    """Points of a section within a closed path; rays towards larger places along the vertical are counted."""
+    inside = np.zeros((plane.v.size, plane.h.size), dtype=bool)
+    unit = float(np.ptp(path, axis=0).max())
+    for (h0, v0), (h1, v1) in pairwise(path):
+        met = (plane.h >= h0) != (plane.h >= h1)
+        if not met.any():
+            continue
+        at = v0 + (plane.h[met] - h0) * (v1 - v0) / (h1 - h0)
+        inside[:, met] ^= plane.v[:, None] < at - SAME * unit
+    return inside
+
+
+def _whole(
+    dataset: Results, plane: Plane, paths: list[FloatArray]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Points that lie in no cell which a path cuts, and the trusted of them; all where no cells are stored."""
+    whole = np.ones((plane.v.size, plane.h.size), dtype=bool)
+    grids = [f"cells_{plane.body}_{axis}" for axis in plane.dims]
+    if not paths or any(name not in dataset.variables for name in grids):
+        return whole, whole
+    middles = [np.asarray(dataset[name].values, dtype=float) for name in grids]
+    if any(places.size < 2 for places in middles):
+        return whole, whole
+    edges = [float(places[1] - places[0]) for places in middles]
+    starts = [float(places[0]) - 0.5 * edge for places, edge in zip(middles, edges, strict=True)]
+    cells = set[tuple[int, int]]().union(*(_cells_cut(path, edges, starts) for path in paths))
+    if not cells:
+        return whole, whole
+    found = np.array(sorted(cells))
+    first = found.min(axis=0) - 2
+    cut = np.zeros(tuple(found.max(axis=0) - first + 3), dtype=bool)
+    cut[tuple((found - first).T)] = True
+    places = [(at - start) / edge for at, start, edge in zip((plane.v, plane.h), starts, edges, strict=True)]
+    whole = ~_touching(cut, places, first)
+    if not any(at.size > 1 and at[1] - at[0] < FINER for at in places):
+        return whole, whole
+    from scipy.ndimage import binary_dilation
+
+    return whole, ~_touching(binary_dilation(cut, np.ones((3, 3))), places, first)
+
+
+def _touching(cells: NDArray[np.bool_], places: list[FloatArray], first: NDArray[Any]) -> NDArray[np.bool_]:
+    """Points (row, column), in edges of cells, that lie in some cells or on their faces; `first` is cell (0, 0)."""
+    ends = []
+    for at, start, count in zip(places, first, cells.shape, strict=True):
+        sides = [np.floor(at + side).astype(int) - start for side in (-ON_A_FACE, ON_A_FACE)]
+        ends.append([np.clip(side, 0, count - 1) for side in sides])  # the outermost cells are never among them
+    found = np.zeros((places[0].size, places[1].size), dtype=bool)
+    for rows in ends[0]:
+        for columns in ends[1]:
+            found |= cells[np.ix_(rows, columns)]
+    return found
+
+
+def _cells_cut(path: FloatArray, edges: list[float], starts: list[float]) -> set[tuple[int, int]]:
+    """Cells (row, column) that a path runs through, along whose faces it does not run alone."""
+    lengths = np.abs(np.diff(path, axis=0)) / np.array(edges[::-1])
+    counts = np.maximum(1, np.ceil(PER_CELL * lengths.max(axis=1)).astype(int))
+    shares = [(np.arange(count) + 0.5) / count for count in counts]
+    points = np.concatenate([a + share[:, None] * (b - a) for a, b, share in zip(path, path[1:], shares, strict=False)])
+    places = (points[:, ::-1] - np.array(starts)) / np.array(edges)
+    inner = (np.abs(places - np.round(places)) > ON_A_FACE).all(axis=1)
+    return {(int(row), int(column)) for row, column in np.floor(places[inner])}
