@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from eigencontact.facade.result import ContactResult
     from eigencontact.facade.voxels import Voxels
     from eigencontact.inclusions import inclusion_field
+    from eigencontact.pictures.plot import plot
     from eigencontact.reports.report import report
     from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.sweep import sweep
@@ -44,6 +45,7 @@ __all__ = [
     "make",
     "open_results",
     "plan",
+    "plot",
     "rectangle_field",
     "region",
     "report",
@@ -60,6 +62,7 @@ _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged
 _HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
 _HOMES |= {"HalfSpace": "facade.bodies", "Layered": "facade.bodies", "Voxels": "facade.voxels"}
 _HOMES |= {"solve_contact": "facade.contact", "ContactResult": "facade.result"}
+_HOMES |= {"plot": "pictures.plot"}
 
 
 def __getattr__(name: str) -> Any:

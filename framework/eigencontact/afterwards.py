@@ -26,6 +26,9 @@ def draw(
     table: Mapping[str, Any] | str | None = None,
     step: int | None = None,
     animation: Literal[False, True, "gif", "mp4"] = False,
+    kind: str = "png",
+    dpi: int | None = None,
+    style: str = "screen",
 ) -> dict[Path, str]:
     """Pictures, and an animation and VTK files if wanted, of stored results; returns each file and what it shows.
 
@@ -44,13 +47,21 @@ def draw(
         Number of the load step to draw, from 1.
     animation : bool or str
         Whether to draw the history as an animation, a GIF; ``"mp4"`` takes the program ffmpeg.
+    kind : str
+        Format of the pictures: ``"png"``, ``"pdf"`` or ``"svg"``.
+    dpi : int, optional
+        Dots per inch of pictures that are made of dots; by default those of the style.
+    style : str
+        ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points) or ``"talk"``.
     """
     from eigencontact.results.atomic import DAMAGE, reason
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import results_file
     from eigencontact.results.stored import open_stored
     from eigencontact.viz.figures import draw_all
+    from eigencontact.viz.looks import figure_look, look_of
 
+    look = look_of(style)
     source = results_file(results)
     target = Path(folder) if folder is not None else source.parent
     stored: dict[Path, str] = {}
@@ -58,16 +69,17 @@ def draw(
         names = list(json.loads(dataset.attrs["regions"]))
         if table is not None:
             stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
-        refuse_foreign(target, names, summary=False, pictures=True, vtk=vtk, animation=bool(animation))
-        _make_folder(target)
+        refuse_foreign(target, names, summary=False, pictures=kind, vtk=vtk, animation=bool(animation))
+        make_folder(target)
         try:
-            shown = None if step is None or table is not None else _place_of(dataset, step)
+            shown = None if step is None or table is not None else place_of(dataset, step)
             named = {}
             if animation:  # refused before anything is drawn
                 from eigencontact.viz.animation import animate
 
                 named = animate(dataset, target, animation)
-            named |= draw_all(dataset, target, shown, solid=vtk)
+            with figure_look(look):
+                named |= draw_all(dataset, target, shown, solid=vtk, kind=kind, dpi=dpi)
             files = {target / name: text for name, text in named.items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
@@ -85,14 +97,14 @@ def _region_file(name: str) -> str:
     return f"region-{name}.nc"
 
 
-def _make_folder(folder: Path) -> None:
+def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as problem:
         raise ResultsError(f"output folder {folder} must be writable (got {problem}); choose another with -o") from None
 
 
-def _place_of(dataset: Results, step: int) -> int:
+def place_of(dataset: Results, step: int) -> int:
     """Position of a stored step."""
     steps = [int(number) for number in dataset["step"].values]
     if step not in steps:
@@ -154,7 +166,7 @@ def region(
         return dataset_of([part])
     target = Path(folder) / _region_file(next(iter(record.regions)))
     refuse_foreign_file(target)
-    _make_folder(target.parent)
+    make_folder(target.parent)
     join_steps(target, [part])
     return open_results(target)
 

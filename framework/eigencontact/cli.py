@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperGroup
 
 from eigencontact.errors import EigencontactError
+from eigencontact.pictures.command import plot
 from eigencontact.skeleton import TEMPLATES
 
 __all__ = ["main"]
@@ -281,45 +282,7 @@ def _show(name: Annotated[str, typer.Argument(help="Name of a bundled scene.")])
         _fail(problem)
 
 
-@app.command()
-def plot(
-    results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
-    *,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder for the files; by default beside the results."),
-    ] = None,
-    region: Annotated[
-        str | None,
-        typer.Option("--region", metavar="TABLE", help="Another region, as [[stress]] describes one; see below."),
-    ] = None,
-    step: Annotated[int | None, typer.Option("--step", metavar="N", help="Load step to draw, from 1.")] = None,
-    vtk: Annotated[bool, typer.Option(help="Also write VTK files for ParaView.")] = True,
-    animation: Annotated[
-        bool, typer.Option("--animation", help="Also draw the history as an animation (GIF).")
-    ] = False,
-    mp4: Annotated[bool, typer.Option("--mp4", help="The animation as MP4, which takes the program ffmpeg.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
-    as_json: JsonOption = False,
-) -> None:
-    """Draw pictures (PNG), an animation if wanted, and write VTK files from stored results.
-
-    With `--region` the stress, strain or displacement in a region that the run did not have, without solving again:
-    `eigencontact plot hertz --region 'name = "below", shape = "plane", normal = "z", position = "50 um"'`
-    """
-    from eigencontact import afterwards
-
-    try:
-        files = afterwards.draw(
-            results, output, vtk=vtk, table=region, step=step, animation="mp4" if mp4 else animation
-        )
-    except EigencontactError as problem:
-        _fail(problem)
-    if as_json:
-        typer.echo(json.dumps({str(path): text for path, text in files.items()}, indent=2))
-    elif not quiet:
-        for path, text in files.items():
-            typer.echo(f"{path}  {text}")
+app.command()(plot)
 
 
 @app.command("cache")

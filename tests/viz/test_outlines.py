@@ -40,7 +40,11 @@ def dataset(**more):
     data = xr.Dataset(
         {"pressure": (("step", "y", "x"), bump), **more},
         coords={"x": x, "y": x, "step": [1]},
-        attrs={"scene": "", "cell_size": [1e-6, 1e-6], "regions": '{"cut": {"shape": "plane", "body": 1, "dims": ["z", "x"]}}'},
+        attrs={
+            "scene": "",
+            "cell_size": [1e-6, 1e-6],
+            "regions": '{"cut": {"shape": "plane", "body": 1, "dims": ["z", "x"]}}',
+        },
     )
     return data, bump
 

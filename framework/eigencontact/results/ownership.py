@@ -41,7 +41,13 @@ def listed_files(folder: Path) -> list[str]:
 
 
 def refuse_foreign(
-    folder: Path, regions: list[str], *, summary: bool, pictures: bool, vtk: bool, animation: bool = False
+    folder: Path,
+    regions: list[str],
+    *,
+    summary: bool,
+    pictures: bool | str,
+    vtk: bool,
+    animation: bool = False,
 ) -> None:
     """Refuse a folder that holds files of others under names that a run or its drawings may use.
 
@@ -52,7 +58,7 @@ def refuse_foreign(
     regions : list of str
         Names of the sub-surface regions.
     summary, pictures, vtk, animation : bool
-        What will be written.
+        What will be written; of pictures the ending, where it is not ``png``.
 
     Raises
     ------
@@ -67,7 +73,8 @@ def refuse_foreign(
     drawn = [region + more for region in regions for more in ("", *OF_REGIONS)]
     stems = "|".join(re.escape(name) for name in (*PICTURES, *drawn))
     names += r"|cells_[12]"
-    used = [rf"({stems})\.png"] * pictures + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
+    ending = pictures if isinstance(pictures, str) else "png"
+    used = [rf"({stems})\.{ending}"] * bool(pictures) + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk
     used += [re.escape(SUMMARY)] * summary + [rf"{ANIMATION}\.(gif|mp4)"] * animation
     for path in present:
         if any(re.fullmatch(pattern, path.name, re.IGNORECASE) for pattern in used) and not is_ours(path):

@@ -11,6 +11,8 @@ from eigencontact.viz.frame import extremes
 from eigencontact.viz.style import colour_range
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["colour_ends", "contours_by_side"]
+__all__ = ["colour_ends", "contours_by_side", "draw_sides"]
 
 #: Number of filled contours.
 LEVELS = 14
@@ -84,21 +86,39 @@ def contours_by_side(
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     extend = beyond[bool(least < levels[0]), bool(np.nanmax(limits) > levels[-1])]
     inner = [level for level in levels[::2] if np.nanmin(values) < level < np.nanmax(values)]
+    lines = {"levels": inner, "colors": "0.15" if signed else "1.0"}
+    return draw_sides(
+        axes, at, values, sides, length=length, levels=levels, cmap=cmap or colours, extend=extend, lines=lines
+    )
+
+
+def draw_sides(
+    axes: Axes,
+    at: tuple[FloatArray, FloatArray],
+    values: FloatArray,
+    sides: Sides,
+    *,
+    length: Scale,
+    levels: Sequence[float],
+    cmap: str,
+    extend: str = "neither",
+    lines: dict[str, Any] | None = None,
+) -> Any:
+    """Filled contours between given levels, each side by its own values; thin lines at some of them."""
     x, y = length(at[0]), length(at[1])
     drawn = None
     for number, part in enumerate(sides.parts):
         level = 1.0 + number / len(sides.parts)  # bands of a side hide the lines of those below it
         field = np.ma.masked_invalid(sides.filled(values, part))
-        bands = axes.contourf(x, y, field, levels=levels, cmap=cmap or colours, extend=extend, zorder=level)
+        bands = axes.contourf(x, y, field, levels=levels, cmap=cmap, extend=extend, zorder=level)
         bands.set_edgecolor("face")  # no seams between bands in a PDF
         bands.set_linewidth(0.1)
-        lines = []
-        if any(field.min() < level < field.max() for level in inner):
-            style: dict[str, Any] = {"colors": "0.15" if signed else "1.0", "linewidths": 0.3, "alpha": 0.6}
-            lines.append(axes.contour(x, y, field, levels=inner, zorder=level, **style))
+        made = [bands]
+        if lines and any(field.min() < one < field.max() for one in lines["levels"]):
+            made.append(axes.contour(x, y, field, linewidths=0.3, alpha=0.6, zorder=level, **lines))
         if len(sides.parts) > 1:
-            for made in (bands, *lines):
-                made.set_clip_path(_border(part, at, length), axes.transData)
+            for one in made:
+                one.set_clip_path(_border(part, at, length), axes.transData)
         drawn = drawn or bands
     return drawn
 

@@ -44,7 +44,14 @@ CONSTANT = 1e-6
 
 
 def draw_all(
-    dataset: Results, folder: Path, step: int | None = None, *, solid: bool = False, part: tuple[int, int] = (0, 1)
+    dataset: Results,
+    folder: Path,
+    step: int | None = None,
+    *,
+    solid: bool = False,
+    part: tuple[int, int] = (0, 1),
+    kind: str = "png",
+    dpi: int | None = None,
 ) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
 
@@ -53,7 +60,7 @@ def draw_all(
     dataset : Results
         Results of a run (`eigencontact.results.reader.open_results`).
     folder : Path
-        Existing folder for the PNG files.
+        Existing folder for the files.
     step : int, optional
         Position along ``step`` of the fields to draw; by default the last, or that of the largest pressure where the
         geometry rolls over elastic bodies that do not wear (in the last it may have left what it rolled over). Where
@@ -62,6 +69,10 @@ def draw_all(
         Whether to draw surfaces in space, which takes VTK.
     part : (int, int)
         Of several processes that share the work, which one this is, from 0, and how many they are.
+    kind : str
+        Format: ``"png"``, ``"pdf"`` or ``"svg"``.
+    dpi : int, optional
+        Dots per inch; by default those of the look in use.
 
     Returns
     -------
@@ -139,10 +150,11 @@ def draw_all(
     several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
     if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
         wanted.append(("history.png", history_words(dataset), lambda: load_history(dataset)))
-    for name, _, draw in wanted[part[0] :: part[1]]:
-        save(draw(), folder / name)
+    named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
+    for name, _, draw in named[part[0] :: part[1]]:
+        save(draw(), folder / name, dpi)
         gc.collect()  # a figure refers to itself
-    return {name: sentence for name, sentence, _ in wanted}
+    return {name: sentence for name, sentence, _ in named}
 
 
 def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from eigencontact.viz.looks import used_look
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -13,14 +15,32 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 
-__all__ = ["broken", "fit_titles", "legend_below"]
+__all__ = ["broken", "finish", "fit_titles", "legend_below"]
 
 #: Where a line of a title is broken, the first of them that it holds: what comes before stays, what follows goes on.
 BREAKS = ((";  ", ""), (" (", "("), (", ", ""), (" at ", "at "), (" by ", "by "), (" ", ""))
 #: Room beside a title and beside an entry of a legend, in parts of the size of letters.
 _ROOM, _HANDLE = 0.3, 4.6
+#: Room above and below what a figure holds [inch].
+_MARGIN = 0.05
 #: Lines are broken so many times at most.
 _MOST = 4
+
+
+def finish(figure: Figure) -> None:
+    """Lay a figure out: titles inside its width, and in a column of a paper no higher than what it holds."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    canvas = cast("FigureCanvasAgg", figure.canvas)
+    engine.execute(figure)
+    if fit_titles(figure):
+        engine.execute(figure)
+    if used_look().column:
+        for _ in range(2):  # a lower figure is laid out anew
+            height = figure.get_tightbbox(canvas.get_renderer()).height + 2 * _MARGIN
+            figure.set_figheight(min(height, figure.get_figheight()))
+            engine.execute(figure)
 
 
 def fit_titles(figure: Figure) -> bool:

@@ -122,7 +122,7 @@ LOOKS = {
     for look in (
         Look("screen", _SCREEN),
         Look("paper", _PAPER, dpi=600, column=True),
-        Look("talk", _TALK, growth=1.4),
+        Look("talk", _TALK, growth=1.15),
     )
 }
 _USED: ContextVar[Look] = ContextVar("look of figures", default=LOOKS["screen"])

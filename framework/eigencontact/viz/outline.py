@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.style import Scale
 
-__all__ = ["draw_interfaces", "draw_outline", "draw_outline_below", "paths_of"]
+__all__ = ["draw_interfaces", "draw_outline", "draw_outline_below", "draw_segments", "paths_of"]
 
 #: Ends of segments closer than this part of the whole picture are one point.
 SAME = 1e-7
@@ -22,12 +22,21 @@ SAME = 1e-7
 
 def draw_outline(axes: Axes, dataset: Results, name: str, length: Scale) -> None:
     """Draw stored outlines, dark on a light ground so that they show on every colour; nothing where none are."""
-    _draw(axes, dataset, name, length, ((1.8, "1.0", "-", 1.0), (0.8, "0.1", "-", 1.0)))
+    if name in dataset:
+        draw_segments(axes, np.asarray(dataset[name].values, dtype=float), length)
+
+
+def draw_segments(axes: Axes, segments: NDArray[Any], length: Scale) -> None:
+    """Draw borders (n, 2, 2) [m], dark on a light ground."""
+    _draw(axes, segments, length, ((1.8, "1.0", "-", 1.0), (0.8, "0.1", "-", 1.0)))
 
 
 def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
     """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed."""
-    _draw(axes, dataset, "outline", length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
+    if "outline" not in dataset:
+        return
+    segments = np.asarray(dataset["outline"].values, dtype=float)
+    _draw(axes, segments, length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
 
 
 def draw_interfaces(axes: Axes, depths: tuple[float, ...], length: Scale) -> None:
@@ -38,12 +47,10 @@ def draw_interfaces(axes: Axes, depths: tuple[float, ...], length: Scale) -> Non
             line.set_solid_capstyle("butt")
 
 
-def _draw(axes: Axes, dataset: Results, name: str, length: Scale, strokes: tuple[Any, ...]) -> None:
+def _draw(axes: Axes, segments: NDArray[Any], length: Scale, strokes: tuple[Any, ...]) -> None:
     from matplotlib.collections import LineCollection
 
-    if name not in dataset:
-        return
-    paths = paths_of(length(np.asarray(dataset[name].values, dtype=float)))
+    paths = paths_of(length(segments))
     for width, colour, style, opacity in strokes:
         lines = LineCollection(
             paths, colors=colour, linewidths=width, linestyles=[style], alpha=opacity, capstyle="butt", zorder=3

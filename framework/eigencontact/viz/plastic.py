@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.contours import draw_sides
 from eigencontact.viz.frame import draw_way
+from eigencontact.viz.line_sides import inclusion_segments
+from eigencontact.viz.outline import draw_segments
 from eigencontact.viz.remembered import SHARE, CellField, draw_zone
+from eigencontact.viz.sides import Plane, sides_of
 from eigencontact.viz.style import (
     COLOURS,
     box_size,
@@ -151,8 +155,12 @@ def plastic_section(
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         levels = MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top)
-        filled = axes.contourf(length(x), length(z), PERCENT * values, levels=levels, cmap="viridis")
+        axes.set_ylim(float(length(deep)), 0.0)
+        segments = inclusion_segments(dataset, field.body, "y", at["y"])
+        sides = sides_of(dataset, Plane(field.body, ("z", "x"), z, x), segments, step)
+        filled = draw_sides(axes, (x, z), PERCENT * values, sides, length=length, levels=levels, cmap="viridis")
         axes.set_facecolor(filled.cmap(0.5 / (len(levels) - 1)))  # the colour of the lowest band
+        draw_segments(axes, segments, length)
         draw_zone(axes, field, "y", at["y"], length)
         for colour, size in (("black", 9), ("white", 7)):
             mark: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": size / 3.5 - 0.6}

@@ -2,20 +2,78 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
+from eigencontact.viz.line_sides import line_sides
 from eigencontact.viz.section import EQUIVALENT
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from eigencontact.results.stored import Results
+    from eigencontact.viz.cut import Shown, View
+    from eigencontact.viz.style import Scale
 
-__all__ = ["mean_profile", "stress_profile"]
+__all__ = ["Line", "line_profile", "mean_profile", "stress_profile"]
+
+
+class Line:
+    """Points of a region of shape line, and where curves along it break: at interfaces and borders of inclusions.
+
+    Attributes
+    ----------
+    deep : bool
+        Whether it goes into the body.
+    at : (n,)
+        Depth, or distance along a line of constant depth [m].
+    whole : (n,) bool
+        Points in no cell that a border cuts.
+    jumps : (m,)
+        Where the material changes, on the same scale [m].
+    """
+
+    def __init__(self, dataset: Results, region: str, step: int) -> None:
+        points = np.stack(
+            [
+                np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) * np.ones(dataset.sizes[f"{region}_point"])
+                for axis in "xyz"
+            ]
+        )
+        self.deep = bool(np.ptp(points[2]) > 0)
+        moved = np.linalg.norm(np.diff(points), axis=0)
+        self.at = points[2] if self.deep else np.concatenate([[0.0], np.cumsum(moved)])
+        self._name = region
+        body = int(json.loads(dataset.attrs["regions"])[region]["body"])
+        sides = line_sides(dataset, body, points, step)
+        self.whole = sides.whole
+        self._breaks = np.flatnonzero(sides.number[1:] != sides.number[:-1]) + 1
+        first, last = self.at[self._breaks - 1], self.at[self._breaks]
+        self.jumps = first + sides.shares * (last - first)
+
+    def draw(self, axes: Axes, values: Any, length: Scale, *style: Any, **more: Any) -> None:
+        """Curve of values, one piece for each side of the jumps, which leaves out cells that a border cuts."""
+        values = np.where(self.whole, values, np.nan) if self.whole.any() else values
+        places, numbers = (np.insert(np.asarray(part, dtype=float), self._breaks, np.nan) for part in (self.at, values))
+        pair = (numbers, length(places)) if self.deep else (length(places), numbers)
+        axes.plot(*pair, *style, **more)
+
+    def finish(self, axes: Axes, length: Scale) -> None:
+        """Name the axis along the line, z downwards, and draw the jumps."""
+        if self.deep:
+            axes.set_ylabel(f"z [{length.unit}]")
+            axes.set_ylim(float(length(self.at.max())), float(length(self.at.min())))
+        else:
+            axes.set_xlabel(f"distance along {self._name} [{length.unit}]")
+            axes.margins(x=0)
+        for jump in self.jumps:
+            across = axes.axhline if self.deep else axes.axvline
+            across(float(length(jump)), color="0.4", linewidth=0.6, linestyle=(0, (4, 2)), zorder=0, label="_interface")
 
 
 def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
@@ -35,13 +93,7 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     matplotlib.figure.Figure
         Equivalent stresses that were stored, and the normal and shear components that do not vanish.
     """
-    points = {
-        axis: np.asarray(dataset[f"{region}_{axis}"].values, dtype=float) * np.ones(dataset.sizes[f"{region}_point"])
-        for axis in "xyz"
-    }
-    deep = bool(np.ptp(points["z"]) > 0)
-    moved = np.sqrt(sum(np.diff(values) ** 2 for values in points.values()))
-    at = points["z"] if deep else np.concatenate([[0.0], np.cumsum(moved)])
+    line = Line(dataset, region, step)
     curves = {
         EQUIVALENT[field]: np.asarray(dataset[f"{region}_{field}"][step].values, dtype=float)
         for field in EQUIVALENT
@@ -54,24 +106,19 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
             if float(np.nanmax(np.abs(values))) > 1e-6 * largest:
                 curves[rf"$\sigma_{{{name}}}$"] = values
     stress = scale_for(np.stack(list(curves.values())), "Pa")
-    length = scale_for(at, "m")
+    length = scale_for(line.at, "m")
     styles = ("-", "--", "-.", ":")
     with paper_style():
-        figure = new_figure(4.6, 3.4) if deep else new_figure(5.2, 3.0)
+        figure = new_figure(4.6, 3.4) if line.deep else new_figure(5.2, 3.0)
         axes = figure.add_subplot()
         for n, (name, values) in enumerate(curves.items()):
-            pair = (stress(values), length(at)) if deep else (length(at), stress(values))
             style = styles[(n // len(COLOURS)) % len(styles)] if name in EQUIVALENT.values() else styles[1 + n % 3]
             # On an axis of symmetry von Mises and Tresca coincide: the wider line shows beneath the narrower.
             width = 2.6 if n == 0 and len(curves) > 1 else 1.2
-            axes.plot(*pair, style, color=COLOURS[n % len(COLOURS)], label=name, linewidth=width)
-        (axes.axvline if deep else axes.axhline)(0, color="0.6", linewidth=0.6, zorder=0)
-        if deep:
-            axes.set(xlabel=f"Stress [{stress.unit}]", ylabel=f"z [{length.unit}]")
-            axes.set_ylim(float(length(at.max())), float(length(at.min())))
-        else:
-            axes.set(xlabel=f"distance along {region} [{length.unit}]", ylabel=f"Stress [{stress.unit}]")
-            axes.margins(x=0)
+            line.draw(axes, stress(values), length, style, color=COLOURS[n % len(COLOURS)], label=name, linewidth=width)
+        (axes.axvline if line.deep else axes.axhline)(0, color="0.6", linewidth=0.6, zorder=0)
+        (axes.set_xlabel if line.deep else axes.set_ylabel)(f"Stress [{stress.unit}]")
+        line.finish(axes, length)
         unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
         title = heading(dataset, step, f"{'Residual stresses' if unloaded else 'Stresses'} along {region}")
         axes.set_title(title.replace(f"{region} at", f"{region}\nat"))  # the legend lies beside
@@ -110,4 +157,37 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
         what = f"{'Residual stress' if unloaded else 'Stress'} over depth, {region}"
         axes.set_title(heading(dataset, step, what) + "\nbands hold nine tenths of the points")
         axes.legend(loc="best")
+    return figure
+
+
+def line_profile(dataset: Results, region: str, shown: Shown, step: int, view: View) -> Figure:
+    """One number along a line: depth downwards, or distance along it where the depth is constant.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    region : str
+        A region of shape line.
+    shown : Shown
+        Numbers at its points.
+    step : int
+        Position along ``step``.
+    view : View
+        ``vertical`` is the part of the line that is seen where it goes down, else ``horizontal``.
+    """
+    line = Line(dataset, region, step)
+    unit, length = scale_for(shown.values, shown.unit), scale_for(line.at, "m")
+    with paper_style():
+        figure = new_figure(4.6, 3.4) if line.deep else new_figure(5.2, 3.0)
+        axes = figure.add_subplot()
+        line.draw(axes, unit(shown.values), length, "-", color=COLOURS[0])
+        line.finish(axes, length)
+        name = f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
+        (axes.set_xlabel if line.deep else axes.set_ylabel)(name)
+        if line.deep and view.vertical:
+            axes.set_ylim(*length(view.vertical[::-1]))
+        elif not line.deep and view.horizontal:
+            axes.set_xlim(*length(view.horizontal))
+        axes.set_title(heading(dataset, step, f"{shown.words} along {region}"))
     return figure

@@ -10,7 +10,7 @@ import numpy as np
 
 from eigencontact import __version__
 from eigencontact.results.atomic import replacing
-from eigencontact.viz.fitting import fit_titles
+from eigencontact.viz.fitting import finish
 from eigencontact.viz.looks import COLOURS, figure_look, used_look
 
 if TYPE_CHECKING:
@@ -40,6 +40,8 @@ __all__ = [
     "scale_for",
 ]
 
+#: Negative values below this part of the largest are what a solver leaves of zero.
+SIGNED = 1e-5
 #: Formats of pictures.
 FORMATS = ("png", "pdf", "svg")
 
@@ -97,7 +99,7 @@ def scale_for(values: ArrayLike, unit: str) -> Scale:
 def colour_range(values: ArrayLike) -> tuple[str, float, float]:
     """Colour map and its limits: viridis from 0 for values of one sign, a symmetric diverging map for signed ones."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    if low < -1e-9 * max(abs(high), abs(low)) and high > 0:
+    if low < -SIGNED * max(abs(high), abs(low)) and high > 0:
         end = max(-low, high)
         return "RdBu_r", -end, end
     if high <= 0 and low < 0:
@@ -191,12 +193,8 @@ def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
         # What bbox_inches="tight" does, without drawing everything once more to find the box.
         figure.set_dpi(dots if kind == "png" else 72)
         canvas = cast("FigureCanvasAgg", figure.canvas)
-        engine = figure.get_layout_engine()
-        if engine is not None:
-            engine.execute(figure)
-            if fit_titles(figure):
-                engine.execute(figure)
-            figure.set_layout_engine(None)
+        finish(figure)
+        figure.set_layout_engine(None)
         box = figure.get_tightbbox(canvas.get_renderer()).padded(0.06)
         if look.column:  # as wide as the column, to the point
             box.x0, box.x1 = 0.0, figure.get_figwidth()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.style import box_size, colour_range, label_plane, new_figure, paper_style, place, scale_for
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ __all__ = [
     "masked_map",
     "middle",
     "view_of",
+    "zone_map",
 ]
 
 #: Cells along a side that a map shows at most: somewhat more than its dots.
@@ -102,6 +104,9 @@ def masked_map(
     empty: str,
     limits: NDArray[Any] | None = None,
     on: Frame | None = None,
+    cmap: str | None = None,
+    masked: bool = True,
+    centred: bool = False,
 ) -> Figure:
     """Map of a field over a window.
 
@@ -121,6 +126,12 @@ def masked_map(
         Smallest and largest value that the colours are for; by default of the cells shown.
     on : Frame, optional
         Frame of an animation to draw in.
+    cmap : str, optional
+        Colour map; by default one that suits the signs.
+    masked : bool
+        Whether zeros are grey.
+    centred : bool
+        Whether zero is in the middle of the colours also where all values are of one sign.
     """
     shown = field[window.view.slices]
     with paper_style():
@@ -128,12 +139,14 @@ def masked_map(
         limits = shown if limits is None else limits
         scale = scale_for(limits, unit)
         colours, low, high = colour_range(limits)
+        if centred:
+            low, high = -max(-low, high), max(-low, high)
         drawn = _sampled(shown)
         image = axes.imshow(
-            np.ma.masked_where(drawn == 0, scale(drawn)),
+            np.ma.masked_where((drawn == 0) & masked, scale(drawn)),
             origin="lower",
             extent=window.extent,
-            cmap=colours,
+            cmap=cmap or colours,
             vmin=low * scale.factor,
             vmax=high * scale.factor,
         )
@@ -149,9 +162,32 @@ def masked_map(
                 aspect=30 if wide else 22,
                 pad=0.03,
             )
-            bar.set_label(f"{label} [{scale.unit}]")
+            bar.set_label(f"{label} [{scale.unit}]" if scale.unit else label)
         if not np.any(shown):
             axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center", color="0.4")
+    return figure
+
+
+def zone_map(
+    window: Window, field: NDArray[Any], title: str, names: tuple[str, ...], colours: tuple[str, ...]
+) -> Figure:
+    """Map of a field of whole numbers, each with a name and a colour of its own."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    shown = np.rint(field[window.view.slices]).astype(int)
+    with paper_style():
+        figure, axes, _ = window.axes_of_map(bar=False)
+        norm = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names))
+        axes.imshow(shown, origin="lower", extent=window.extent, cmap=ListedColormap(colours), norm=norm)
+        window.label(axes)
+        window.outline(axes, shown > 0)
+        axes.set_title(title)
+        patches = [
+            Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=name)
+            for name, colour in zip(names, colours, strict=True)
+        ]
+        legend_below(figure, patches, names, len(names))
     return figure
 
 

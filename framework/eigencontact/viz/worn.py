@@ -24,6 +24,7 @@ __all__ = [
     "ends_of_cycles",
     "initial_separation",
     "interfaces",
+    "scene_of",
     "solved_cycles",
     "wears",
 ]
@@ -124,7 +125,7 @@ def interfaces(dataset: Results, body: int) -> tuple[float, ...]:
     from eigencontact.scene.components import build_component
     from eigencontact.scene.schema import Scene
 
-    table: dict[str, Any] | None = _scene(dataset).get(f"body{body}", {}).get("medium")
+    table: dict[str, Any] | None = scene_of(dataset).get(f"body{body}", {}).get("medium")
     if table is None:
         return ()
     try:
@@ -137,7 +138,7 @@ def interfaces(dataset: Results, body: int) -> tuple[float, ...]:
 
 def coatings(dataset: Results) -> tuple[Source, ...]:
     """Inclusions that reach the surface of their body; none where the scene cannot be built again."""
-    return _coatings(dataset.attrs["scene"]) if _scene(dataset).get("inclusions") else ()
+    return _coatings(dataset.attrs["scene"]) if scene_of(dataset).get("inclusions") else ()
 
 
 @lru_cache(maxsize=1)
@@ -153,7 +154,8 @@ def _coatings(scene: str) -> tuple[Source, ...]:
     return tuple(one for one in sources if not one.guessed and one.shape.bounds[0][2] <= 0.0)
 
 
-def _scene(dataset: Results) -> dict[str, Any]:
+def scene_of(dataset: Results) -> dict[str, Any]:
+    """Tables of the scene of a run."""
     return _tables(dataset.attrs["scene"])
 
 
@@ -163,4 +165,4 @@ def _tables(scene: str) -> dict[str, Any]:
 
 
 def _steps(dataset: Results) -> list[dict[str, Any]]:
-    return list(_scene(dataset).get("steps", [{}]))
+    return list(scene_of(dataset).get("steps", [{}]))

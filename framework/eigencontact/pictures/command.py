@@ -1,0 +1,103 @@
+"""The command `eigencontact plot`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["plot"]
+
+
+def plot(
+    results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
+    *,
+    field: Annotated[
+        str | None, typer.Option("--field", metavar="NAME", help="One picture, of this field: `stress`, `pressure`.")
+    ] = None,
+    component: Annotated[
+        str | None, typer.Option("--component", metavar="NAME", help="Of a vector or tensor: `x`, `xz`, `1`.")
+    ] = None,
+    region: Annotated[
+        str | None,
+        typer.Option("--region", metavar="NAME", help="A region of the run by its name, or a new one as a table."),
+    ] = None,
+    step: Annotated[int | None, typer.Option("--step", metavar="N", help="Load step to draw, from 1.")] = None,
+    zoom: Annotated[
+        str | None, typer.Option("--zoom", metavar="RANGES", help="What is seen: `-6 um:6 um, 0:8 um`.")
+    ] = None,
+    cmap: Annotated[str | None, typer.Option("--cmap", metavar="NAME", help="Colour map of matplotlib.")] = None,
+    style: Annotated[
+        str, typer.Option("--style", metavar="NAME", help="`screen`, `paper` (8.4 cm or 17 cm wide) or `talk`.")
+    ] = "screen",
+    kind: Annotated[
+        str | None, typer.Option("--format", metavar="NAME", help="`png`, `pdf` or `svg`; by default PNG.")
+    ] = None,
+    dpi: Annotated[int | None, typer.Option("--dpi", metavar="N", help="Dots per inch of pictures of dots.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder, or file of one picture; by default the results'."),
+    ] = None,
+    vtk: Annotated[bool, typer.Option(help="Also write VTK files for ParaView, if all pictures are drawn.")] = True,
+    animation: Annotated[
+        bool, typer.Option("--animation", help="Also draw the history as an animation (GIF).")
+    ] = False,
+    mp4: Annotated[bool, typer.Option("--mp4", help="The animation as MP4, which takes the program ffmpeg.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
+) -> None:
+    """Draw pictures and write VTK files from stored results; with `--field`, or the name of a region, one picture.
+
+    One picture, for a column of a paper:
+    `eigencontact plot hertz --field stress --component xz --region section --style paper -o shear.pdf`
+
+    With a table as `--region` the stress, strain or displacement in a region that the run did not have, without solving
+    again: `eigencontact plot hertz --region 'name = "below", shape = "plane", normal = "z", position = "50 um"'`
+    """
+    from eigencontact.errors import EigencontactError
+
+    try:
+        one = field is not None or (region is not None and "=" not in region)
+        options = {"component": component, "zoom": zoom, "cmap": cmap}
+        if one:
+            from eigencontact.pictures.plot import draw_chosen
+
+            _refuse({"--animation": animation or mp4}, "all pictures, without --field and without the name of a region")
+            files = draw_chosen(
+                results, output, field=field, region=region, step=step, kind=kind, dpi=dpi, style=style, **options
+            )
+        else:
+            from eigencontact import afterwards
+            from eigencontact.pictures.plot import dpi_of, format_of
+
+            _refuse({f"--{name}": given for name, given in options.items()}, "--field, or the name of a region")
+            files = afterwards.draw(
+                results,
+                output,
+                vtk=vtk,
+                table=region,
+                step=step,
+                animation="mp4" if mp4 else animation,
+                kind=format_of(kind),
+                dpi=dpi_of(dpi),
+                style=style,
+            )
+    except EigencontactError as problem:
+        typer.echo(f"eigencontact: {'; '.join(filter(None, map(str.strip, str(problem).splitlines())))}", err=True)
+        raise typer.Exit(problem.exit_code) from None
+    if as_json:
+        typer.echo(json.dumps({str(path): text for path, text in files.items()}, indent=2))
+    elif not quiet:
+        for path, text in files.items():
+            typer.echo(f"{path}  {text}")
+
+
+def _refuse(options: dict[str, object], rule: str) -> None:
+    """Refuse options that were given without those that they go with."""
+    from eigencontact.errors import SceneError
+
+    for name, given in options.items():
+        if given:
+            raise SceneError(f"{name} must be given with {rule} (got it alone)")

@@ -1,0 +1,210 @@
+"""One picture of results, as axes that a program goes on with, or as a file."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eigencontact.errors import ResultsError, SceneError, nearest, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from matplotlib.axes import Axes
+
+    from eigencontact.results.stored import Results
+    from eigencontact.viz.chosen import Chosen
+
+__all__ = ["FORMATS", "draw_chosen", "plot"]
+
+#: Formats of pictures.
+FORMATS = ("png", "pdf", "svg")
+#: Dots per inch that a picture may have.
+DOTS = (20, 2400)
+
+
+def plot(
+    results: Any,
+    field: str | None = None,
+    *,
+    component: str | None = None,
+    step: int | None = None,
+    region: str | None = None,
+    zoom: str | Sequence[Any] | None = None,
+    cmap: str | None = None,
+    style: str = "screen",
+) -> Axes:
+    """Draw one field of results.
+
+    Parameters
+    ----------
+    results : str, Path, xarray.Dataset or RunResult
+        A folder of results or its ``results.nc``, what `open_results` or `region` returned, or what a run returned.
+    field : str, optional
+        ``"pressure"``, ``"shear"``, ``"gap"``, ``"stress"``, ``"von-mises"``, ``"plastic-strain"``, … whatever the
+        results hold; an unknown name is answered with all of them. By default the pressure, or the equivalent stress of
+        a region.
+    component : str, optional
+        ``"xz"`` of a stress, or ``"1"`` for its largest principal value; ``"x"`` of a displacement or of a traction.
+    step : int, optional
+        Number of the load step, from 1; the last by default.
+    region : str, optional
+        Name of a region of the run, or ``"surface"``; by default the surface where the field lies there, else the first
+        region that has it.
+    zoom : str or pairs of numbers, optional
+        What is seen, along the horizontal and the vertical: ``"-6 um:6 um, 0:8 um"``, or pairs of numbers [m].
+    cmap : str, optional
+        Colour map of matplotlib; by default one that the colour-blind can read.
+    style : str
+        ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points, thin lines) or ``"talk"``.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Of the picture; ``axes.figure`` is all of it, with its colour bar, and ``axes.figure.savefig("name.pdf")``
+        stores it. Lengths and values are in the units that its labels name.
+
+    Raises
+    ------
+    SceneError, ResultsError
+        One line that names what is unknown and the nearest valid choice; results that are missing or damaged.
+
+    Examples
+    --------
+    >>> from eigencontact import load_scene, run
+    >>> changes = ["grid.cells-per-contact-radius=12", "stress.1.depth-cells=20"]
+    >>> axes = plot(run(load_scene("hertz", changes)), "stress", component="xz", zoom="-9 um:9 um, 0:9 um")
+    >>> axes.get_xlabel(), axes.get_ylim()
+    ('x [µm]', (9.0, 0.0))
+    """
+    from eigencontact.viz.fitting import finish
+    from eigencontact.viz.looks import figure_look, look_of
+
+    look = look_of(style)
+    options = {"component": component, "region": region, "zoom": zoom, "cmap": cmap}
+    with _opened(results) as dataset, figure_look(look):
+        figure = _chosen(dataset, field, step, options).figure
+        figure.set_dpi(look.dpi)
+        finish(figure)
+    axes: Axes = figure.axes[0]
+    return axes
+
+
+def draw_chosen(
+    results: str | Path,
+    output: Path | None = None,
+    *,
+    field: str | None = None,
+    step: int | None = None,
+    region: str | None = None,
+    kind: str | None = None,
+    dpi: int | None = None,
+    style: str = "screen",
+    **options: Any,
+) -> dict[Path, str]:
+    """Store one picture; returns its file and what it shows.
+
+    Parameters
+    ----------
+    results : str or Path
+        A folder of results or its ``results.nc``.
+    output : Path, optional
+        File with an ending of `FORMATS`, or a folder; by default the folder of the results.
+    field, step, region : optional
+        See `plot`; `region` may also be the text of a table of a new region, which has a ``=``.
+    kind : str, optional
+        Format; by default that of the file, else PNG.
+    dpi : int, optional
+        Dots per inch; by default those of the style.
+    style : str
+        See `plot`.
+    **options : optional
+        ``component``, ``zoom`` and ``cmap`` of `plot`.
+    """
+    from eigencontact.afterwards import make_folder
+    from eigencontact.afterwards import region as new_region
+    from eigencontact.results.ownership import refuse_foreign_file
+    from eigencontact.results.reader import results_file
+    from eigencontact.viz.looks import figure_look, look_of
+    from eigencontact.viz.style import save
+
+    look, source = look_of(style), results_file(results)
+    ending = output.suffix.lower().removeprefix(".") if output is not None else ""
+    named = ending in FORMATS
+    kind = format_of(kind, ending if named else None)
+    found: Any = results
+    if region is not None and "=" in region:
+        found, region, step = new_region(results, region, step=step), None, None
+        region = next(iter(_regions(found)))
+    with _opened(found) as dataset, figure_look(look):
+        chosen = _chosen(dataset, field, step, {"region": region, **options})
+        number = int(dataset["step"][-1]) if step is None else step
+        after = f"-step-{number}" if dataset.sizes["step"] > 1 and step is not None else ""
+        folder = output or source.parent
+        file = output if named and output is not None else folder / f"{chosen.name}{after}.{kind}"
+        refuse_foreign_file(file)
+        make_folder(file.parent)
+        save(chosen.figure, file, dpi_of(dpi))
+    return {file: chosen.sentence}
+
+
+def format_of(kind: str | None, ending: str | None = None) -> str:
+    """Format of pictures; the ending of a file must agree with it.
+
+    Raises
+    ------
+    SceneError
+        An unknown one, with the nearest.
+    """
+    known = ", ".join(map(repr, FORMATS))
+    if kind is not None and kind not in FORMATS:
+        raise SceneError(f"format must be one of {known} (got {shown(kind)}){nearest(str(kind), FORMATS)}")
+    if kind and ending and kind != ending:
+        raise SceneError(f"format must be that of the file, {ending!r} (got {kind!r}); leave it out")
+    return kind or ending or FORMATS[0]
+
+
+def dpi_of(dpi: int | None) -> int | None:
+    """Dots per inch.
+
+    Raises
+    ------
+    SceneError
+        Fewer or more than a picture may have.
+    """
+    low, high = DOTS
+    if dpi is not None and not low <= dpi <= high:
+        raise SceneError(f"dpi must be within {low} and {high} (got {dpi})")
+    return dpi
+
+
+@contextmanager
+def _opened(results: Any) -> Iterator[Results]:
+    """Results of a path, a dataset or a run."""
+    from eigencontact.results.stored import open_stored
+
+    if isinstance(results, str | Path):
+        with open_stored(results) as dataset:
+            yield dataset
+        return
+    dataset = getattr(results, "dataset", results)
+    if not (hasattr(dataset, "data_vars") and "regions" in getattr(dataset, "attrs", {})):
+        raise ResultsError(
+            f"results must be a folder, a dataset of this package, or what a run returned (got {shown(results)})"
+        )
+    yield dataset
+
+
+def _chosen(dataset: Results, field: str | None, step: int | None, options: dict[str, Any]) -> Chosen:
+    from eigencontact.afterwards import place_of
+    from eigencontact.viz.chosen import chosen_picture
+
+    return chosen_picture(dataset, field, step=-1 if step is None else place_of(dataset, step), **options)
+
+
+def _regions(dataset: Any) -> dict[str, Any]:
+    import json
+
+    found: dict[str, Any] = json.loads(dataset.attrs["regions"])
+    return found

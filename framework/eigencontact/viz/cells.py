@@ -1,0 +1,95 @@
+"""Picture of what the cells of a body remember: one section, every cell in its place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eigencontact.viz.contact_edge import contact_runs, draw_contact_above
+from eigencontact.viz.cut import Shown, View
+from eigencontact.viz.line_sides import inclusion_segments
+from eigencontact.viz.outline import draw_segments
+from eigencontact.viz.remembered import CellField
+from eigencontact.viz.style import (
+    box_size,
+    colour_range,
+    heading,
+    label_plane,
+    new_figure,
+    paper_style,
+    place,
+    scale_for,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from eigencontact.results.stored import Results
+
+__all__ = ["cells_map"]
+
+#: Cells with more than this part of the largest value are framed, with this room in cells.
+MATTERS, ROOM = 1e-3, 3
+
+
+def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) -> Figure:
+    """A number in every cell of the section normal to y through the largest of them, which is marked by a cross.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    body : int
+        1 or 2.
+    shown : Shown
+        Numbers (nz, ny, nx) in the cells of that body.
+    step : int
+        Position along ``step`` that they belong to.
+    view : View
+        Part of the section, and colours, where they are chosen.
+    """
+    middles = {axis: np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "zyx"}
+    field = CellField(body, np.abs(shown.values), middles)
+    at = field.largest[1] if shown.values.any() else {axis: float(places.mean()) for axis, places in middles.items()}
+    values = shown.values[:, int(np.abs(middles["y"] - at["y"]).argmin())]
+    halves = {axis: 0.5 * field.edge(axis) for axis in "zx"}
+    edges = [np.append(middles[axis] - half, middles[axis][-1] + half) for axis, half in halves.items()]
+    horizontal, vertical = view.horizontal, view.vertical
+    if horizontal is None and vertical is None and values.any():
+        rows, columns = np.nonzero(np.abs(values) > MATTERS * np.abs(values).max())
+        left, right = (ROOM * side + index for side, index in ((-1, columns.min()), (1, columns.max() + 1)))
+        horizontal = (edges[1][max(0, left)], edges[1][min(values.shape[1], right)])
+        vertical = (edges[0][0], edges[0][min(values.shape[0], rows.max() + 1 + ROOM)])
+    horizontal, vertical = horizontal or (edges[1][0], edges[1][-1]), vertical or (edges[0][0], edges[0][-1])
+    length, unit = scale_for([*horizontal, *vertical], "m"), scale_for(values, shown.unit)
+    colours, low, high = colour_range(values)
+    width, height = box_size(horizontal[1] - horizontal[0], vertical[1] - vertical[0], (4.4, 3.4))
+    with paper_style():
+        wide = width > 2.2 * height
+        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
+        axes = figure.add_subplot()
+        mesh = axes.pcolormesh(
+            length(edges[1]), length(edges[0]), unit(values), cmap=view.cmap or colours,
+            vmin=low * unit.factor, vmax=high * unit.factor or 1.0,
+        )  # fmt: skip
+        axes.set_aspect("equal")
+        axes.set_xlim(length(horizontal))
+        axes.set_ylim(length(vertical[::-1]))
+        draw_segments(axes, inclusion_segments(dataset, body, "y", at["y"]), length)
+        draw_contact_above(axes, contact_runs(dataset, step, "y", at["y"]), length)
+        label_plane(axes, f"x [{length.unit}]", f"z [{length.unit}]")
+        title = heading(dataset, step, f"{shown.words} in body {body}")
+        if values.any():
+            bar = figure.colorbar(
+                mesh, ax=axes, location="bottom" if wide else "right", shrink=0.7 if wide else 1.0,
+                aspect=30 if wide else 22, pad=0.03,
+            )  # fmt: skip
+            bar.set_label(f"{shown.words} [{unit.unit}]" if unit.unit else shown.words)
+            for colour, size, thick in (("black", 9, 2.6), ("white", 8, 1.2)):
+                axes.plot(length(at["x"]), length(at["z"]), "+", color=colour, markersize=size, markeredgewidth=thick)
+            row, column = (int(np.abs(middles[axis] - at[axis]).argmin()) for axis in "zx")
+            where = ", ".join(place(axis, at[axis]) for axis in "xz")
+            title += f"\n{place('y', at['y'])};  {unit.text(values[row, column])} at {where} (cross)"
+        axes.set_title(title)
+    return figure

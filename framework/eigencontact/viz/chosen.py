@@ -1,0 +1,273 @@
+"""One picture that a user chooses: a field, in a place, after a step, of a part of it, in given colours."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.core.grid import Box
+from eigencontact.core.units import parse_quantity
+from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.viz.cells import cells_map
+from eigencontact.viz.choices import (
+    SURFACE,
+    Field,
+    cell_fields,
+    cell_numbers,
+    choose,
+    listed,
+    region_fields,
+    region_numbers,
+    surface_fields,
+    surface_numbers,
+)
+from eigencontact.viz.cut import View
+from eigencontact.viz.exposed import exposed_map
+from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES
+from eigencontact.viz.profile import line_profile
+from eigencontact.viz.residual import UPLIFT
+from eigencontact.viz.section import equivalent_of, stress_section
+from eigencontact.viz.style import heading
+from eigencontact.viz.window import Window, masked_map, view_of, zone_map
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.figure import Figure
+
+    from eigencontact.results.stored import Results
+
+    Range = tuple[float, float]
+
+__all__ = ["Chosen", "chosen_picture", "colour_map", "zoom_of"]
+
+#: Of uplift's colours, the other way round: displacement into the body, so that what is lifted is red in every picture.
+_SUNK = {UPLIFT: "RdBu"}
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A picture that can be drawn.
+
+    Attributes
+    ----------
+    name : str
+        For a file, without an ending.
+    sentence : str
+        What it shows.
+    figure : Figure
+        The picture.
+    """
+
+    name: str
+    sentence: str
+    figure: Figure
+
+
+def chosen_picture(
+    dataset: Results,
+    field: str | None,
+    *,
+    component: str | None = None,
+    step: int = -1,
+    region: str | None = None,
+    zoom: str | Sequence[Any] | None = None,
+    cmap: str | None = None,
+) -> Chosen:
+    """Draw one field.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    field : str or None
+        Its name; by default the pressure, or the equivalent stress of a region.
+    component : str, optional
+        Of a vector or tensor.
+    step : int
+        Position along ``step``.
+    region : str, optional
+        Name of a stored region, or ``"surface"``; by default the surface, or the first region that holds the field.
+    zoom : str or sequence, optional
+        See `zoom_of`.
+    cmap : str, optional
+        Colour map.
+
+    Raises
+    ------
+    SceneError
+        What is unknown, with the nearest valid choice.
+    """
+    (horizontal, vertical), colours = zoom_of(zoom), colour_map(cmap)
+    view = View(horizontal, vertical, colours)
+    place, one = _found(dataset, field, region)
+    part = one.component(component)
+    words = [] if place == SURFACE else [place or "cells"]
+    name = "-".join([*words, one.name, *([part] if part else [])]).replace("_", "-")
+    if place == SURFACE:
+        made = _surface(dataset, one, part, step, view)
+    elif not place:
+        body = int(one.variable.rpartition("_")[2])
+        made = cells_map(dataset, body, cell_numbers(dataset, one, part, step), step, view)
+    else:
+        numbers = region_numbers(dataset, place, one, part, step)
+        if json.loads(dataset.attrs["regions"])[place]["shape"] == "line":
+            made = line_profile(dataset, place, numbers, step, view)
+        else:
+            made = stress_section(dataset, place, step, None, numbers, view)
+    after = f" after step {int(dataset['step'][step])}" if dataset.sizes["step"] > 1 else ""
+    sentence = f"{one.name}{f' {part}' if part else ''} {f'on {place!r}' if place else 'in the cells'}{after}."
+    return Chosen(f"plot-{name}", sentence, made)
+
+
+def _found(dataset: Results, field: str | None, region: str | None) -> tuple[str, Field]:
+    """Place of a field, empty for the cells of bodies, and the field there."""
+    regions = {name: one for name, one in json.loads(dataset.attrs["regions"]).items() if _is_drawn(dataset, name, one)}
+    surface, cells = surface_fields(dataset), cell_fields(dataset)
+    if region is not None and region not in (SURFACE, *regions):
+        raise SceneError(
+            f"region must be a stored one that can be drawn: {listed([*regions, SURFACE])} (got {shown(region)})"
+            f"{nearest(str(region), [*regions, SURFACE])}; another one is described by a table, "
+            "'name = \"cut\", shape = \"plane\", depth-max = \"1 mm\"'"
+        )
+    if region is None and field is None and "pressure" not in surface:
+        region = next(iter(regions), None)
+    if region not in (None, SURFACE):
+        own = region_fields(dataset, str(region))
+        name = field or equivalent_of(dataset, str(region)) or next(iter(own))
+        return str(region), choose(name, own, f" of region {region!r}")
+    name = field or "pressure"
+    if region == SURFACE:
+        return SURFACE, choose(name, surface, " of the surface")
+    everywhere = {at: region_fields(dataset, at) for at in regions}
+    one = choose(name, {**{k: v for own in everywhere.values() for k, v in own.items()}, **cells, **surface}, "")
+    if one.name in surface:
+        return SURFACE, surface[one.name]
+    if one.name in cells:
+        return "", cells[one.name]
+    at = next(at for at, own in everywhere.items() if one.name in own)
+    return at, everywhere[at][one.name]
+
+
+def _is_drawn(dataset: Results, name: str, described: dict[str, Any]) -> bool:
+    """Whether a region is a line, or a plane or volume of at least 2 x 2 points."""
+    sizes = [dataset.sizes[f"{name}_{axis}"] for axis in described["dims"]]
+    if described["shape"] == "line":
+        return sizes[0] > 1
+    return described["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1
+
+
+def _surface(dataset: Results, one: Field, part: str, step: int, view: View) -> Figure:
+    """Map of a field of the surface."""
+    if one.name == "exposed_material":
+        return exposed_map(dataset, step)
+    numbers = surface_numbers(dataset, one, part, step)
+    values = numbers.values
+    contact = np.zeros(values.shape, dtype=bool)
+    if "pressure" in dataset:
+        contact = np.asarray(dataset["pressure"][step].values) != 0
+    rim = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
+    local = not rim.any() and one.name != "gap"  # nothing but in the contact, or where it has been
+    box = view_of(contact | (values != 0)) if local else Box(0, values.shape[0], 0, values.shape[1])
+    window = Window(dataset, _zoomed(dataset, box, view))
+    if one.name == "contact_zone":
+        return zone_map(window, values, heading(dataset, step, "Stick and slip"), ZONES, ZONE_COLOURS)
+    colours = view.cmap or (UPLIFT if one.name == "uplift" else None)
+    if colours is None and numbers.variable == "residual_displacement_z":
+        colours = _SUNK[UPLIFT]
+    return masked_map(
+        window,
+        values,
+        unit=numbers.unit,
+        label=numbers.words,
+        title=heading(dataset, step, numbers.words),
+        outline=contact,
+        empty="no contact" if one.name == "pressure" else "zero everywhere",
+        cmap=colours,
+        masked=local,
+        centred=one.name in ("uplift", "residual_displacement") or numbers.variable == "residual_displacement_z",
+    )
+
+
+def _zoomed(dataset: Results, box: Box, view: View) -> Box:
+    """Cells whose middles lie in what a user has chosen."""
+    ends = []
+    for axis, chosen, low, high in (("y", view.vertical, box.y0, box.y1), ("x", view.horizontal, box.x0, box.x1)):
+        at = np.asarray(dataset[axis].values, dtype=float)
+        if chosen is None:
+            ends += [low, high]
+            continue
+        inside = np.flatnonzero((at >= chosen[0]) & (at <= chosen[1]))
+        if not inside.size:
+            raise SceneError(
+                f"zoom must hold cells of the window, {axis} from {at[0]:g} m to {at[-1]:g} m (got {chosen[0]:g} m to "
+                f"{chosen[1]:g} m)"
+            )
+        ends += [int(inside[0]), int(inside[-1]) + 1]
+    return Box(*ends)
+
+
+def zoom_of(given: str | Sequence[Any] | None) -> tuple[Range | None, Range | None]:
+    """Ends [m] of what is seen, along the horizontal and the vertical of a picture.
+
+    Parameters
+    ----------
+    given : str or sequence
+        ``"-6 um:6 um, 0:8 um"``, or ``((-6e-6, 6e-6), (0, 8e-6))``; the second pair may be left out.
+
+    Raises
+    ------
+    SceneError
+        Anything else.
+
+    Examples
+    --------
+    >>> zoom_of("-6 um:6 um, 0:8 um")
+    ((-6e-06, 6e-06), (0.0, 8e-06))
+    >>> zoom_of([(0, 1e-6)])
+    ((0.0, 1e-06), None)
+    """
+    rule = 'zoom must be one or two ranges of lengths, horizontal and vertical, "-6 um:6 um, 0:8 um"'
+    if given is None:
+        return None, None
+    try:
+        pairs = [part.split(":") for part in given.split(",")] if isinstance(given, str) else list(map(list, given))
+        ranges = [[float(parse_quantity(_metres(end), "m", "a length")) for end in pair] for pair in pairs]
+    except (TypeError, ValueError) as problem:
+        raise SceneError(f"{rule} (got {shown(given)}: {problem})") from None
+    good = 1 <= len(ranges) <= 2 and all(len(ends) == 2 and -np.inf < ends[0] < ends[1] < np.inf for ends in ranges)
+    if not good:
+        raise SceneError(f"{rule}, each from the smaller to the larger end (got {shown(given)})")
+    first, second = ranges[0], ranges[-1]
+    return (first[0], first[1]), (second[0], second[1]) if len(ranges) == 2 else None
+
+
+def _metres(end: Any) -> Any:
+    """Number of metres where a text is a number alone: zero needs no unit."""
+    try:
+        return float(end)
+    except ValueError:
+        return end
+
+
+def colour_map(name: str | None) -> str | None:
+    """Name of a colour map of matplotlib.
+
+    Raises
+    ------
+    SceneError
+        An unknown one, with the nearest.
+    """
+    if name is None:
+        return None
+    from matplotlib import colormaps
+
+    if name not in colormaps:
+        raise SceneError(
+            f"cmap must be a colour map of matplotlib, such as 'viridis', 'cividis', 'magma' or 'RdBu_r' (got "
+            f"{shown(name)}){nearest(str(name), list(colormaps))}"
+        )
+    return name
