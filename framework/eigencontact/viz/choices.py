@@ -24,6 +24,8 @@ __all__ = ["SURFACE", "Field", "cell_fields", "choose", "region_fields", "surfac
 
 #: Where fields of the surface lie, beside the names of regions.
 SURFACE = "surface"
+#: A component smaller than this part of the others is zero.
+ROUND_OFF = 1e-9
 #: Scalars that follow from a stress.
 _OF_STRESS = {"von_mises": von_mises, "tresca": tresca, "hydrostatic": hydrostatic}
 _PRINCIPAL = ("1", "2", "3")
@@ -186,11 +188,11 @@ def region_numbers(dataset: Results, region: str, field: Field, component: str, 
             return Shown(_words(kind), unit, _OF_STRESS[kind](to_mandel(values)))
         if kind in _PRINCIPAL:
             return Shown(f"{_words('principal')} {kind}", unit, principal(to_mandel(values))[int(kind) - 1])
-        return Shown(rf"Stress $\sigma_{{{kind}}}$", unit, values[COMPONENTS.index(kind)])
+        return Shown(rf"Stress $\sigma_{{{kind}}}$", unit, _one(values, kind))
     if not component:
         return Shown(_words(field.name), unit, values, field.variable)
     if field.name == "strain":
-        return Shown(rf"Strain $\varepsilon_{{{kind}}}$", unit, values[COMPONENTS.index(kind)])
+        return Shown(rf"Strain $\varepsilon_{{{kind}}}$", unit, _one(values, kind))
     if field.name == "displacement":
         return Shown(f"{_words(field.name)} {_AXES[kind]}", unit, values["xyz".index(kind)])
     return Shown(f"{_words(field.name)} {kind}", unit, values[int(kind) - 1])
@@ -222,6 +224,13 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
         n = COMPONENTS.index(component)
         return Shown(rf"{words}, ${component}$", unit, values[n] / (1.0 if n < 3 else np.sqrt(2.0)))
     return Shown(words, unit, values)
+
+
+def _one(values: NDArray[Any], component: str) -> NDArray[Any]:
+    """One component (of stress or strain); zero where it is round-off beside the others, which has no picture."""
+    found = values[COMPONENTS.index(component)]
+    small = np.nanmax(np.abs(found), initial=0.0) <= ROUND_OFF * np.nanmax(np.abs(values), initial=0.0)
+    return np.zeros_like(found) if small else found
 
 
 def _words(name: str) -> str:

@@ -206,7 +206,7 @@ def _whole(
     cut[tuple((found - first).T)] = True
     places = [(at - start) / edge for at, start, edge in zip((plane.v, plane.h), starts, edges, strict=True)]
     whole = ~_touching(cut, places, first)
-    if not any(at.size > 1 and at[1] - at[0] < FINER for at in places):
+    if not any(at.size > 1 and at[-1] - at[-2] < FINER for at in places):
         return whole, whole
     from scipy.ndimage import binary_dilation
 

@@ -1,0 +1,254 @@
+"""Sections and profiles where the material jumps: each point on its side, nothing joined, no extreme in cut cells."""
+
+import io
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+from close import close
+from eigencontact.viz.contact_edge import contact_runs
+from eigencontact.viz.cut import Shown, View
+from eigencontact.viz.profile import line_profile, stress_profile
+from eigencontact.viz.residual import uplift_map
+from eigencontact.viz.section import stress_section
+from eigencontact.viz.sides import Plane, sides_of
+from eigencontact.viz.style import save
+from viz.test_outlines import ring
+
+LAYERED = """
+[body1.medium]
+type = "bonded-layers"
+layers = [{ thickness = "2 um", young-modulus = "420 GPa", poisson-ratio = 0.3 }]
+substrate = { young-modulus = "210 GPa", poisson-ratio = 0.3 }
+"""
+BALL = """
+[body1]
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
+
+[body2]
+rigid = true
+
+[geometry]
+type = "sphere"
+radius = "105 um"
+
+[steps]
+normal-load = "0.65 N"
+
+[[inclusions]]
+type = "sphere"
+center = [0, 0, "2 um"]
+radius = "1.03 um"
+material = { young-modulus = "420 GPa", poisson-ratio = 0.3 }
+"""
+H, V = np.linspace(-4e-6, 4e-6, 41), np.linspace(0.0, 4e-6, 41)
+#: Dots per inch at which a band between two of every four points would be some dots high.
+DOTS, FEW = 150, {"cut_x": slice(None, None, 4), "cut_z": slice(None, None, 4)}
+#: Middles of cells of 0.5 um, as many as hold the ball.
+CELLS = {axis: (np.arange(-3, 3) + 0.5) * 0.5e-6 for axis in "xy"} | {"z": (np.arange(2, 8) - 0.5) * 0.5e-6}
+
+
+def section(values, scene, outline=None, **more):
+    """Results with one plane region ``cut``."""
+    data = xr.Dataset(
+        {"cut_von_mises": (("step", "cut_z", "cut_x"), values[None]), **more},
+        coords={"step": [1], "cut_x": H, "cut_z": V, "cut_y": 0.0},
+        attrs={
+            "scene": scene,
+            "regions": '{"cut": {"shape": "plane", "body": 1, "dims": ["z", "x"], "fields": ["von_mises"]}}',
+        },
+    )
+    return data if outline is None else data.assign(cut_outline=(("n", "end", "place"), outline))
+
+
+def colours_down(figure, axes, x):
+    """Colours of the picture along a vertical line at x, from above to below."""
+    figure.set_dpi(DOTS)
+    stored = io.BytesIO()
+    figure.savefig(stored, format="png", dpi=DOTS)
+    picture = np.asarray(Image.open(stored).convert("RGB")).astype(int)
+    (column, top), (_, bottom) = (axes.transData.transform((x, z)) for z in axes.get_ylim()[::-1])
+    rows = picture.shape[0] - np.array([top, bottom])
+    return picture[int(rows[0]) + 10 : int(rows[1]) - 10, int(column)]
+
+
+def bands(colours):
+    """Number of bands along a line: runs of three dots of one colour that is not the grey of a line."""
+    found = [
+        tuple(one)
+        for one, after in zip(colours[:-2], colours[2:], strict=True)
+        if np.abs(one - after).max() == 0 and np.ptp(one) > 30
+    ]
+    return len([one for one, after in pairwise([*found, ()]) if one != after])
+
+
+def test_no_band_lies_between_the_two_sides_of_an_interface():
+    values = np.where(V[:, None] < 2e-6 * (1 - 1e-9), 9e9, 1e9) + 0 * H
+    figure = stress_section(section(values, LAYERED).isel(FEW), "cut")
+    assert bands(colours_down(figure, figure.axes[0], 1.3)) == 2
+    joined = stress_section(section(values, "").isel(FEW), "cut")  # without layers there are bands between
+    assert bands(colours_down(joined, joined.axes[0], 1.3)) > 2
+    lines = {float(line.get_ydata()[0]) for line in figure.axes[0].get_lines() if line.get_label() == "_interface"}
+    assert [*lines] == close([2.0], rel=1e-12)
+
+
+def test_no_band_lies_across_the_border_of_an_inclusion():
+    inside = np.hypot(H, V[:, None] - 2e-6) < 1.03e-6
+    outline = ring(0.0, 2e-6, 1.03e-6, 200)
+    values = np.where(inside, 9e9, 1e9)
+    figure = stress_section(section(values, "", outline).isel(FEW), "cut")
+    assert bands(colours_down(figure, figure.axes[0], 0.1)) == 3
+    joined = stress_section(section(values, "").isel(FEW), "cut")
+    assert bands(colours_down(joined, joined.axes[0], 0.1)) > 3
+
+
+@pytest.mark.parametrize("scene", ["", LAYERED])
+def test_points_lie_within_the_outline_or_outside_and_above_the_interface_or_below(scene):
+    data = section(np.ones((41, 41)), scene)
+    two = np.concatenate([ring(-1e-6, 2e-6, 1.03e-6, 400), ring(2.2e-6, 1.5e-6, 0.51e-6, 400)])
+    sides = sides_of(data, Plane(1, ("z", "x"), V, H), two)
+    balls = [np.hypot(H + 1e-6, V[:, None] - 2e-6) < 1.03e-6, np.hypot(H - 2.2e-6, V[:, None] - 1.5e-6) < 0.51e-6]
+    owner = balls[0] + 2 * balls[1]
+    deep = (V[:, None] >= 2e-6 * (1 - 1e-12)) & (scene != "") | np.zeros_like(balls[0])
+    assert np.array_equal(sum(part.points.astype(int) for part in sides.parts), np.ones((41, 41)))
+    for part in sides.parts:
+        assert np.unique(owner[part.points]).size == np.unique(deep[part.points]).size == 1
+    assert len(sides.parts) == len(np.unique(owner + 3 * deep))
+
+
+def with_cells(values):
+    grid = {f"cells_1_{axis}": (f"cells_1_{axis}", places) for axis, places in CELLS.items()}
+    return section(values, BALL, ring(0.0, 2e-6, 1.03e-6, 400)).assign_coords(grid)
+
+
+def cut_cells():
+    """Points in cells that the circle cuts: the nearest and the farthest point of the cell lie on its two sides."""
+    starts = [0.5e-6 * np.floor(np.round(at / 0.5e-6, 9)) for at in (V, H)]
+    lower = [np.where(np.isclose(at, start), start - 0.5e-6, start) for at, start in zip((V, H), starts, strict=True)]
+    found = np.zeros((41, 41), dtype=bool)
+    for z in (starts[0], lower[0]):
+        for x in (starts[1], lower[1]):
+            spans = [(z - 2e-6, z - 1.5e-6), (x, x + 0.5e-6)]
+            near = [np.where(a * b < 0, 0.0, np.minimum(abs(a), abs(b))) for a, b in spans]
+            far = [np.maximum(abs(a), abs(b)) for a, b in spans]
+            near, far = (np.hypot(part[0][:, None], part[1]) for part in (near, far))
+            found |= (near < 1.03e-6 - 1e-12) & (far > 1.03e-6 + 1e-12)
+    return found
+
+
+def test_cells_that_a_border_cuts_are_filled_from_their_side_and_hold_no_extreme():
+    cut = cut_cells()
+    inside = np.hypot(H, V[:, None] - 2e-6) < 1.03e-6
+    values = np.where(inside, 5e9, 2e9)
+    values[cut] = 40e9
+    data = with_cells(values)
+    sides = sides_of(data, Plane(1, ("z", "x"), V, H), data["cut_outline"].values)
+    assert np.array_equal(~sides.whole, cut)
+    for part, value in zip(sides.parts, (2e9, 5e9), strict=True):
+        assert (sides.filled(values, part)[part.points] == value).all()
+    finer = stress_section(data, "cut").axes[0]  # four points to an edge: also those beside cut cells are not trusted
+    assert "2 GPa at" in finer.get_title()
+    coarse = {"cut_x": slice(2, None, 3), "cut_z": slice(2, None, 3)}
+    axes, bar = stress_section(data.isel(coarse), "cut").axes
+    cross = next(line for line in axes.get_lines() if line.get_marker() == "+")
+    assert np.hypot(cross.get_xdata()[0], cross.get_ydata()[0] - 2.0) < 0.8
+    assert "5 GPa at" in axes.get_title()
+    assert bar.get_ylim()[1] < 7
+
+
+def test_curves_along_a_line_break_where_the_material_changes():
+    depth = np.linspace(0.0, 4e-6, 33)
+    stress = np.where(depth < 2e-6 * (1 - 1e-9), 3e9, 1e9)
+    data = xr.Dataset(
+        {"axis_von_mises": (("step", "axis_point"), stress[None])},
+        coords={"step": [1], "axis_x": ("axis_point", 0 * depth), "axis_y": 0.0, "axis_z": ("axis_point", depth)},
+        attrs={
+            "scene": LAYERED,
+            "regions": '{"axis": {"shape": "line", "body": 1, "dims": ["point"], "fields": ["von_mises"]}}',
+        },
+    )
+    axes = stress_profile(data, "axis").axes[0]
+    curve = next(line for line in axes.get_lines() if line.get_label() == "Von Mises stress")
+    x, z = curve.get_xdata(), curve.get_ydata()
+    gap = np.flatnonzero(np.isnan(x))
+    assert gap.tolist() == [16]
+    assert (x[:16] == 3.0).all()
+    assert (x[17:] == 1.0).all()
+    assert z[17] == close(2.0, rel=1e-12)
+    marked = next(line for line in axes.get_lines() if line.get_label() == "_interface")
+    assert marked.get_ydata()[0] == close(2.0, abs=1e-6)
+    # Through a ball instead: the border lies where the sphere is, cells that it cuts are left out.
+    grid = {f"cells_1_{axis}": (f"cells_1_{axis}", places) for axis, places in CELLS.items()}
+    ball = data.assign_coords(grid).assign_attrs(scene=BALL)
+    axes = line_profile(ball, "axis", Shown("Von Mises stress", "Pa", stress), -1, View()).axes[0]
+    marks = sorted(float(line.get_ydata()[0]) for line in axes.get_lines() if line.get_label() == "_interface")
+    assert marks == close([0.97, 3.03], abs=1e-6)
+    curve = axes.get_lines()[0]
+    drawn = curve.get_ydata()[np.isfinite(curve.get_xdata())]
+    assert np.array_equal(drawn, [z for z in 1e6 * depth if not (0.5 <= z < 1.5 or 2.5 <= z < 3.5)])
+
+
+def contact(pressure, **more):
+    x = (np.arange(12) - 5.5) * 1e-6
+    names = ("step", "y", "x")
+    return xr.Dataset(
+        {"pressure": (names, pressure[None]), **{name: (names, values[None]) for name, values in more.items()}},
+        coords={"step": [1], "x": x, "y": x},
+        attrs={"cell_size": [1e-6, 1e-6], "regions": "{}", "scene": ""},
+    )
+
+
+def test_the_ends_of_the_contact_are_those_of_the_row_in_the_plane():
+    pressure = np.zeros((12, 12))
+    pressure[6, 2:5] = pressure[6, 8:9] = 1e9
+    data = contact(pressure)
+    assert contact_runs(data, -1, "y", 0.3e-6).ravel() == close([-4e-6, -1e-6, 2e-6, 3e-6], rel=1e-12)
+    assert contact_runs(data, -1, "y", 2.3e-6).size == 0
+    assert contact_runs(data, -1, "x", -3.4e-6).ravel() == close([0.0, 1e-6], rel=1e-12, abs=1e-18)
+    assert contact_runs(data, -1, "y", 9e-6).size == contact_runs(data, -1, "z", 0.0).size == 0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_is_lifted_is_red_also_where_all_of_it_goes_one_way(sign):
+    sunk = np.zeros((12, 12))
+    sunk[5, 4] = sign * 3e-9
+    image = uplift_map(contact(0 * sunk, residual_displacement_z=sunk)).axes[0].images[0]
+    low, high = image.get_clim()
+    assert (low, high) == close((-3.0, 3.0), rel=1e-12)
+    red, _, blue, _ = image.to_rgba(image.get_array())[5, 4]
+    assert (red > blue) == (sign < 0)
+    assert image.to_rgba([[0.0]])[0, 0, :3].min() > 0.95
+
+
+def test_a_section_is_framed_around_contact_and_large_values(tmp_path):
+    x, z = np.linspace(-40e-6, 40e-6, 81), np.linspace(0.0, 60e-6, 61)
+    bump = 1e9 * np.exp(-(x**2 + (z[:, None] - 4e-6) ** 2) / (2 * 3e-6**2))
+    pressure = np.zeros((12, 12))
+    pressure[5:7, 1:11] = 1e9
+    data = contact(pressure).assign_coords(cut_x=x, cut_z=z, cut_y=0.0)
+    data = data.assign(cut_von_mises=(("step", "cut_z", "cut_x"), bump[None]), normal_load=("step", [1.0]))
+    data.attrs["regions"] = '{"cut": {"shape": "plane", "body": 1, "dims": ["z", "x"], "fields": ["von_mises"]}}'
+    axes = stress_section(data, "cut").axes[0]
+    assert 6.4 < axes.get_xlim()[1] < 12.0
+    assert 10.0 < axes.get_ylim()[0] < 16.0
+    assert axes.get_ylim()[1] == 0.0
+    bar = next(line for line in axes.get_lines() if line.get_label() == "_contact")
+    assert bar.get_xdata() == close([-5.0, 5.0], rel=1e-12)
+    small = stress_section(data, "cut", view=View(horizontal=(-2e-6, 2e-6), vertical=(1e-6, 6e-6))).axes[0]
+    assert (*small.get_xlim(), *small.get_ylim()) == close((-2.0, 2.0, 6.0, 1.0), rel=1e-12)
+
+
+def test_a_long_title_is_broken_to_stay_inside_the_figure(tmp_path):
+    figure = stress_section(section(np.ones((41, 41)) + V[:, None], ""), "cut")
+    words = "Von Mises stress in body 1 at 123 mN (step 217 of 1000) beside the words of a long title, and more of them"
+    figure.axes[0].set_title(words)
+    save(figure, tmp_path / "long.png")
+    title = figure.axes[0].title
+    box = title.get_window_extent(figure.canvas.get_renderer())
+    assert box.x0 > 0
+    assert box.x1 < figure.bbox.width
+    assert title.get_text().count("\n") >= 1
