@@ -3,6 +3,7 @@
 import json
 import re
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -39,6 +40,13 @@ def folder(tmp_path_factory):
 def data(folder):
     with ec.open_results(folder) as dataset:
         yield dataset.load()
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    """Close the figures of pyplot."""
+    yield
+    plt.close("all")
 
 
 def image(axes):

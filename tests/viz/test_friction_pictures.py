@@ -195,7 +195,7 @@ ALWAYS = ["pressure.png", "pressure-profiles.png", "shear.png", "shear-profiles.
     ids=["monotonic", "two steps", "no slip", "no tangential load", "the normal load changes"],
 )
 def test_which_pictures_a_run_gets(stored, monkeypatch, case, names):
-    monkeypatch.setattr("eigencontact.viz.figures.save", lambda _figure, _path: None)
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
     assert list(draw_all(stored(**case), Path())) == names
 
 

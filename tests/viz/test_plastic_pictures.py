@@ -122,7 +122,7 @@ def test_surfaces_are_those_of_the_strain(yielded):
 
 def test_all_pictures_and_nothing_of_vtk_without_being_asked(yielded, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path: made.append((figure, path.name)))
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path, *_: made.append((figure, path.name)))
     made = []
     drawn = draw_all(yielded, tmp_path)
     assert {"plastic-strain.png", "damage.png", "load-depth.png", "plastic-history.png", "plane_0-loaded.png"} <= set(

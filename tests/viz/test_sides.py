@@ -18,17 +18,7 @@ from eigencontact.viz.sides import Plane, sides_of
 from eigencontact.viz.style import save
 from viz.test_outlines import ring
 
-LAYERED = """
-[body1.medium]
-type = "bonded-layers"
-layers = [{ thickness = "2 um", young-modulus = "420 GPa", poisson-ratio = 0.3 }]
-substrate = { young-modulus = "210 GPa", poisson-ratio = 0.3 }
-"""
-BALL = """
-[body1]
-young-modulus = "210 GPa"
-poisson-ratio = 0.3
-
+CONTACT = """
 [body2]
 rigid = true
 
@@ -38,12 +28,23 @@ radius = "105 um"
 
 [steps]
 normal-load = "0.65 N"
+"""
+LAYERED = f"""{CONTACT}
+[body1.medium]
+type = "bonded-layers"
+layers = [{{ thickness = "2 um", young-modulus = "420 GPa", poisson-ratio = 0.3 }}]
+substrate = {{ young-modulus = "210 GPa", poisson-ratio = 0.3 }}
+"""
+BALL = f"""{CONTACT}
+[body1]
+young-modulus = "210 GPa"
+poisson-ratio = 0.3
 
 [[inclusions]]
 type = "sphere"
 center = [0, 0, "2 um"]
 radius = "1.03 um"
-material = { young-modulus = "420 GPa", poisson-ratio = 0.3 }
+material = {{ young-modulus = "420 GPa", poisson-ratio = 0.3 }}
 """
 H, V = np.linspace(-4e-6, 4e-6, 41), np.linspace(0.0, 4e-6, 41)
 #: Dots per inch at which a band between two of every four points would be some dots high.
@@ -128,7 +129,7 @@ def with_cells(values):
 def cut_cells():
     """Points in cells that the circle cuts: the nearest and the farthest point of the cell lie on its two sides."""
     starts = [0.5e-6 * np.floor(np.round(at / 0.5e-6, 9)) for at in (V, H)]
-    lower = [np.where(np.isclose(at, start), start - 0.5e-6, start) for at, start in zip((V, H), starts, strict=True)]
+    lower = [np.where(np.isclose(at, start, rtol=0, atol=1e-12), start - 0.5e-6, start) for at, start in zip((V, H), starts, strict=True)]
     found = np.zeros((41, 41), dtype=bool)
     for z in (starts[0], lower[0]):
         for x in (starts[1], lower[1]):

@@ -113,7 +113,7 @@ def test_what_the_history_goes_by(worn):
 )
 def test_which_pictures_wear_gets(worn, monkeypatch, kind, names):
     seen = []
-    monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path: seen.append((path.name, figure)))
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda figure, path, *_: seen.append((path.name, figure)))
     assert [name for name in draw_all(worn(kind), Path()) if name.startswith("w")] == names
     for name, figure in seen:
         if name in names:

@@ -62,8 +62,8 @@ def plot(
     Returns
     -------
     matplotlib.axes.Axes
-        Of the picture; ``axes.figure`` is all of it, with its colour bar, and ``axes.figure.savefig("name.pdf")``
-        stores it. Lengths and values are in the units that its labels name.
+        Of a new figure of pyplot, which notebooks show; ``axes.figure`` is all of it, with its colour bar, and
+        ``axes.figure.savefig("name.pdf")`` stores it. Lengths and values are in the units that its labels name.
 
     Raises
     ------
@@ -79,13 +79,12 @@ def plot(
     ('x [µm]', (9.0, 0.0))
     """
     from eigencontact.viz.fitting import finish
-    from eigencontact.viz.looks import figure_look, look_of
+    from eigencontact.viz.looks import figure_look, look_of, shown_figures
 
     look = look_of(style)
     options = {"component": component, "region": region, "zoom": zoom, "cmap": cmap}
-    with _opened(results) as dataset, figure_look(look):
+    with _opened(results) as dataset, figure_look(look), shown_figures():
         figure = _chosen(dataset, field, step, options).figure
-        figure.set_dpi(look.dpi)
         finish(figure)
     axes: Axes = figure.axes[0]
     return axes

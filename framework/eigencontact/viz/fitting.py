@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from eigencontact.viz.looks import used_look
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 
@@ -32,13 +31,12 @@ def finish(figure: Figure) -> None:
     engine = figure.get_layout_engine()
     if engine is None:
         return
-    canvas = cast("FigureCanvasAgg", figure.canvas)
     engine.execute(figure)
     if fit_titles(figure):
         engine.execute(figure)
     if used_look().column:
         for _ in range(2):  # a lower figure is laid out anew
-            height = figure.get_tightbbox(canvas.get_renderer()).height + 2 * _MARGIN
+            height = figure.get_tightbbox(_renderer(figure)).height + 2 * _MARGIN
             figure.set_figheight(min(height, figure.get_figheight()))
             engine.execute(figure)
 
@@ -51,7 +49,7 @@ def fit_titles(figure: Figure) -> bool:
     figure : Figure
         Whose layout has been found.
     """
-    renderer = cast("FigureCanvasAgg", figure.canvas).get_renderer()
+    renderer = _renderer(figure)
     titles: list[Text] = [axes.title for axes in figure.axes if axes.get_title()]
     above = getattr(figure, "_suptitle", None)
     titles += [] if above is None else [above]
@@ -68,6 +66,16 @@ def fit_titles(figure: Figure) -> bool:
             title.set_text(words)
             changed = True
     return changed
+
+
+def _renderer(figure: Figure) -> Any:
+    """What measures texts; of a figure that pyplot draws by other means, one like ours."""
+    from matplotlib.backends.backend_agg import RendererAgg
+
+    canvas: Any = figure.canvas
+    if hasattr(canvas, "get_renderer"):
+        return canvas.get_renderer()
+    return RendererAgg(figure.bbox.width, figure.bbox.height, figure.dpi)
 
 
 def broken(text: str) -> str:

@@ -109,12 +109,11 @@ def _inclusions(text: str) -> tuple[Source, ...]:
 
     from eigencontact.model.bodies import bodies_of
     from eigencontact.model.sources import build_sources
-    from eigencontact.scene.installed import installed_plugins
     from eigencontact.scene.schema import Scene
 
-    registry: Any = installed_plugins()
     try:
-        scene = Scene(**tomllib.loads(text)).model_copy(update={"eigenstrain": []})
+        scene = Scene(**{**tomllib.loads(text), "eigenstrain": []})
+        registry: Any = scene.known_plugins()
         prescribed, inhomogeneities = build_sources(scene, registry, None, bodies_of(scene, registry))
     except EigencontactError:
         return ()

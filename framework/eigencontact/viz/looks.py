@@ -12,7 +12,7 @@ from eigencontact.errors import SceneError, nearest, shown
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["COLOURS", "LOOKS", "Look", "figure_look", "look_of", "used_look"]
+__all__ = ["COLOURS", "LOOKS", "Look", "are_shown", "figure_look", "look_of", "shown_figures", "used_look"]
 
 #: Colour-blind-safe line colours (Okabe and Ito): blue, vermilion, green, orange, purple, sky.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
@@ -126,6 +126,7 @@ LOOKS = {
     )
 }
 _USED: ContextVar[Look] = ContextVar("look of figures", default=LOOKS["screen"])
+_SHOWN: ContextVar[bool] = ContextVar("figures of pyplot", default=False)
 
 
 def look_of(name: str) -> Look:
@@ -145,6 +146,21 @@ def look_of(name: str) -> Look:
 def used_look() -> Look:
     """Look in use."""
     return _USED.get()
+
+
+@contextmanager
+def shown_figures() -> Iterator[None]:
+    """Figures that are made in this block are pyplot's, which notebooks and windows show."""
+    token = _SHOWN.set(True)
+    try:
+        yield
+    finally:
+        _SHOWN.reset(token)
+
+
+def are_shown() -> bool:
+    """Whether figures are made by pyplot."""
+    return _SHOWN.get()
 
 
 @contextmanager

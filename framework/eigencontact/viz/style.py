@@ -11,7 +11,7 @@ import numpy as np
 from eigencontact import __version__
 from eigencontact.results.atomic import replacing
 from eigencontact.viz.fitting import finish
-from eigencontact.viz.looks import COLOURS, figure_look, used_look
+from eigencontact.viz.looks import COLOURS, are_shown, figure_look, used_look
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -114,14 +114,22 @@ def box_size(width: float, height: float, largest: tuple[float, float] = (4.2, 3
 
 
 def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
-    """Empty figure [inch] with a canvas of its own, unknown to pyplot; the part of a frame where one is given."""
+    """Empty figure [inch] with a canvas of its own; the part of a frame where one is given.
+
+    Pyplot does not know it, except in a block of `eigencontact.viz.looks.shown_figures`.
+    """
     if on is not None and on.part is not None:
         return cast("Figure", on.part)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     look = used_look()
-    figure = Figure(figsize=look.size(width, height), layout="compressed" if look.column else "constrained")
+    layout: Any = "compressed" if look.column else "constrained"
+    if are_shown():
+        from matplotlib import pyplot as plt
+
+        return cast("Figure", plt.figure(figsize=look.size(width, height), layout=layout))
+    figure = Figure(figsize=look.size(width, height), layout=layout)
     FigureCanvasAgg(figure)
     return figure
 

@@ -129,7 +129,7 @@ def interfaces(dataset: Results, body: int) -> tuple[float, ...]:
     if table is None:
         return ()
     try:
-        known = Scene(**_scene(dataset)).known_plugins()
+        known = Scene(**scene_of(dataset)).known_plugins()
         medium = build_component(known, "layered-medium", table, f"body{body}.medium")
     except EigencontactError:
         return ()
