@@ -129,7 +129,8 @@ def with_cells(values):
 def cut_cells():
     """Points in cells that the circle cuts: the nearest and the farthest point of the cell lie on its two sides."""
     starts = [0.5e-6 * np.floor(np.round(at / 0.5e-6, 9)) for at in (V, H)]
-    lower = [np.where(np.isclose(at, start, rtol=0, atol=1e-12), start - 0.5e-6, start) for at, start in zip((V, H), starts, strict=True)]
+    pairs = zip((V, H), starts, strict=True)
+    lower = [np.where(np.abs(at - start) < 1e-12, start - 0.5e-6, start) for at, start in pairs]
     found = np.zeros((41, 41), dtype=bool)
     for z in (starts[0], lower[0]):
         for x in (starts[1], lower[1]):
