@@ -13,7 +13,7 @@ from eigencontact.plugin import KINDS
 from eigencontact_verification.conformance import checks_for
 
 PAGES = Path(__file__).resolve().parent.parent / "docs" / "plugins"
-CELL = re.compile(r"^```\{code-cell\} ipython3\n%%writefile (\w+\.py)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+CELL = re.compile(r"^```\{code-cell\} ipython3\n%%writefile ((?!test_)\w+\.py)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 OTHERS = {"index", "checks", "exact-shape"}
 
 
