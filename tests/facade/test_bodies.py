@@ -89,6 +89,13 @@ def test_materials_by_voxels_are_those_of_the_box(material):
     np.testing.assert_allclose(one.stress(point), other.stress(point), atol=1e-6 * peak)
 
 
+def test_both_bodies_may_have_voxels():
+    swollen = ec.HalfSpace(E, NU, voxels=ec.Voxels(LABELS, "0.5 um", {5: {"eigenstrain": 1e-3}}))
+    found = ec.solve_contact(GAP, (swollen, swollen), load=0.3, spacing="0.5 um")
+    one, other = (found.stress([[0.75e-6, 0.25e-6, 1e-6]], body=number) for number in (1, 2))
+    np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(one).max())
+
+
 def test_bodies_say_what_they_are():
     voxels = ec.Voxels(LABELS, (0.5e-6, 0.5e-6, 1e-6), {5: {"void": True}})
     assert repr(voxels) == "Voxels(8 x 8 x 6 of 500 nm x 1 um, materials 5)"

@@ -88,8 +88,9 @@ class Voxels:
     def tables(self, body: int) -> list[dict[str, Any]]:
         """Tables ``[[inclusions]]`` of a scene, one for each number."""
         place = {"type": "voxels", "file": self._image.name, "spacing": self.spacing, "origin": self.origin}
+        whose = "" if body == 1 else " above"  # names in a scene are unique
         return [
-            {"name": f"voxels {number}", "body": body, **place, "value": number, **parts}
+            {"name": f"voxels {number}{whose}", "body": body, **place, "value": number, **parts}
             for number, parts in self._parts.items()
         ]
 
