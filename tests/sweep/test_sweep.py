@@ -17,7 +17,7 @@ from eigencontact.errors import PlanError, SceneError
 from eigencontact.execution.traction_field import TractionField
 from eigencontact.sweeps.axes import axes_of, axis_of_text
 from eigencontact.sweeps.runner import outcomes
-from eigencontact.sweeps.sweep import read_sweep_file, sweep
+from eigencontact.sweeps.sweep import _drawn, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
 from eigencontact.viz.sweep import draw_sweep
 
@@ -239,6 +239,18 @@ def test_a_map_of_two_parameters():
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
     assert axes.collections[0].get_array().reshape(6, 5)[3, 2] == 12.0
     assert bar.get_ylabel() == "z [Pa]"
+
+
+def test_numbers_that_differ_by_their_residual_alone_are_not_drawn():
+    loads = xr.DataArray([0.5, 0.5 - 1e-16], dims="a")
+    data = xr.Dataset({"normal_load": loads, "max_pressure": ("a", [1.0, 1.1])}, {"a": [1.0, 2.0]})
+    assert _drawn(data, []) == ["max_pressure"]
+
+
+def test_values_by_ratio_are_marked_one_by_one():
+    one = xr.DataArray([1.0, 2.0, 3.0], dims="a", name="z", attrs={"units": "Pa"})
+    (axes,) = draw_sweep(xr.Dataset({"z": one}, {"a": [0.25, 1.0, 4.0]}), "z").axes
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["0.25", "1", "4"]
 
 
 def test_a_file_describes_a_sweep(tmp_path):

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.sweeps.axes import Axis, axes_of
 from eigencontact.sweeps.gather import as_csv, gathered
@@ -24,6 +26,8 @@ __all__ = ["SweepResult", "read_sweep_file", "sweep"]
 
 #: Numbers of which figures are drawn unless others are named.
 _DRAWN = ("max_pressure", "contact_radius", "approach", "normal_load", "max_von_mises", "worn_volume", "max_uplift")
+#: Part of a number within which its values are the same: what a load is but for its residual.
+_SAME = 1e-9
 _KEYS = ("scene", "vary", "pairs", "fields", "grid", "scalars")
 
 Told = Callable[[Outcome, int, int], None]
@@ -182,7 +186,7 @@ def _drawn(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
     varied = {str(name).rpartition("steps_")[2] for name in dataset.coords}
     wanted = [name for name in _DRAWN if name in numbers and name not in varied]
     finite = {name: dataset[name].values[dataset[name].notnull().values] for name in wanted}
-    return [name for name, values in finite.items() if values.size and values.max() > values.min()]
+    return [name for name, values in finite.items() if values.size and np.ptp(values) > _SAME * np.abs(values).max()]
 
 
 def read_sweep_file(path: Path) -> dict[str, Any]:

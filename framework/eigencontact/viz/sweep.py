@@ -18,6 +18,8 @@ __all__ = ["draw_sweep"]
 
 #: Values of each of two numbers from which on a map shows more than curves; curves that a legend can hold.
 _MAP, _CURVES = 5, len(COLOURS)
+#: Values spaced by ratios that are marked one by one.
+_MARKED = 8
 #: Marks that tell curves apart in print.
 _MARKS = "os^Dv<"
 
@@ -95,6 +97,9 @@ def _axis(axes: Axes, which: str, along: Any) -> Any:
     getattr(axes, f"set_{which}label")(_with_unit(label, scale.unit))
     if _by_ratio(along.values):
         getattr(axes, f"set_{which}scale")("log")
+        if along.size <= _MARKED:  # less than a decade leaves powers of ten no room
+            getattr(axes, f"set_{which}ticks")(scale(along.values), [f"{value:.3g}" for value in scale(along.values)])
+            getattr(axes, f"set_{which}ticks")([], minor=True)
     return scale(along.values)
 
 

@@ -205,5 +205,5 @@ def _legend(figure: Figure, axes: Sequence[Axes], where: str) -> None:
             found.setdefault(label, handle)
     if not found or where == "none":
         return
-    place = {"loc": "outside lower center", "ncols": 4} if where == "below" else {"loc": "outside right upper"}
-    figure.legend(list(found.values()), list(found), **place)
+    place, columns = ("outside upper center", 4) if where == "above" else ("outside right upper", 1)
+    figure.legend(list(found.values()), list(found), loc=place, ncols=columns)

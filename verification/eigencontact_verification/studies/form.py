@@ -65,7 +65,7 @@ FORM: dict[str, dict[str, str]] = {
     "figure": {
         "size": "width and height [inch]",
         "columns": "panels side by side, or a parameter: one for each of its values",
-        "legend": "right, below or none",
+        "legend": "right, above or none",
     },
     "panel": {
         "title": "above the panel; parameters in braces where `each` is given",

@@ -119,6 +119,10 @@ class Study:
     def read(self, values: Values, dataset: xr.Dataset, *, coarse: bool = False) -> dict[str, float]:
         """Numbers of a finished variant, by name; those that its results do not have are left out."""
         names, found = self.names(values, coarse=coarse), dict[str, float]()
+        symbols = [symbol for symbol, *_ in self.readings.values()]
+        twice = next((name for name in (*names, *symbols) if name in dataset.variables), None)
+        if twice is not None:
+            raise SceneError(f"{self.name}: names must not be those of results (got {twice!r}); choose another name")
         for label, (symbol, formula, condition) in self.readings.items():
             if condition and not bool(evaluate(condition, Context(names, dataset), f"{self.name}: read.{label}.if")):
                 continue
@@ -283,7 +287,7 @@ def _figure(table: Mapping[str, Any]) -> dict[str, Any]:
         if "map" in panel:
             panel["map"] = checked(panel["map"], "map", f"panel {n}, map", needs=("x", "y", "z"))
         panels.append(panel)
-    legend, places = figure.get("legend", "right"), ("right", "below", "none")
+    legend, places = figure.get("legend", "right"), ("right", "above", "none")
     if legend not in places:
         near = nearest(str(legend), places)
         raise SceneError(f"figure.legend must be one of {', '.join(places)} (got {shown(legend)}){near}")
