@@ -79,6 +79,7 @@ GEOMETRIES = [
     ec.make("cylinder", kind="geometry", radius=1e-3, length=2e-3),
     ec.make("rounded-punch", kind="geometry", flat_radius=1e-4, edge_radius=1e-5),
     ec.make("rounded-cone", kind="geometry", half_angle=1.4, tip_radius=1e-5),
+    ec.make("topography", kind="geometry", file="gallery:rough_surface.npz"),
     ec.make("random-rough", kind="geometry", size=(1e-4, 5e-5), short_cutoff=1e-5, rms_slope=0.1),
     ec.make("gap-map", file=BOWL.name),
 ]

@@ -28,7 +28,7 @@ def geometry_lines(model: Model) -> list[str]:
 
 
 def sizes(component: Any) -> str:
-    """Fields of a component that have a unit, in readable ones; what is left out or zero is not said.
+    """Numbers among the fields of a component, in readable units; what is left out or zero is not said.
 
     Examples
     --------
@@ -41,8 +41,8 @@ def sizes(component: Any) -> str:
     for item in fields(component):
         unit, value = _unit(hints[item.name]), getattr(component, item.name)
         numbers = value if isinstance(value, tuple) else (value,)
-        if unit and all(isinstance(number, int | float) for number in numbers) and any(numbers):
-            text = ", ".join(readable(number, unit) for number in numbers)
+        if all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers) and any(numbers):
+            text = ", ".join(readable(number, unit) if unit else f"{number:.4g}" for number in numbers)
             said.append(f"{item.name.replace('_', '-')} {text if len(numbers) == 1 else f'({text})'}")
     return ", ".join(said)
 

@@ -42,7 +42,7 @@ class _Waves(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RandomRough(Geometry):
-    """Separation max(height) - height of a self-affine random surface, periodic on its window.
+    """Random surface, self-affine and periodic, of a stated spectrum: separation max(height) - height.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ _MODES = {"far": "nearest", "mirror": "reflect", "repeat": "grid-wrap"}
 
 @dataclass(frozen=True, kw_only=True)
 class Topography(Geometry):
-    """Separation max(height) - height of a measured surface; heights positive towards the other body.
+    """Measured surface: separation max(height) - height, with heights that are positive towards the other body.
 
     Parameters
     ----------
@@ -65,6 +65,7 @@ class Topography(Geometry):
     """
 
     key: ClassVar[str] = "topography"
+    references: ClassVar[tuple[str, ...]] = ("bilinear interpolation of measured heights: elementary",)
     larger_window: ClassVar[str] = "measure a larger patch or let it go on (outside = 'mirror', and a larger grid)"
 
     file: DataFile
