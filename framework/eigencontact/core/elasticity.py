@@ -78,7 +78,14 @@ def factors_of_stiffness(stiffness: ArrayLike, shear_modulus: float) -> tuple[Fl
 
 
 def factors_of_compliance(compliance: ArrayLike, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
-    """``soft`` and ``stiff`` of a Mandel compliance ``(6, 6)`` [1/Pa], which may be singular: incompressible solids."""
+    """``soft`` and ``stiff`` of a Mandel compliance ``(6, 6)`` [1/Pa], which may be singular: incompressible solids.
+
+    Examples
+    --------
+    >>> soft, stiff = factors_of_compliance(np.zeros((6, 6)), 1.0)  # rigid
+    >>> bool(np.allclose(stiff, np.eye(6)) and not soft.any())
+    True
+    """
     given = np.asarray(compliance, dtype=float)
     stiff = np.linalg.inv(np.eye(6) + 2.0 * shear_modulus * given)
     soft = given @ stiff
@@ -88,7 +95,14 @@ def factors_of_compliance(compliance: ArrayLike, shear_modulus: float) -> tuple[
 def isotropic_factors(
     young_modulus: ArrayLike, poisson_ratio: ArrayLike, shear_modulus: float
 ) -> tuple[FloatArray, FloatArray]:
-    """``soft`` and ``stiff`` of isotropic solids, ``(..., 6, 6)``; E = 0 is a void, ν = 0.5 is exact."""
+    """``soft`` and ``stiff`` of isotropic solids, ``(..., 6, 6)``; E = 0 is a void, ν = 0.5 is exact.
+
+    Examples
+    --------
+    >>> soft, stiff = isotropic_factors(2.6, 0.5, 1.0)  # incompressible: the stiffness is not finite, the factors are
+    >>> bool(np.allclose(stiff + 2.0 * soft, np.eye(6)))
+    True
+    """
     E, nu = np.broadcast_arrays(np.asarray(young_modulus, dtype=float), np.asarray(poisson_ratio, dtype=float))
     G, void = shear_modulus, E == 0.0
     # Written with 1 - 2ν above the line, so that 0.5 is an ordinary value.
@@ -140,7 +154,13 @@ def _isotropic(of_volume: FloatArray, of_shear: FloatArray) -> FloatArray:
 
 
 def checked_stiffness(where: str, name: str, stiffness: ArrayLike) -> FloatArray:
-    """Mandel stiffness ``(6, 6)`` [Pa], refused unless finite, symmetric and without negative eigenvalues."""
+    """Mandel stiffness ``(6, 6)`` [Pa], refused unless finite, symmetric and without negative eigenvalues.
+
+    Examples
+    --------
+    >>> checked_stiffness("crystal", "stiffness", np.eye(6)).shape
+    (6, 6)
+    """
     given = np.asarray(stiffness, dtype=float)
     require(given.shape == (6, 6), where, name, given.tolist(), "of 6 x 6 Mandel components [Pa]")
     require(bool(np.isfinite(given).all()), where, name, given.tolist(), "finite [Pa]")
@@ -156,6 +176,12 @@ def mandel_rotation(rotation: ArrayLike) -> FloatArray:
     """Matrices ``(..., 6, 6)`` that turn Mandel vectors as rotations R ``(..., 3, 3)`` turn vectors: ``R e R^T``.
 
     A rotation's is orthogonal, Q; a Mandel stiffness turns as ``Q C Q^T``. Any matrix may be given, a projection too.
+
+    Examples
+    --------
+    >>> turned = mandel_rotation([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # x becomes y
+    >>> (turned @ [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]).tolist()
+    [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
     """
     R = np.asarray(rotation, dtype=float)
     pairs = [("xyz".index(name[0]), "xyz".index(name[1])) for name in COMPONENTS]
@@ -168,7 +194,13 @@ def mandel_rotation(rotation: ArrayLike) -> FloatArray:
 
 
 def unit_vector(where: str, name: str, direction: Sequence[float]) -> FloatArray:
-    """Direction of any length as a unit vector ``(3,)``, refused unless it is one."""
+    """Direction of any length as a unit vector ``(3,)``, refused unless it is one.
+
+    Examples
+    --------
+    >>> unit_vector("crystal", "axis", (0, 3, 4)).tolist()
+    [0.0, 0.6, 0.8]
+    """
     given = np.asarray(direction, dtype=float)
     good = given.shape == (3,) and bool(np.isfinite(given).all()) and bool(given.any())
     require(good, where, name, direction, "three finite numbers (x, y, z), not all zero")
@@ -177,7 +209,13 @@ def unit_vector(where: str, name: str, direction: Sequence[float]) -> FloatArray
 
 
 def frame_of(where: str, x_axis: Sequence[float], y_axis: Sequence[float]) -> FloatArray:
-    """Rotation ``(3, 3)`` whose columns are the axes of a crystal; the two given must be at right angles to 1e-6."""
+    """Rotation ``(3, 3)`` whose columns are the axes of a crystal; the two given must be at right angles to 1e-6.
+
+    Examples
+    --------
+    >>> (frame_of("crystal", (0, 2, 0), (-1, 0, 0)) + 0.0).tolist()
+    [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    """
     x, y = unit_vector(where, "x_axis", x_axis), unit_vector(where, "y_axis", y_axis)
     require(abs(x @ y) <= 1e-6, where, "y_axis", tuple(y_axis), f"at right angles to x_axis = {tuple(x_axis)}")
     y = y - (x @ y) * x

@@ -127,6 +127,14 @@ def read_gridded(
     SceneError
         ``<where> must be <rule> (got <file>); <reason>``: no such file, one that cannot be read, names that it lacks,
         axes that are not ascending, values of another shape; numbers that are complex, text, NaN or infinite.
+
+    Examples
+    --------
+    >>> from eigencontact.core.held_arrays import hold
+    >>> kept = hold(x=[0.0, 1.0], y=[0.0, 1.0], depth=[[0.0, 2.0], [4.0, 6.0]])  # in place of a file
+    >>> data = read_gridded("map.file", kept.name, {"depth": "m"}, axes=("y", "x"))
+    >>> data.at("depth", [0.5], [0.5]).tolist()
+    [3.0]
     """
     names = tuple(axes)
     if Path(file).suffix.lower() in TEXT_FILES:

@@ -275,7 +275,14 @@ _FUNCTIONS: dict[np.ufunc, Callable[..., Jet]] = {
 
 
 def variables(x: ArrayLike, y: ArrayLike, z: ArrayLike, order: int) -> tuple[Jet, Jet, Jet]:
-    """Jets of the coordinates; x, y, z broadcast."""
+    """Jets of the coordinates; x, y, z broadcast.
+
+    Examples
+    --------
+    >>> x, y, z = variables(2.0, 3.0, 5.0, 1)
+    >>> (x * y).derivative((1, 0, 0)).tolist()
+    3.0
+    """
     values = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in (x, y, z)))
     jets = []
     for axis, value in enumerate(values):

@@ -23,6 +23,12 @@ class Material:
         E [Pa], between 1e-30 and 1e30. A rigid body is the absence of a material (None), not an infinite modulus.
     poisson_ratio : float
         ν [-] in [-1, 0.5]. The end 0.5 is exact here: no formula of this package divides by 1 - 2ν.
+
+    Examples
+    --------
+    >>> steel = Material(young_modulus=210e9, poisson_ratio=0.3)
+    >>> f"{steel.shear_modulus / 1e9:.1f} GPa"
+    '80.8 GPa'
     """
 
     young_modulus: float

@@ -31,7 +31,14 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """SI unit of an annotated field; scene files may then write ``"105 um"`` and are checked for dimension."""
+    """SI unit of an annotated field; scene files may then write ``"105 um"`` and are checked for dimension.
+
+    Examples
+    --------
+    >>> PerEnergy = Annotated[float, Unit("m^3/J", "a worn volume by work of friction")]
+    >>> Length == Annotated[float, Unit("m", "a length")]
+    True
+    """
 
     symbol: str
     name: str

@@ -30,7 +30,13 @@ _RULE = (
 
 
 def as_tuple(value: Any) -> Any:
-    """Nested tuples of floats from arrays and lists, so that a component stays hashable; anything else as it is."""
+    """Nested tuples of floats from arrays and lists, so that a component stays hashable; anything else as it is.
+
+    Examples
+    --------
+    >>> as_tuple([[1.0, 2.0], [3.0, 4.0]])
+    ((1.0, 2.0), (3.0, 4.0))
+    """
     if isinstance(value, np.ndarray):
         value = value.tolist()
     return tuple(as_tuple(part) for part in value) if isinstance(value, list | tuple) else value

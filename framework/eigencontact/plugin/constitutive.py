@@ -50,6 +50,11 @@ class Variable:
         none is given without a name.
     total : (str, str), optional
         Name and SI unit of its integral over the volume.
+
+    Examples
+    --------
+    >>> Variable(unit="1", meaning="equivalent plastic strain", largest="max_plastic_strain").components
+    1
     """
 
     unit: str
@@ -74,6 +79,12 @@ class LawStep:
     means : mapping of str to (components, n) float64
         Of the variables that a `NonLocal` law averages: the means about each point, at the end of the increment. Empty
         where there is no neighbourhood; a point then stands for its own.
+
+    Examples
+    --------
+    >>> step = LawStep(x=np.zeros(3), y=np.zeros(3), z=np.arange(3.0), time=1.0, duration=0.5)
+    >>> step.of(slice(1, None)).z.tolist()
+    [1.0, 2.0]
     """
 
     x: FloatArray
@@ -101,6 +112,12 @@ class Response:
         Derivative of the stress by the strain [Pa], of all points where one matrix is given.
     variables : mapping of str to (components, n) float64
         What the points remember after the increment: the names that the law declares.
+
+    Examples
+    --------
+    >>> stiffness = np.eye(6)
+    >>> Response(stress=stiffness @ np.zeros((6, 4)), tangent=stiffness).variables
+    {}
     """
 
     stress: FloatArray
@@ -279,6 +296,12 @@ class Surroundings:
     ----------
     young_modulus, poisson_ratio : float
         E [Pa] and ν [-] of the material around.
+
+    Examples
+    --------
+    >>> around = Surroundings(young_modulus=2.6, poisson_ratio=0.3)
+    >>> round(around.shear_stiffness, 4), round(around.bulk_stiffness, 4)
+    (1.0476, 2.4762)
     """
 
     young_modulus: float

@@ -75,11 +75,32 @@ class DamageLaw(Component, ABC):
 
 
 class PlasticDamage(DamageLaw):
-    """Damage by plastic strain: `DamageLaw.damage` is asked of the equivalent plastic strain."""
+    """Damage by plastic strain: `DamageLaw.damage` is asked of the equivalent plastic strain.
+
+    Examples
+    --------
+    >>> class Steady(PlasticDamage):
+    ...     key = "steady"
+    ...     def damage(self, driven):
+    ...         return np.minimum(2 * driven, 0.5), np.where(driven < 0.25, 2.0, 0.0)
+    >>> Steady().damage(np.array([0.1, 0.9]))[0].tolist()
+    [0.2, 0.5]
+    """
 
 
 class StrainDamage(DamageLaw):
     """Damage by strain: `DamageLaw.damage` is asked of the largest equivalent strain so far.
 
     D stays zero up to a strain that is not: the material is elastic until then.
+
+    Examples
+    --------
+    >>> class Brittle(StrainDamage):
+    ...     key = "brittle-once"
+    ...     def damage(self, driven):
+    ...         beyond = driven > 1e-3
+    ...         late = np.where(beyond, driven, 1e-3)
+    ...         return 1 - 1e-3 / late, np.where(beyond, 1e-3 / late**2, 0.0)
+    >>> Brittle().damage(np.array([5e-4, 2e-3]))[0].tolist()
+    [0.0, 0.5]
     """

@@ -38,6 +38,13 @@ class FrictionState:
         What is exposed: a number of `materials`; 0 is the substrate.
     materials : tuple of str
         Names by number. They are told where a law names materials (`NamesMaterials`), or surfaces wear.
+
+    Examples
+    --------
+    >>> cells = np.zeros((2, 3))
+    >>> state = FrictionState(pressure=cells + 1e9, x=cells, y=cells, slip_distance=cells, time=1.0)
+    >>> state.materials
+    ('substrate',)
     """
 
     pressure: FloatArray

@@ -36,7 +36,17 @@ class HardeningLaw(Component, ABC):
 
 
 class IsotropicHardening(HardeningLaw):
-    """The size of the yield surface."""
+    """The size of the yield surface.
+
+    Examples
+    --------
+    >>> class Perfect(IsotropicHardening):
+    ...     key = "never-harder"
+    ...     def flow_stress(self, p):
+    ...         return 0 * p + 1e9, 0 * p
+    >>> Perfect().flow_stress(np.zeros(2))[0].tolist()
+    [1000000000.0, 1000000000.0]
+    """
 
     @abstractmethod
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -63,6 +73,16 @@ class KinematicHardening(HardeningLaw):
     ----------
     modulus : float
         C [Pa], zero or positive; a field, or a property.
+
+    Examples
+    --------
+    >>> class Fading(KinematicHardening):
+    ...     key, modulus = "fading", 20e9
+    ...     def recall(self, dp):
+    ...         stays = 1 / (1 + 100 * dp)
+    ...         return stays, -100 * stays**2
+    >>> Fading().recall(np.array([0.0, 0.01]))[0].tolist()
+    [1.0, 0.5]
     """
 
     modulus: float

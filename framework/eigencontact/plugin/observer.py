@@ -31,6 +31,12 @@ class RegionView:
     fields : mapping of str to array
         As results hold them: ``stress (6, ...)`` [Pa] and ``strain (6, ...)`` in plain components xx, yy, zz, yz, xz,
         xy; ``displacement (3, ...)`` [m]; ``von_mises (...)`` and other numbers read off the stress [Pa].
+
+    Examples
+    --------
+    >>> line = RegionView(dims=("point",), coords={"z": np.zeros(2)}, fields={"von_mises": np.array([1.0, 3.0])})
+    >>> float(line.fields["von_mises"].max())
+    3.0
     """
 
     dims: tuple[str, ...]
@@ -50,6 +56,12 @@ class RememberedView:
         Centres of the cells along z, y, x [m]; empty for whole inclusions.
     unit : str
         SI unit.
+
+    Examples
+    --------
+    >>> strain = RememberedView(values=np.zeros((1, 2, 1, 1)), coords={"z": np.array([0.5, 1.5])}, unit="1")
+    >>> strain.values.shape
+    (1, 2, 1, 1)
     """
 
     values: FloatArray
@@ -76,6 +88,13 @@ class StepView:
     history : mapping of str to RememberedView
         What the bodies remember: ``equivalent_eigenstrain_1`` of the inhomogeneities of body 1, ``<variable>_1`` of
         its constitutive laws.
+
+    Examples
+    --------
+    >>> grid = Grid(nx=2, ny=1, dx=1.0, dy=1.0)
+    >>> step = StepView(index=1, grid=grid, fields={"pressure": np.ones((1, 2))}, scalars={"normal_load": 2.0})
+    >>> float(step.fields["pressure"].sum() * step.grid.cell_area)
+    2.0
     """
 
     index: int

@@ -48,6 +48,18 @@ class Revolution(Geometry):
         Radius [m] at which the profile changes its form; 0 if it never does.
     limit : float
         Radius [m] at which the profile ends in a vertical flank.
+
+    Examples
+    --------
+    >>> class Ball(Revolution):
+    ...     key, center = "ball", (0.0, 0.0)
+    ...     def height(self, r):
+    ...         return r**2 / 2e-3
+    ...     def rate(self, t):
+    ...         return 2 * t / 1e-3
+    >>> pressure = Ball().reference_pressure(np.zeros(1), np.zeros(1), 1.0, 1e11)  # Hertz: (6 P E*² / (π³ R²))^(1/3)
+    >>> f"{pressure[0] / 1e9:.3f} GPa"
+    '1.246 GPa'
     """
 
     center: tuple[float, float]

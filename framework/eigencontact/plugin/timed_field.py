@@ -52,6 +52,15 @@ class TimedField(EigenstrainField):
     times, factors : tuple of float
         Points of the history: ascending times in load steps (1 ends the first), and the factor at each, linear between
         them and constant beyond. Without them the factor is 1.
+
+    Examples
+    --------
+    >>> class Heat(TimedField):
+    ...     key = "heat"
+    ...     def at(self, x, y, z):
+    ...         return np.array([1e-3] * 3 + [0.0] * 3).reshape(6, *(1,) * np.ndim(z))
+    >>> Heat(times=(0.0, 2.0), factors=(0.0, 1.0)).eigenstrain(0.0, 0.0, np.ones(1), 1.0)[:, 0].tolist()
+    [0.0005, 0.0005, 0.0005, 0.0, 0.0, 0.0]
     """
 
     times: tuple[float, ...] = ()

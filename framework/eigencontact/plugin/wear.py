@@ -47,6 +47,16 @@ class WearState:
         Centres of the cells [m].
     time : float
         Its end, in load steps with all cycles written out.
+
+    Examples
+    --------
+    >>> one = np.ones((1, 1))
+    >>> state = WearState(
+    ...     pressure=1e9 * one, shear=np.ones((2, 1, 1)), slip=1e-6 * one, slip_amplitude=one, energy=one,
+    ...     worn_depth=0 * one, total_energy=0 * one, material=one.astype(int), x=one, y=one, time=1.0,
+    ... )
+    >>> (1e-13 * state.pressure * state.slip).tolist()  # Archard's law
+    [[1e-10]]
     """
 
     pressure: FloatArray
