@@ -236,6 +236,9 @@ def schema(
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON: of the whole scene a JSON Schema, which editors read.")
     ] = False,
+    plugin: Annotated[
+        list[Path] | None, typer.Option("--plugin", metavar="FILE", help="A plugin file of your own; repeatable.")
+    ] = None,
 ) -> None:
     """List every key that a scene may hold: meaning, unit, choices, default.
 
@@ -243,10 +246,11 @@ def schema(
     `#:schema ./scene.schema.json` for an editor that completes.
     """
     from eigencontact.app import installed_plugins
+    from eigencontact.hooks.files import with_files
     from eigencontact.reference.command import schema_text
 
     try:
-        typer.echo(schema_text(installed_plugins(), table, as_json=as_json))
+        typer.echo(schema_text(with_files(installed_plugins(), plugin or []), table, as_json=as_json))
     except EigencontactError as problem:
         _fail(problem)
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import tomllib
 from textwrap import dedent
 from types import SimpleNamespace
 
@@ -96,6 +97,11 @@ def test_a_scene_brings_its_own_plugins(bowl, scene_file, tmp_path, monkeypatch)
     assert "A. Stranger 2026, eq. (1)" in theirs.summary["references"]
     assert installed_plugins().named("bowl") == []
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bowl.py", "ours.toml", "out", "small.toml"]
+
+
+def test_a_file_that_is_not_named_is_thought_of(bowl):
+    with pytest.raises(PluginError, match=r'one of your own: name its file in the scene, plugins = \["my.py"\]$'):
+        ec.plan(ec.load_scene(bowl, ["plugins=[]"]))
 
 
 def test_tables_name_files_too(bowl, tmp_path):
@@ -243,6 +249,18 @@ def test_it_is_listed(bowl, tmp_path, command):
     assert "sphere" not in listed.out
 
 
+def test_editors_complete_its_keys(bowl, tmp_path, command):
+    jsonschema = pytest.importorskip("jsonschema")
+    scene = tomllib.loads(bowl.read_text(encoding="utf-8"))
+    for files, accepted in (([], False), (["--plugin", tmp_path / "bowl.py"], True)):
+        schema = json.loads(command("schema", "--json", *files).out)
+        assert jsonschema.Draft202012Validator(schema).is_valid(scene) == accepted
+
+
+def test_a_plugin_file_is_no_scene(bowl, tmp_path, command):
+    assert 'a scene names a plugin file, plugins = ["bowl.py"]' in command("run", tmp_path / "bowl.py").err
+
+
 # ---------------------------------------------------------------- the kit and the cross-check
 
 
@@ -301,9 +319,11 @@ def test_processes_of_the_cross_check_know_it(tmp_path):
 
 
 def test_the_cross_check_wants_a_shape_or_a_law(bowl, tmp_path, command):
-    outcome = command("verify", "--plugin", tmp_path / "bowl.py")
-    assert outcome.code == 2
-    assert "--plugin must register a shape or a law (got geometry)" in outcome.err
+    for arguments in (["--plugin", tmp_path / "bowl.py"], [tmp_path / "bowl.py"]):
+        installed_plugins.cache_clear()
+        outcome = command("verify", *arguments)
+        assert outcome.code == 2
+        assert "--plugin must register a shape or a law (got geometry)" in outcome.err
 
 
 def test_an_influence_of_a_file_takes_the_place_of_the_bundled_one(bowl, tmp_path):

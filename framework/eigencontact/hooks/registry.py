@@ -171,7 +171,8 @@ class Registry:
         names = sorted({self.spelling(entry) for entry in entries})
         message = f"unknown {kind or 'plugin'} {key!r}; installed: {', '.join(map(repr, names)) or 'none'}"
         suspects = [b for b in self.broken if nearest(key, [b.name])] or self.broken
-        return message + nearest(key, names) + "".join(f"; {suspect}" for suspect in suspects)
+        hints = nearest(key, names) + "".join(f"; {suspect}" for suspect in suspects)
+        return message + (hints or '; one of your own: name its file in the scene, plugins = ["my.py"]')
 
     @staticmethod
     def parameters(component: type) -> Iterable[str]:

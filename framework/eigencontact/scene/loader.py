@@ -63,7 +63,8 @@ def load_scene_file(source: str | Path, changes: Iterable[str] = ()) -> Scene:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as problem:
-        raise SceneError(f"{path} must be valid TOML: {problem}") from None
+        hint = f'; a scene names a plugin file, plugins = ["{path.name}"]' if path.suffix == ".py" else ""
+        raise SceneError(f"{path} must be valid TOML: {problem}{hint}") from None
     except RecursionError:
         raise SceneError(f"{path} must be a scene (got tables or arrays nested hundreds deep)") from None
     return Scene(**{"name": name, **apply_changes(data, changes)}).within(folder)

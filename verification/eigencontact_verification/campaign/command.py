@@ -116,7 +116,9 @@ def verify(
     from eigencontact.errors import EigencontactError
     from eigencontact_verification.benchmarks.table import check_section
 
-    names, laws, files_given = [*(kernels or []), *(kernel or [])], law or [], plugin or []
+    names, laws = [*(kernels or []), *(kernel or [])], law or []
+    files_given = [*(plugin or []), *(name for name in names if name.endswith(".py"))]
+    names = [name for name in names if name not in files_given]
     if not 0.0 < limit < 1.0:
         _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
     try:
