@@ -252,15 +252,15 @@ class ContactResult:
 
     # ------------------------------------------------------------ looks
 
-    def plot(self, field: str = "pressure", axes: Axes | None = None) -> Axes:
-        """Map of a field on the surface.
+    def plot(self, field: str | None = None, **options: Any) -> Axes:
+        """Draw a field on the surface; `eigencontact.plot` of `dataset` after this step.
 
         Parameters
         ----------
-        field : str
-            Any of `dataset` on (y, x): ``"pressure"``, ``"gap"``, ``"shear_x"``.
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; by default those of a new figure.
+        field : str, optional
+            ``"pressure"`` by default, ``"gap"``, ``"shear"``; an unknown name is answered with all of them.
+        **options
+            ``component``, ``zoom``, ``cmap`` and ``style`` of `eigencontact.plot`.
 
         Returns
         -------
@@ -277,13 +277,11 @@ class ContactResult:
         >>> import eigencontact as ec
         >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
         >>> ec.solve_contact(ball, steel, load="0.65 N").plot("gap").get_xlabel()
-        'x in µm'
+        'x [µm]'
         """
-        from eigencontact.viz.surface_axes import draw_field
+        from eigencontact.pictures.plot import plot
 
-        known = [str(name) for name, one in self.dataset.data_vars.items() if one.dims == ("step", "y", "x")]
-        require(field in known, _HERE, "field", field, f"one of {', '.join(known)}")
-        return draw_field(self.dataset, field, self._place, axes)
+        return plot(self.dataset, field, step=self._place + 1, **options)
 
     def _field(self, name: str) -> FloatArray:
         return np.asarray(self.dataset[name].values[self._place])
