@@ -1,5 +1,7 @@
 """What a plan says of its own worth: cells that show no contact are refused, few cells and slips of units told."""
 
+from importlib.resources import files
+
 import numpy as np
 import pytest
 
@@ -111,6 +113,31 @@ def test_strains_that_are_not_small_are_told():
     assert codes(planned.cautions) == ["small-strain"]
     assert "look at the units of load" in planned.explain().split("warnings")[1]
     assert planned.to_dict()["warnings"][0]["code"] == "small-strain"
+
+
+@pytest.mark.parametrize(("cells", "told"), [(256, False), (250, True)])
+def test_cells_wider_than_the_points_of_a_surface_are_told(cells, told):
+    planned = ec.plan(ec.load_scene("random-rough", [f"grid={{cells={cells}, size='64 um'}}"]))
+    assert codes(planned.cautions) == ["surface-cells"] * told
+    words = "cells of 256 nm are wider than the 250 nm of the geometry 'random-rough'"
+    assert (words in "".join(caution.words for caution in planned.cautions)) == told
+
+
+@pytest.mark.parametrize(
+    ("outside", "cells", "told"), [("far", 128, True), ("mirror", 128, True), ("mirror", 256, False)]
+)
+def test_a_measured_surface_that_does_not_fit_to_its_repetition_is_told(outside, cells, told):
+    """A mirrored one has twice the window for its period."""
+    table = f"{{type='topography', file='gallery:rough_surface.npz', outside='{outside}'}}"
+    changes = [f"geometry=[{table}]", "numerics.boundary=periodic", f"grid={{cells={cells}, spacing='0.5 um'}}"]
+    planned = ec.plan(ec.load_scene("rough-surface", changes))
+    assert codes(planned.cautions) == ["periodic-seam"] * told
+    with np.load(files("eigencontact") / "gallery" / "rough_surface.npz") as bundled:
+        heights = bundled["heights"]
+    step = 1e9 * np.sqrt(np.mean((heights[0] - heights[-1]) ** 2))
+    along = 1e9 * max(np.sqrt(np.mean((heights[n] - heights[n - 1]) ** 2)) for n in (1, -1))
+    assert all(f"a step of {step:.5g} nm" in caution.words for caution in planned.cautions)
+    assert all(f"along y, and {along:.5g} nm between" in caution.words for caution in planned.cautions)
 
 
 @pytest.mark.parametrize(("cells", "told"), [(1.9, True), (2.0, False)])

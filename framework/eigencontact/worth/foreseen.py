@@ -22,6 +22,7 @@ from eigencontact.model.resolution import (
     percent,
     pressure_error,
 )
+from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Patch
 from eigencontact.plugin import HasNativeGrid, NonLocal
 from eigencontact.scene.holding import held_steps
@@ -31,6 +32,8 @@ __all__ = ["PROMISE", "coarse_contact", "foreseen", "measured", "worst_above"]
 
 #: Share of the contact modulus that a pressure may reach: strains of a tenth, slopes of a fifth.
 _STIFF = 0.2
+#: Step at the seam of a periodic window, in root mean square differences of the cells beside it, that is told.
+_SEAM = 3.0
 #: Increments in which a contact should grow where shear follows from pressure, and the error of its stick radius times
 #: their number, where they are even in the load and in the radius: of 0.733 it is 0.707, 0.723 and 0.728 in 5, 10 and
 #: 20 of the former, and 0.657, 0.697 and 0.714 of the latter (scene 'fretting-mode-2').
@@ -45,7 +48,13 @@ _FLUSH = 1e-3
 
 def foreseen(model: Model) -> tuple[Caution, ...]:
     """Warnings that follow from a scene alone; each is one sentence with a code."""
-    return (*_of_the_contact(model), *_of_the_regions(model), *_of_the_laws(model), *_of_the_steps(model))
+    return (
+        *_of_the_contact(model),
+        *_of_the_surfaces(model),
+        *_of_the_regions(model),
+        *_of_the_laws(model),
+        *_of_the_steps(model),
+    )
 
 
 def measured(model: Model) -> bool:
@@ -78,6 +87,42 @@ def _of_the_contact(model: Model) -> Iterator[Caution]:
             "theory takes them to be; look at the units of load, radius and modulus"
         )
         yield Caution("small-strain", words)
+
+
+def _of_the_surfaces(model: Model) -> Iterator[Caution]:
+    """Measured and random surfaces whose points the cells miss, or that do not fit to their own repetition."""
+    grid = model.grid
+    native = [(one.key, one.native_grid()) for one in model.geometries if isinstance(one, HasNativeGrid)]
+    for key, own in native:
+        wide, given = max(((grid.dx, own.dx), (grid.dy, own.dy)), key=lambda pair: pair[0] / pair[1])
+        if wide > 1.001 * given:
+            words = (
+                f"cells of {readable(wide, 'm')} are wider than the {readable(given, 'm')} of the geometry {key!r}: "
+                "roughness between them is not seen"
+            )
+            yield Caution("surface-cells", words)
+    if not (native and model.periodic and min(grid.shape) > 3):
+        return
+    y, x = grid.axes()
+    ends = [0, 1, -2, -1]
+    lines = {
+        "x": sum_separations(model.geometries, x[:, ends], y).T,
+        "y": sum_separations(model.geometries, x, y[ends]),
+    }
+    seams = []
+    for axis, (first, second, last_but_one, last) in lines.items():
+        step, *beside = (
+            float(np.sqrt(np.mean(h**2))) for h in (first - last, last - last_but_one, second - first)
+        )
+        seams.append((step / (max(beside) or np.inf), axis, step, max(beside)))
+    ratio, axis, step, usual = max(seams)
+    if ratio > _SEAM:
+        words = (
+            f"the surfaces have a step of {readable(step, 'm')} (root mean square) where the periodic window repeats "
+            f"along {axis}, and {readable(usual, 'm')} between the cells beside it: they do not fit to their own "
+            "repetition"
+        )
+        yield Caution("periodic-seam", words)
 
 
 @dataclass(frozen=True, slots=True)
