@@ -309,7 +309,7 @@ class ContactResult:
         return f"{_HERE}({', '.join([*rows, *step])})"
 
     def _repr_html_(self) -> str:
-        lower, upper = ("rigid" if body is None else repr(body) for body in self._bodies)
+        lower, upper = ("a rigid body" if body is None else repr(body) for body in self._bodies)
         ny, nx = self.dataset.sizes["y"], self.dataset.sizes["x"]
         rows = [("bodies", f"{lower} under {upper}"), *self._rows(), ("cells", f"{nx} x {ny}")]
         rows += [("step", f"{self._place + 1} of {self.steps}")] if self.steps > 1 else []
