@@ -9,7 +9,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.progress import ProgressLines, draws_in_place
+from eigencontact.progress import ProgressLines, VerboseLines, draws_in_place
 
 
 @dataclass
@@ -114,3 +114,24 @@ def test_bars_are_drawn_where_a_cursor_moves_only(monkeypatch, environment, expe
         monkeypatch.setenv(name, value)
     assert draws_in_place(Terminal()) is expected
     assert not draws_in_place(io.StringIO())
+
+
+def test_a_full_line_per_load_step_tells_work_residuals_and_times():
+    stream = io.StringIO()
+    changes = ["grid.cells-per-contact-radius=8", "stress=[]", "steps.1.increments=2", "output.pictures=false"]
+    run = ec.run(ec.load_scene("cattaneo-mindlin", changes), watcher=VerboseLines(stream))
+    lines = stream.getvalue().splitlines()
+    assert [line.split(":")[0] for line in lines] == [f"load step {n} of 3" for n in (1, 2, 3)]
+    last = run.summary["history"][-1]
+    assert f"{last['iterations']:.0f} iterations" in lines[-1]
+    assert "load 12.307 N" in lines[-1]
+    assert "tangential load 3.07" in lines[-1]
+    assert f"stick {last['stick_residual']:.0e}" in lines[-1]
+    assert "frictional-contact " in lines[-1]
+
+
+def test_the_command_tells_of_load_steps_where_it_is_asked_to(command, tmp_path):
+    changes = [word for text in ("stress=[]", "output.pictures=false", *SMALL) for word in ("--set", text)]
+    outcome = command("run", "hertz", "-v", "--json", *changes, "-o", tmp_path)
+    assert outcome.err.startswith("load step 1 of 1: load 650 mN, approach ")
+    assert json.loads(outcome.out)["converged"] is True

@@ -16,6 +16,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from eigencontact import completion
 from eigencontact.errors import EigencontactError
 from eigencontact.pictures.command import plot
 from eigencontact.skeleton import TEMPLATES
@@ -61,7 +62,6 @@ app = typer.Typer(
     name="eigencontact",
     cls=_Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -73,7 +73,12 @@ app = typer.Typer(
 )
 
 SceneArgument = Annotated[
-    str, typer.Argument(help="A TOML file, or the name of a bundled scene (see `gallery`).", metavar="SCENE")
+    str,
+    typer.Argument(
+        help="A TOML file, or the name of a bundled scene (see `gallery`).",
+        metavar="SCENE",
+        autocompletion=completion.scenes,
+    ),
 ]
 SetOption = Annotated[
     list[str] | None,
@@ -108,6 +113,9 @@ def run(
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run of the same scene.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="A line for each load step: iterations, residuals, times.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Solve a scene: results, summary and pictures in a folder.
@@ -123,7 +131,7 @@ def run(
         with painter_of(loaded) as painter:
             planned = calls.plan(loaded)
             folder = output if output is not None else Path(planned.name)
-            with progress(enabled=not (quiet or as_json)) as watcher:
+            with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:
                 result = calls.run(
                     planned, folder, resume=resume, overwrite=overwrite, watcher=watcher, painter=painter
                 )
@@ -209,7 +217,9 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
 @app.command()
 def plugins(
     key: Annotated[
-        str | None, typer.Argument(help="Show one plugin, or those of a file: parameters and sources.")
+        str | None, typer.Argument(
+            help="Show one plugin, or those of a file: parameters and sources.", autocompletion=completion.plugin_keys
+        ),
     ] = None,
     *,
     as_json: JsonOption = False,
@@ -231,7 +241,10 @@ def plugins(
 
 @app.command()
 def schema(
-    table: Annotated[str | None, typer.Argument(help="Show one table: `numerics`, `steps.impacts`.")] = None,
+    table: Annotated[
+        str | None,
+        typer.Argument(help="Show one table: `numerics`, `steps.impacts`.", autocompletion=completion.tables),
+    ] = None,
     *,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print JSON: of the whole scene a JSON Schema, which editors read.")
@@ -276,7 +289,9 @@ def _gallery(context: typer.Context, *, as_json: JsonOption = False) -> None:
 
 
 @gallery.command("show")
-def _show(name: Annotated[str, typer.Argument(help="Name of a bundled scene.")]) -> None:
+def _show(
+    name: Annotated[str, typer.Argument(help="Name of a bundled scene.", autocompletion=completion.bundled)],
+) -> None:
     """Print the TOML text of a bundled scene."""
     from eigencontact.scene.loader import bundled_text
 
@@ -321,6 +336,7 @@ def new_plugin(
             "--kind",
             metavar="KIND",
             help=f"One of {', '.join(TEMPLATES)}.",
+            autocompletion=completion.kinds,
         ),
     ] = "inclusion-shape",
     output: Annotated[

@@ -1,31 +1,59 @@
-"""Progress of a run: bars on a terminal; elsewhere a line for each load step, with the time that is left."""
+"""Progress of a run: bars on a terminal; elsewhere, or where it is asked for, a line for each load step."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import log10
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO
+
+from eigencontact.core.units import readable
 
 if TYPE_CHECKING:
     from eigencontact.execution.driver import Watcher
     from eigencontact.execution.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
-__all__ = ["ProgressLines", "draws_in_place", "progress"]
+__all__ = ["ProgressLines", "VerboseLines", "draws_in_place", "progress"]
 
 #: Shortest time between two lines on load steps, and longest silence while one of them is solved [s].
 _LINES, _SILENCE = 1.0, 15.0
+#: Scalars of a step that a full line tells, those of which one goes without saying, and the least time of a block [s].
+_REACHED = (
+    ("normal_load", "load", "N"), ("approach", "approach", "m"), ("shift_magnitude", "shift", "m"),
+    ("tangential_load", "tangential load", "N"), ("torsion_moment", "torsion", "N m"),
+)  # fmt: skip
+_COUNTS = (
+    ("iterations", "iterations"),
+    ("convolutions", "convolutions"),
+    ("tangential_convolutions", "convolutions of the shear"),
+    ("coupling_rounds", "rounds"),
+    ("inclusion_iterations", "iterations of inclusions"),
+)
+_ONCE, _SHOWN = ("coupling_rounds",), 1e-3
+#: Loads and motions below this part of the largest of their kind are round-off.
+_NOTHING = 1e-12
 
 
 @contextmanager
-def progress(*, enabled: bool) -> Iterator[Watcher | None]:
-    """Watcher of a run that shows its course on the standard error stream; None where not enabled."""
+def progress(*, enabled: bool, verbose: bool = False) -> Iterator[Watcher | None]:
+    """Watcher of a run that shows its course on the standard error stream; None where not enabled.
+
+    Parameters
+    ----------
+    enabled : bool
+        Whether anything is shown.
+    verbose : bool
+        Whether each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`.
+    """
     if not enabled:
         yield None
+        return
+    if verbose:
+        yield VerboseLines(sys.stderr)
         return
     if not draws_in_place(sys.stderr):
         yield ProgressLines(sys.stderr)
@@ -126,6 +154,37 @@ class ProgressLines:
     def _say(self, text: str) -> None:
         print(text, file=self._stream, flush=True)
         self._said, self._spoke = self._clock(), True
+
+
+class VerboseLines(ProgressLines):
+    """Watcher that writes a line for every load step: what was reached, iterations, residuals, time of each block."""
+
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = monotonic) -> None:
+        super().__init__(stream, clock)
+        self._spent: Mapping[str, float] = {}
+
+    def step_took(self, seconds: Mapping[str, float]) -> None:
+        """Note the time [s] of each block in the step."""
+        self._spent = seconds
+
+    def step_finished(self, record: StepRecord, total: int) -> None:
+        """Say all that is known of the step."""
+        numbers = record.scalars
+        said = [
+            f"{text} {readable(numbers[name], unit)}"
+            for name, text, unit in _REACHED
+            if abs(numbers.get(name, 0.0)) > _NOTHING * (numbers.get("normal_load", 0.0) if unit == "N" else 1e-6)
+        ]
+        counts = [f"{numbers[name]:.0f} {text}" for name, text in _COUNTS if numbers.get(name, 0.0) > (name in _ONCE)]
+        residuals = [
+            f"{name.removesuffix('_residual')} {value:.0e}"
+            for name, value in numbers.items()
+            if name.endswith("_residual") and value > 0.0
+        ]
+        times = [f"{name} {_readable(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
+        parts = [", ".join([*said, *counts]), "", ", ".join(times)]
+        parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
+        self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))
 
 
 def _readable(seconds: float) -> str:

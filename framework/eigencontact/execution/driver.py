@@ -27,7 +27,10 @@ __all__ = ["Watcher", "drive"]
 
 
 class Watcher(Protocol):
-    """Sees the course of a run; all methods must be quick."""
+    """Sees the course of a run; all methods must be quick.
+
+    A watcher with a method ``step_took(seconds)`` is told, before `step_finished`, the time [s] of each block by name.
+    """
 
     def step_started(self, point: LoadPoint, total: int) -> None:
         """Call before a load step is solved."""
@@ -114,12 +117,15 @@ def _steps(
         course.passes(point, last)
         step = course.step(point, before, last)
         try:
-            course.advance(plan.blocks, step)
+            spent = course.advance(plan.blocks, step)
         except DomainTooSmall as problem:
             problem.step = step
             raise
         last, before = step.record(), point
         yield last
+        told = getattr(watcher, "step_took", None)
+        if told is not None:
+            told(spent)
         if watcher is not None:
             watcher.step_finished(last, total)
 
@@ -159,11 +165,15 @@ class _Course:
                     block.start()
         self._started = True
 
-    def advance(self, blocks: Iterable[Block], step: Step) -> None:
-        """Let blocks advance a step."""
+    def advance(self, blocks: Iterable[Block], step: Step) -> dict[str, float]:
+        """Let blocks advance a step; returns the time of each [s]."""
+        spent = dict[str, float]()
         for block in blocks:
+            before = self._stopwatch.seconds.get(block.name, 0.0)
             with self._stopwatch.on(block.name):
                 block.advance(step)
+            spent[block.name] = self._stopwatch.seconds[block.name] - before
+        return spent
 
     def passes(self, point: LoadPoint, last: StepRecord | None) -> None:
         """Note what a ramp starts from where a point begins one; `last` is the step before."""

@@ -8,11 +8,18 @@ from typing import Annotated
 
 import typer
 
+from eigencontact import completion
+
 __all__ = ["plot"]
 
 
 def plot(
-    results: Annotated[Path, typer.Argument(help="A folder of results, or its results.nc.", metavar="RESULTS")],
+    results: Annotated[
+        Path,
+        typer.Argument(
+            help="A folder of results, or its results.nc.", metavar="RESULTS", autocompletion=completion.results
+        ),
+    ],
     *,
     field: Annotated[
         str | None, typer.Option("--field", metavar="NAME", help="One picture, of this field: `stress`, `pressure`.")

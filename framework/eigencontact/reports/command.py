@@ -7,12 +7,19 @@ from typing import Annotated
 
 import typer
 
+from eigencontact import completion
+
 __all__ = ["report"]
 
 
 def report(
     results: Annotated[
-        Path, typer.Argument(help="The folder of a run or of a sweep, or a results.nc.", metavar="RESULTS")
+        Path,
+        typer.Argument(
+            help="The folder of a run or of a sweep, or a results.nc.",
+            metavar="RESULTS",
+            autocompletion=completion.results,
+        ),
     ],
     *,
     output: Annotated[

@@ -8,12 +8,19 @@ from typing import Annotated, Any
 
 import typer
 
+from eigencontact import completion
+
 __all__ = ["sweep"]
 
 
 def sweep(
     scene: Annotated[
-        str, typer.Argument(help="A scene, or a TOML file with `scene` and a table `vary`.", metavar="SCENE")
+        str,
+        typer.Argument(
+            help="A scene, or a TOML file with `scene` and a table `vary`.",
+            metavar="SCENE",
+            autocompletion=completion.scenes,
+        ),
     ],
     *,
     vary: Annotated[

@@ -9,7 +9,20 @@ Examples
 True
 """
 
-from eigencontact_verification.conformance.kit import checks_for, parametrize_with_checks
-from eigencontact_verification.conformance.report import ConformanceError
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from eigencontact_verification.conformance.kit import checks_for, parametrize_with_checks
+    from eigencontact_verification.conformance.report import ConformanceError
 
 __all__ = ["ConformanceError", "checks_for", "parametrize_with_checks"]
+
+_FROM = {"ConformanceError": "report", "checks_for": "kit", "parametrize_with_checks": "kit"}
+
+
+def __getattr__(name: str) -> Any:
+    """Load the kit when it is asked for: the command `check` is in this package, and help and completion load it."""
+    if name not in _FROM:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_FROM[name]}"), name)

@@ -1,0 +1,92 @@
+"""What a shell completes: scenes, plugins, tables, kinds. Nothing is imported for it: a key press waits for the answer.
+
+Keys of plugins are read from the text of their modules, names of tables stand here; a test compares both with what is
+installed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from importlib.metadata import EntryPoint, entry_points
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+
+from eigencontact.skeleton import TEMPLATES
+
+__all__ = ["bundled", "kinds", "plugin_keys", "results", "scenes", "tables"]
+
+#: Tables of a scene, as `eigencontact schema` lists them.
+TABLES = (
+    "body1", "body1.initial", "body1.law", "body1.medium", "body2", "body2.initial", "body2.law", "body2.medium",
+    "eigenstrain", "friction", "geometry", "grid", "inclusions", "inclusions.eigenstrain", "inclusions.material",
+    "numerics", "observers", "output", "steps", "steps.impacts", "stress", "wear", "wear.shares",
+)  # fmt: skip
+_GALLERY = files("eigencontact") / "gallery"
+_KEY = re.compile(r"""^    key(?:: ClassVar\[str\])? = ["']([^"'\n]+)["']""", re.MULTILINE)
+
+
+def bundled(incomplete: str) -> list[str]:
+    """Bundled scenes that begin so."""
+    names = (item.name for item in _GALLERY.iterdir())
+    return _beginning((name.removesuffix(".toml") for name in names if name.endswith(".toml")), incomplete)
+
+
+def scenes(incomplete: str) -> list[str]:
+    """Bundled scenes, folders and TOML files that begin so."""
+    return [*bundled(incomplete), *_paths(incomplete, ".toml")]
+
+
+def results(incomplete: str) -> list[str]:
+    """Folders and NetCDF files that begin so."""
+    return _paths(incomplete, ".nc")
+
+
+def tables(incomplete: str) -> list[str]:
+    """Tables of a scene that begin so."""
+    return _beginning(TABLES, incomplete)
+
+
+def kinds(incomplete: str) -> list[str]:
+    """Kinds of plugin that can be begun from a template."""
+    return _beginning(TEMPLATES, incomplete)
+
+
+def plugin_keys(incomplete: str) -> list[str]:
+    """Keys of installed plugins that begin so, as far as their modules give them as plain text."""
+    found = set[str]()
+    for point in entry_points(group="eigencontact"):
+        found.update(_KEY.findall(_text(point)))
+    return _beginning(found, incomplete)
+
+
+def _text(point: EntryPoint) -> str:
+    """Source of the module of an entry point; nothing where it cannot be found, which other commands report."""
+    try:
+        spec = find_spec(point.module)
+        if spec is None or spec.origin is None:
+            return ""
+        return Path(spec.origin).read_text(encoding="utf-8")
+    except Exception:  # noqa: BLE001 - a stranger's package may raise anything at import
+        return ""
+
+
+def _beginning(names: Iterable[str], incomplete: str) -> list[str]:
+    return sorted(name for name in names if name.startswith(incomplete))
+
+
+def _paths(incomplete: str, ending: str) -> list[str]:
+    """Folders, and files of an ending, as they are typed."""
+    folder, _, begin = incomplete.rpartition("/")
+    place = Path(f"{folder}/" if folder or incomplete.startswith("/") else ".").expanduser()
+    prefix = incomplete[: len(incomplete) - len(begin)]
+    try:
+        items = sorted(item for item in place.iterdir() if item.name.startswith(begin) and item.name[0] != ".")
+        return [
+            f"{prefix}{item.name}{'/' if item.is_dir() else ''}"
+            for item in items
+            if item.is_dir() or item.suffix == ending
+        ]
+    except OSError:
+        return []
