@@ -11,6 +11,7 @@ from eigencontact.viz.looks import used_look
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 
@@ -34,7 +35,7 @@ def finish(figure: Figure) -> None:
     engine.execute(figure)
     if fit_titles(figure):
         engine.execute(figure)
-    if used_look().column:
+    if used_look().compact:
         for _ in range(2):  # a lower figure is laid out anew
             height = figure.get_tightbbox(_renderer(figure)).height + 2 * _MARGIN
             figure.set_figheight(min(height, figure.get_figheight()))
@@ -50,15 +51,16 @@ def fit_titles(figure: Figure) -> bool:
         Whose layout has been found.
     """
     renderer = _renderer(figure)
-    titles: list[Text] = [axes.title for axes in figure.axes if axes.get_title()]
+    panels = [axes for axes in figure.axes if axes.get_title()]
+    titles: list[tuple[Text, float, float]] = [(axes.title, *_room_for(axes, panels)) for axes in panels]
     above = getattr(figure, "_suptitle", None)
-    titles += [] if above is None else [above]
+    titles += [] if above is None else [(above, 0.0, float(figure.bbox.width))]
     changed = False
-    for title in titles:
+    for title, left, right in titles:
         room = _ROOM * float(title.get_fontsize()) * figure.dpi / 72
         for _ in range(_MOST):
             box = title.get_window_extent(renderer)
-            if box.x0 >= room and box.x1 <= figure.bbox.width - room:
+            if box.x0 >= left + room and box.x1 <= right - room:
                 break
             words = broken(title.get_text())
             if words == title.get_text():
@@ -66,6 +68,15 @@ def fit_titles(figure: Figure) -> bool:
             title.set_text(words)
             changed = True
     return changed
+
+
+def _room_for(axes: Axes, panels: list[Axes]) -> tuple[float, float]:
+    """Left and right end of the room for a title: the figure's, or half the way to a panel beside."""
+    own = axes.get_window_extent()
+    others = [one.get_window_extent() for one in panels if one is not axes]
+    before = [0.5 * (box.x1 + own.x0) for box in others if box.x1 <= own.x0]
+    after = [0.5 * (box.x0 + own.x1) for box in others if box.x0 >= own.x1]
+    return max([0.0, *before]), min([float(axes.figure.bbox.width), *after])
 
 
 def _renderer(figure: Figure) -> Any:

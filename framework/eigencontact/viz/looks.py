@@ -90,8 +90,8 @@ class Look:
         Of matplotlib.
     dpi : int
         Resolution of pictures made of dots [dots per inch].
-    growth : float
-        Size over that on the screen; unused where the width is that of a column.
+    growth : (float, float)
+        Width and height over those on the screen; unused where the width is that of a column.
     column : bool
         Whether figures are as wide as one column of a paper, or as both.
     """
@@ -99,8 +99,13 @@ class Look:
     name: str
     settings: dict[str, Any] = field(repr=False)
     dpi: int = 200
-    growth: float = 1.0
+    growth: tuple[float, float] = (1.0, 1.0)
     column: bool = False
+
+    @property
+    def compact(self) -> bool:
+        """Whether figures are made higher than they need be, and are cut to what they hold."""
+        return self.column or self.growth[1] > self.growth[0]
 
     def size(self, width: float, height: float) -> tuple[float, float]:
         """Width and height [inch] of a figure that has the given ones on the screen.
@@ -111,7 +116,7 @@ class Look:
         [8.4, 17.0]
         """
         if not self.column:
-            return self.growth * width, self.growth * height
+            return self.growth[0] * width, self.growth[1] * height
         wanted = COLUMN if width < TWO_PANELS else BOTH_COLUMNS
         return wanted, ROOM * height * wanted / width if wanted < width else height
 
@@ -122,7 +127,7 @@ LOOKS = {
     for look in (
         Look("screen", _SCREEN),
         Look("paper", _PAPER, dpi=600, column=True),
-        Look("talk", _TALK, growth=1.15),
+        Look("talk", _TALK, growth=(1.15, 1.4)),
     )
 }
 _USED: ContextVar[Look] = ContextVar("look of figures", default=LOOKS["screen"])

@@ -124,7 +124,7 @@ def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
     from matplotlib.figure import Figure
 
     look = used_look()
-    layout: Any = "compressed" if look.column else "constrained"
+    layout: Any = "compressed" if look.compact else "constrained"
     if are_shown():
         from matplotlib import pyplot as plt
 
