@@ -133,6 +133,7 @@ def test_looks(pressed):
     plt.close("all")
 
 
+WRONG = ec.Voxels(np.full((1, 2, 2), 5), DX, {5: {"young_modulus": -1.0, "poisson_ratio": 0.2}})
 REFUSED = [
     ({}, "solve_contact must be given load [N] or approach [m] (got neither)"),
     ({"load": 1, "approach": 1e-7}, "solve_contact must be given load [N] or approach [m] (got both)"),
@@ -147,7 +148,14 @@ REFUSED = [
     ({"load": 1, "bodies": None}, "solve_contact.bodies must be a HalfSpace or Layered"),
     ({"load": 1, "cells": 4}, "solve_contact.cells must be left out: the gap has 81 x 81 cells"),
     ({"load": 1, "tangential_load": 0.1}, "solve_contact.friction must be given with tangential_load"),
-    ({"load": 1, "friction": -0.1}, "must be"),
+    ({"load": 1, "friction": -0.1}, "solve_contact: friction must be zero or positive, and finite [-] (got -0.1)"),
+    ({"load": 1, "friction": {"type": "coulom"}}, "unknown friction-law 'coulom'"),
+    ({"load": 1, "increments": 0}, "solve_contact: increments must be 1 or more (got 0)"),
+    ({"load": 1, "gap": {"type": "sphere", "radius": R}}, "two of cells, size and spacing, or none"),
+    ({"load": 1, "bodies": ec.HalfSpace(E, NU, law={"type": "j2"})}, "bodies.1.law.hardening must be given"),
+    ({"load": 1, "bodies": (None, ec.HalfSpace(E, NU, law={"type": "j2"}))}, "bodies.2.law.hardening must be given"),
+    ({"load": 1, "bodies": ec.HalfSpace(E, NU, inclusions={"type": "sphere"})}, "HalfSpace.inclusions[0] must be given"),
+    ({"load": 1, "bodies": ec.HalfSpace(E, NU, voxels=WRONG)}, "Voxels.materials[5].material: isotropic.young_modulus"),
     ({"load": 1, "friction": 0.1, "shift": 1e-7, "tangential_load": 0.1}, "or shift [m] (got both)"),
     ({"load": 1, "steps": [{"normal-load": 1}]}, "solve_contact.steps must be given alone"),
     ({"load": 1, "numerics": {"tolerances": 1e-6}}, "unknown key 'tolerances'"),

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eigencontact.core.held_arrays import HeldArrays, hold
-from eigencontact.errors import SceneError, require
+from eigencontact.core.held_arrays import PREFIX, HeldArrays, hold
+from eigencontact.errors import PluginError, SceneError, require
 from eigencontact.facade.arguments import counts, lengths, plane
 from eigencontact.facade.bodies import Body
 from eigencontact.facade.result import ContactResult
@@ -26,7 +26,8 @@ _ARGUMENTS = (
     (r"\b(steps(\.\d+)?[. ])?approach\b", "approach"),
     (r"\b(steps(\.\d+)?[. ])?tangential-load-[xy]\b", "tangential_load"),
     (r"\b(steps(\.\d+)?[. ])?shift-[xy]\b", "shift"),
-    (r"\bfriction\.coefficient\b", "friction"),
+    (r"\b(friction|coulomb)\.coefficient\b", "friction"),
+    (r"\bsteps(\.\d+)?\.increments\b", "increments"),
     (r"\bgrid\.(cells|size|spacing)\b", r"\1"),
     (r"\bbody([12])\.", r"bodies.\1."),
 )
@@ -115,17 +116,18 @@ def solve_contact(
         given = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
         beside = [name for name, value in given.items() if value is not None]
         require(not beside, _HERE, "steps", f"{', '.join(beside)} too", "given alone: they hold all loads and motions")
+    inclusions = [
+        table
+        for number, body in enumerate((lower, upper), 1)
+        if body is not None
+        for table in body.scene_inclusions(number)
+    ]
     scene: dict[str, Any] = {
         "title": "Contact",
         "body1": {"rigid": True} if lower is None else lower.scene_table(),
         "body2": {"rigid": True} if upper is None else upper.scene_table(),
         "geometry": geometry,
-        "inclusions": [
-            table
-            for number, body in enumerate((lower, upper), 1)
-            if body is not None
-            for table in body.scene_inclusions(number)
-        ],
+        "inclusions": inclusions,
         "steps": history,
         "numerics": _pitch(lower, upper) | dict(numerics or {}),
         "output": {"pictures": False},
@@ -143,12 +145,22 @@ def _run(scene: dict[str, Any]) -> Any:
 
     try:
         planned = plan(scene)
-    except SceneError as problem:
+    except (SceneError, PluginError) as problem:
         text = str(problem)
         for place, argument in _ARGUMENTS:
             text = re.sub(place, argument, text)
+        text = re.sub(r"\binclusions(?:\.(\d+))?(?=[.: ])", lambda found: _owner(scene, int(found[1] or 0)), text)
         raise type(problem)(f"{_HERE}: {text}") from None
     return run(planned)
+
+
+def _owner(scene: dict[str, Any], number: int) -> str:
+    """What was given for an inclusion of a scene."""
+    table = scene["inclusions"][number]
+    if table["type"] == "voxels" and str(table.get("file", "")).startswith(PREFIX):
+        return f"Voxels.materials[{table['value']}]"
+    before = sum(one["body"] == table["body"] for one in scene["inclusions"][:number])
+    return f"HalfSpace.inclusions[{before}]"
 
 
 def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
@@ -171,6 +183,9 @@ def _separation(
         given: dict[str, Any] = {name: value for name, value in window.items() if value is not None}
         if cells is not None:
             given["cells"] = counts(cells, _HERE, "cells")
+        if len(given) not in (0, 2):
+            names = ", ".join(given)
+            raise SceneError(f"{_HERE} must be given two of cells, size and spacing, or none of them (got {names})")
         return list(parts), given or None, ()
     array = plane(_array(gap), _HERE, "gap", "m")
     require(min(array.shape) >= 2, _HERE, "gap", array.shape, "an array (ny, nx) of 2 x 2 cells or more [m]")
