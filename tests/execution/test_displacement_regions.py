@@ -98,3 +98,15 @@ def test_layers_of_one_material_are_that_material():
     result = ec.run(BALL | {"body1": {"medium": stiff}, "stress": region()})
     assert result.dataset.deep_displacement[-1, 2, 0].item() == close(result.summary["approach"], rel=1e-5)
     assert result.summary["approach"] < 0.95 * one[2, 0]
+
+
+def test_the_surface_of_a_periodic_window_follows_the_ball():
+    """Its displacement is against its own mean, as the approach of a periodic scene is."""
+    plane = {"name": "top", "shape": "plane", "normal": "z", "position": 0.0, "fields": ["displacement"]}
+    data = ec.run(BALL | {"numerics": {"boundary": "periodic"}, "stress": plane}).dataset
+    sinks = data.top_displacement[-1].sel(axis="z").values
+    y, x = np.meshgrid(data.y, data.x, indexing="ij")
+    touches = data.pressure[-1].values > 0
+    followed = data.approach[-1].item() - (x**2 + y**2) / (2 * R)
+    assert np.abs(sinks - followed)[touches].max() < 2e-5 * np.ptp(sinks)
+    assert abs(sinks.mean()) < 1e-9 * np.ptp(sinks)
