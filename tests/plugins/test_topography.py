@@ -114,7 +114,7 @@ FORMATS = [
     ("spreadsheet.csv", save_spreadsheet),
     ("instrument.csv", save_instrument),
     ("blanks.asc", save_blanks),
-    ("matrix.dat", save_bare_matrix),
+    ("matrix.tsv", save_bare_matrix),
     ("unknown.xyz", save_coordinates_of_unknown_unit),
 ]
 
@@ -381,7 +381,7 @@ def raw(content):
 
 RASTER = "0 0 1\n1 0 2\n0 1 3\n1 1 4\n"
 SP = {"spacing": (1.0, 1.0)}
-READABLE = "a readable .npy, .npz, NetCDF or text (.txt, .csv, .dat, .xyz, .asc) file"
+READABLE = "a readable .npy, .npz, NetCDF or text (.txt, .csv, .tsv, .dat, .xyz, .asc) file"
 
 
 @pytest.mark.parametrize(
@@ -609,7 +609,7 @@ def test_other_formats_say_what_to_install(tmp_path, monkeypatch, name, content)
     with pytest.raises(SceneError) as caught:
         Topography(file=str(tmp_path / name))
     assert str(caught.value) == (
-        "topography.file must be a .npy, .npz or text file (.txt, .csv, .dat, .xyz, .asc) (got"
+        "topography.file must be a .npy, .npz or text file (.txt, .csv, .tsv, .dat, .xyz, .asc) (got"
         f" {str(tmp_path / name)!r}); for formats of instruments: pip install eigencontact[topography]"
     )
 

@@ -25,7 +25,7 @@ __all__ = ["TEXT_FILES", "FileArrays", "GriddedData", "read_arrays", "read_colum
 FloatArray = NDArray[np.float64]
 
 #: Endings of files of text.
-TEXT_FILES = (".txt", ".csv", ".dat", ".xyz", ".asc")
+TEXT_FILES = (".txt", ".csv", ".tsv", ".dat", ".xyz", ".asc")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
