@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+import textwrap
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -101,11 +103,14 @@ def _example(entry: Entry) -> Any:
 
 
 def _print(found: dict[str, list[dict[str, str]]]) -> None:
+    """One line a promise, cut to the width of the terminal; what fails is told in full."""
+    columns = shutil.get_terminal_size().columns
     for name, verdicts in found.items():
         width = max(len(one["check"]) for one in verdicts)
         typer.echo(name)
         for one in verdicts:
-            typer.echo(f"  {'FAILS' if one['failed'] else 'kept '}  {one['check']:<{width}}  {one['promise']}")
+            promise = textwrap.shorten(one["promise"], max(40, columns - width - 11), placeholder=" …")
+            typer.echo(f"  {'FAILS' if one['failed'] else 'kept '}  {one['check']:<{width}}  {promise}")
             if one["failed"]:
                 typer.echo(f"         {one['failed'].partition(': ')[2]}")
         broken = sum(1 for one in verdicts if one["failed"])
