@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from eigencontact_verification.studies.run import Failed
     from eigencontact_verification.studies.study import Finished, Study
@@ -99,20 +101,16 @@ def _show(name: str) -> None:
 
 
 def _run(name: str, output: Path, *, coarse: bool, workers: int, as_json: bool) -> None:
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
 
-    item, console = find(name), Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed}/{task.total}"))
+    item = find(name)
+    total = len(item.coarse_rows if coarse else item.rows)
     found: list[Finished | Failed] = []
-    with Progress(*columns, TimeElapsedColumn(), console=console) as bar:
-        task = bar.add_task(item.name, total=len(item.coarse_rows if coarse else item.rows))
+    with _progress(item.name, total) as tell:
         for outcome in run_study(item, output, coarse=coarse, workers=workers):
             found.append(outcome)
-            bar.advance(task)
+            tell(outcome.label, len(found))
     files = write_study(item, found, output)
     failed = [one for one in found if isinstance(one, Failed)]
     if as_json:
@@ -129,6 +127,23 @@ def _run(name: str, output: Path, *, coarse: bool, workers: int, as_json: bool) 
         raise typer.Exit(1)
 
 
+@contextmanager
+def _progress(name: str, total: int) -> Iterator[Callable[[str, int], None]]:
+    """Bar on a terminal that draws in place, else a line for each variant."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from eigencontact.progress import draws_in_place
+
+    if not draws_in_place(sys.stderr):
+        yield lambda label, done: typer.echo(f"variant {done} of {total}: {label}", err=True)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(name, total=total)
+        yield lambda _label, done: bar.update(task, completed=done)
+
+
 def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     from rich.console import Console
     from rich.table import Table
@@ -139,7 +154,8 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
 
     done = [one for one in found if isinstance(one, Finished)]
     columns = dict.fromkeys(name for one in done for name in one.row)
-    table = Table("variant", *columns, title=item.title, box=None, pad_edge=False)
+    typer.echo(item.title)
+    table = Table("variant", *columns, box=None, pad_edge=False)
     for one in done:
         table.add_row(one.label, *(f"{one.row[name]:.4g}" if name in one.row else "" for name in columns))
     Console().print(table)
