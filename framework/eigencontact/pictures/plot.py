@@ -73,10 +73,10 @@ def plot(
     Examples
     --------
     >>> from eigencontact import load_scene, run
-    >>> changes = ["grid.cells-per-contact-radius=12", "stress.1.depth-cells=20"]
+    >>> changes = ["grid.cells-per-contact-radius=12", "stress.0.depth-cells=20"]
     >>> axes = plot(run(load_scene("hertz", changes)), "stress", component="xz", zoom="-9 um:9 um, 0:9 um")
-    >>> axes.get_xlabel(), axes.get_ylim()
-    ('x [µm]', (9.0, 0.0))
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('x [µm]', 'z [µm]')
     """
     from eigencontact.viz.fitting import finish
     from eigencontact.viz.looks import figure_look, look_of, shown_figures

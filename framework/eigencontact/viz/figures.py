@@ -125,7 +125,8 @@ def draw_all(
         ]
     for region, how in drawable(dataset).items():
         if how == "section":
-            sentence = f"Equivalent stress on the section {region!r}{at(step)}; a cross marks the largest value."
+            sentence = f"Equivalent stress on the section {region!r}{at(step)}; a cross marks the largest value"
+            sentence += ", a bar above or a line the contact." if "pressure" in dataset else "."
             if f"{region}_outline" in dataset:
                 sentence += " Lines are outlines of inclusions."
             wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
