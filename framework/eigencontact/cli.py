@@ -343,14 +343,21 @@ def new_plugin(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Folder of the package; by default ./eigencontact-NAME."),
     ] = None,
+    file: Annotated[
+        bool, typer.Option("--file", help="Write NAME.py alone, which a scene names; -o is then another file.")
+    ] = False,
 ) -> None:
-    """Write a plugin package of your own: it installs, registers and passes its tests as it is.
+    """Write a plugin package of your own, or one file: it registers and passes its tests as it is.
 
-    Example: `eigencontact new-plugin hollow-ball`
+    Example: `eigencontact new-plugin hollow-ball --file`, then `eigencontact check hollow_ball.py`
     """
-    from eigencontact.skeleton import write_package
+    from eigencontact.skeleton import write_file, write_package
 
     try:
+        if file:
+            path = write_file(name, kind=kind, path=output)
+            typer.echo(f'{path}: one {kind}; ask `eigencontact check {path}`, name it in a scene: plugins = ["{path}"]')
+            return
         typer.echo(write_package(name, kind=kind, folder=output).next_steps())
     except EigencontactError as problem:
         _fail(problem)

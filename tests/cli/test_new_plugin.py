@@ -9,6 +9,8 @@ import tomllib
 import pytest
 
 from eigencontact.errors import PluginError
+from eigencontact.hooks.files import with_files
+from eigencontact.library import installed_plugins
 from eigencontact.plugin import KINDS
 from eigencontact.skeleton import TEMPLATES, write_package
 
@@ -112,3 +114,17 @@ def test_nothing_is_overwritten(command, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
     with pytest.raises(PluginError, match="folder must be new or empty"):
         write_package("fibre", folder=tmp_path / "mine.txt")
+
+
+@pytest.mark.parametrize("kind", TEMPLATES)
+def test_a_single_file_is_one_plugin_that_a_scene_can_name(kind, tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    written = command("new-plugin", "my-own", "--kind", kind, "--file")
+    assert written.code == 0, written.err
+    assert 'plugins = ["my_own.py"]' in written.out
+    (entry,) = set(with_files(installed_plugins(), [tmp_path / "my_own.py"])) - set(installed_plugins())
+    assert (entry.kind, entry.key) == (kind, "my-own")
+    assert kind == "inclusion-shape" or entry.component(**entry.component.example)
+    again = command("new-plugin", "my-own", "--kind", kind, "--file")
+    assert again.code == 2
+    assert "file must be new, where it can be written (got " in again.err

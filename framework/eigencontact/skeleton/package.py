@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eigencontact.errors import PluginError, nearest
 
-__all__ = ["TEMPLATES", "NewPackage", "write_package"]
+__all__ = ["TEMPLATES", "NewPackage", "write_file", "write_package"]
 
 _FOLDER = Path(__file__).with_name("templates")
 _MODULE = ".module.py.txt"
@@ -82,25 +82,9 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
     PluginError
         A name that cannot be used or is taken, an unknown kind, a folder that holds something.
     """
-    key = name.removeprefix(_PREFIX)
-    if not _NAME.fullmatch(key):
-        suggestion = re.sub(r"[^a-z0-9]+", "-", key.lower()).strip("-0123456789")
-        hint = f"; say {suggestion!r}" if suggestion else ""
-        raise PluginError(f"name must be of lower-case letters, digits and single hyphens (got {name!r}){hint}")
-    if kind not in TEMPLATES:
-        raise PluginError(f"kind must be one of {', '.join(TEMPLATES)} (got {kind!r}){nearest(kind, TEMPLATES)}")
-    class_name = "".join(part.capitalize() for part in key.split("-"))
-    if keyword.iskeyword(class_name):
-        raise PluginError(f"name must not stand for a word of Python, {class_name} (got {name!r}); choose another")
-    _refuse_taken(kind, key)
+    words = _words(name, kind)
+    key = words["key"]
     target = Path(f"{_PREFIX}{key}") if folder is None else folder
-    words = {
-        "package": f"{_PREFIX}{key}",
-        "module": f"eigencontact_{key.replace('-', '_')}",
-        "class": class_name,
-        "key": key,
-        "version": _version(),
-    }
     written = []
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):
@@ -113,6 +97,53 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
     except OSError as problem:
         raise PluginError(f"folder must be one that can be written (got {problem}); choose another with -o") from None
     return NewPackage(target, tuple(written), key, kind)
+
+
+def write_file(name: str, *, kind: str = "inclusion-shape", path: Path | None = None) -> Path:
+    """Write a plugin as a single file, which a scene names by ``plugins``: the module of the package, without one.
+
+    Parameters
+    ----------
+    name, kind
+        As of `write_package`.
+    path : Path, optional
+        The file, which must be new; by default the name with underscores and ``.py`` in the current folder.
+
+    Raises
+    ------
+    PluginError
+        As of `write_package`; a file that is there already.
+    """
+    words = _words(name, kind)
+    target = Path(f"{words['key'].replace('-', '_')}.py") if path is None else path
+    try:
+        with target.open("x", encoding="utf-8") as file:
+            file.write(_fill(f"{kind}{_MODULE}", words))
+    except OSError as problem:
+        raise PluginError(f"file must be new, where it can be written (got {problem}); say another, -o") from None
+    return target
+
+
+def _words(name: str, kind: str) -> dict[str, str]:
+    """What stands for the marks of a template, of a name and a kind that can be used."""
+    key = name.removeprefix(_PREFIX)
+    if not _NAME.fullmatch(key):
+        suggestion = re.sub(r"[^a-z0-9]+", "-", key.lower()).strip("-0123456789")
+        hint = f"; say {suggestion!r}" if suggestion else ""
+        raise PluginError(f"name must be of lower-case letters, digits and single hyphens (got {name!r}){hint}")
+    if kind not in TEMPLATES:
+        raise PluginError(f"kind must be one of {', '.join(TEMPLATES)} (got {kind!r}){nearest(kind, TEMPLATES)}")
+    class_name = "".join(part.capitalize() for part in key.split("-"))
+    if keyword.iskeyword(class_name):
+        raise PluginError(f"name must not stand for a word of Python, {class_name} (got {name!r}); choose another")
+    _refuse_taken(kind, key)
+    return {
+        "package": f"{_PREFIX}{key}",
+        "module": f"eigencontact_{key.replace('-', '_')}",
+        "class": class_name,
+        "key": key,
+        "version": _version(),
+    }
 
 
 def _places(kind: str, module: str) -> dict[str, str]:
