@@ -136,9 +136,8 @@ def cell_fields(dataset: Results) -> dict[str, Field]:
         found[name] = Field(name, name, kinds)
         found.setdefault(stem, Field(stem, name, kinds))
     if "equivalent_plastic_strain" in found and "plastic_strain" in found:
-        tensor, scalar = found["plastic_strain"], found["equivalent_plastic_strain"]
+        tensor = found["plastic_strain"]
         found["plastic_strain"] = Field("plastic_strain", tensor.variable, ("equivalent", *tensor.components))
-        assert scalar.variable
     return found
 
 
