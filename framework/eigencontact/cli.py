@@ -68,7 +68,7 @@ app = typer.Typer(
     help="Semi-analytical contact mechanics: exact half-space kernels, FFT convolution, constrained solvers.",
     epilog=(
         "Exit codes: 0 done, 1 failure, 2 refused input or plugin, 3 not converged, 4 window too small, "
-        "5 results cannot be written or read, 130 interrupted (continue with --resume)."
+        "5 results cannot be written or read, 6 a cluster cannot be used, 130 interrupted (continue with --resume)."
     ),
 )
 

@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from typing import Any
 
 __all__ = [
+    "ClusterError",
     "DomainTooSmall",
     "EigencontactError",
     "NotConverged",
@@ -81,6 +82,12 @@ class ResultsError(EigencontactError):
     """A folder that cannot be written or stored results that cannot be read."""
 
     exit_code = 5
+
+
+class ClusterError(EigencontactError):
+    """A cluster that is not reachable, that is lost, or whose workers cannot do what is asked."""
+
+    exit_code = 6
 
 
 class NotConverged(EigencontactError):

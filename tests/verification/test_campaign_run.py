@@ -188,22 +188,13 @@ def test_workers_below_one_are_refused():
         list(in_processes(tasks_of(analytic("plain")), workers=0))
 
 
-@pytest.mark.parametrize("processes", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_a_campaign_on_a_cluster(tmp_path, processes):
-    distributed = pytest.importorskip("distributed")
+@pytest.mark.slow
+def test_a_campaign_on_a_cluster(tmp_path):
+    pytest.importorskip("distributed")
+    from eigencontact.engines.cluster import Cluster
     from eigencontact_verification.campaign.cluster import on_cluster
 
-    with (
-        distributed.LocalCluster(
-            n_workers=1,
-            threads_per_worker=1,
-            processes=processes,
-            dashboard_address=None,
-            protocol="tcp://" if processes else "inproc://",
-        ) as local,
-        distributed.Client(local) as client,
-    ):
-        executor = functools.partial(on_cluster, client=client)
-        good, bad = run_campaign([analytic("plain"), analytic("bad", "raises")], Store(tmp_path), executor=executor)
+    executor = functools.partial(on_cluster, engine=Cluster("local:1"))
+    good, bad = run_campaign([analytic("plain"), analytic("bad", "raises")], Store(tmp_path), executor=executor)
     assert all(isinstance(outcome, Outcome) and outcome.status == "done" for _, outcome in good.outcomes)
     assert [outcome.status for _, outcome in bad.outcomes] == ["done", "done", "done", "failed", "done"]

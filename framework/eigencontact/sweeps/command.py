@@ -37,6 +37,13 @@ def sweep(
     ] = None,
     shared_grid: Annotated[bool, typer.Option("--shared-grid", help="One window for all variants.")] = False,
     workers: Annotated[int, typer.Option("--workers", help="Processes that share the variants.")] = 1,
+    cluster: Annotated[
+        str | None,
+        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
+    ] = None,
+    memory: Annotated[
+        float | None, typer.Option("--memory", metavar="GB", min=0.1, help="Of a variant, on a cluster.")
+    ] = None,
     pictures: Annotated[bool, typer.Option("--pictures", help="Also draw the pictures of each variant.")] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default ./SCENE-sweep.")
@@ -50,7 +57,7 @@ def sweep(
     from eigencontact.errors import EigencontactError
 
     try:
-        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, told={
+        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=(cluster, memory), told={
             "pairs": pairs, "fields": field or [], "scalars": scalar or [], "pictures": pictures,
             "grid": "shared" if shared_grid else "own",
         })  # fmt: skip
@@ -64,11 +71,12 @@ def sweep(
 
 def _run(
     scene: str, vary: list[str], changes: list[str], output: Path | None, *, as_json: bool, workers: int,
-    told: dict[str, Any],
+    on: tuple[str | None, float | None], told: dict[str, Any],
 ) -> None:  # fmt: skip
     import json
 
     from eigencontact.app import load_scene
+    from eigencontact.engines.cluster import cluster_of
     from eigencontact.sweeps.sweep import read_sweep_file
     from eigencontact.sweeps.sweep import sweep as run_sweep
 
@@ -78,8 +86,9 @@ def _run(
     loaded = load_scene(given.pop("scene"), changes)
     folder = output or Path(f"{Path(scene).stem if Path(scene).is_file() else loaded.label}-sweep")
     options = {**given, **{name: value for name, value in told.items() if value not in (False, [], "own")}}
+    cluster = cluster_of(*on, say=lambda words: typer.echo(words, err=True))
     with _progress(enabled=not as_json) as tell:
-        found = run_sweep(loaded, options.pop("vary"), folder, workers=workers, told=tell, **options)
+        found = run_sweep(loaded, options.pop("vary"), folder, workers=workers, cluster=cluster, told=tell, **options)
     if as_json:
         typer.echo(json.dumps({"folder": str(folder), "files": found.files, "failed": found.failed}, indent=2))
     else:

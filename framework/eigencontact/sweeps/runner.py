@@ -1,4 +1,4 @@
-"""Running the variants of a sweep: one after the other, or several at a time, each in a process of its own.
+"""Running the variants of a sweep: one after the other, in several processes, or on a cluster.
 
 What is finished stays finished: a folder that holds the results of the very same variant is read, not solved again.
 What fails is told, and stops nothing.
@@ -7,11 +7,8 @@ What fails is told, and stops nothing.
 from __future__ import annotations
 
 import json
-from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -19,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.kept import Kept
-from eigencontact.core.memory import machine_bytes
-from eigencontact.core.parallel import available_threads
+from eigencontact.engines.cluster import Cluster
+from eigencontact.engines.engine import Engine, Lost, Processes, Share, ThisProcess
 from eigencontact.errors import EigencontactError
 
 if TYPE_CHECKING:
@@ -32,10 +29,8 @@ __all__ = ["Outcome", "outcomes"]
 
 #: Beside the results of a variant: the scene that they belong to, and what could not be done.
 _MARK, _FAILED = "variant.json", "failed.json"
-#: Memory of what variants share [bytes], of all workers, and the part of the machine's that it may be.
+#: Memory of what the variants of a process share [bytes], and the part of its memory that it may be.
 _MOST_KEPT, _PART_KEPT = 1e9, 0.1
-
-_OF_WORKER: Kept | None = None
 
 
 @dataclass(frozen=True)
@@ -70,11 +65,15 @@ class _Task:
     variant: Variant
     folder: Path | None
     fields: tuple[str, ...]
-    threads: int | None
 
 
 def outcomes(
-    variants: Sequence[Variant], folder: Path | None, *, fields: Sequence[str] = (), workers: int = 1
+    variants: Sequence[Variant],
+    folder: Path | None,
+    *,
+    fields: Sequence[str] = (),
+    workers: int = 1,
+    engine: Engine | None = None,
 ) -> Iterator[Outcome]:
     """Outcome of each variant as it is finished.
 
@@ -88,54 +87,36 @@ def outcomes(
         Surface fields to bring back.
     workers : int
         Processes; with one the variants are run in this one.
+    engine : Engine, optional
+        Who runs them instead, a cluster for one.
     """
-    threads = None if workers == 1 else max(1, available_threads() // workers)
-    tasks = [_Task(variant, None if folder is None else folder / variant.label, tuple(fields), threads)
+    engine = engine or (ThisProcess() if workers == 1 else Processes(workers))
+    tasks = [_Task(variant, None if folder is None else (folder / variant.label).resolve(), tuple(fields))
              for variant in variants]  # fmt: skip
-    if workers == 1:
-        kept = _kept(1)
-        yield from (_outcome(task, kept) for task in tasks)
-        return
-    lost = yield from _in_pool(tasks, workers)
-    for task in lost:  # whose process died, or that of a neighbour: each again, alone, so that one takes no other along
-        if (yield from _in_pool([task], 1)):
-            yield Outcome(task.variant.place, {}, {}, "its process died, twice (of memory, or killed)", 0.0)
+    if isinstance(engine, Cluster):
+        engine.folder = folder
+    with engine:
+        for task, answer in engine.map(_outcome, tasks, _Held.within):
+            if isinstance(answer, Lost):
+                yield Outcome(task.variant.place, {}, {}, answer.reason, 0.0)
+            else:
+                yield answer
 
 
-def _kept(workers: int) -> Kept:
-    """Store of what variants share within one process: spectra of stress in regions."""
-    return Kept(min(_MOST_KEPT, _PART_KEPT * machine_bytes()) / workers)
+@dataclass(frozen=True)
+class _Held:
+    """What the variants of one process share: spectra of stress in regions, and the threads."""
+
+    kept: Kept
+    threads: int | None
+
+    @classmethod
+    def within(cls, share: Share) -> _Held:
+        """Make it, of a share of a machine."""
+        return cls(Kept(min(_MOST_KEPT, _PART_KEPT * share.memory)), share.threads)
 
 
-def _begin_worker(workers: int) -> None:
-    global _OF_WORKER  # noqa: PLW0603 - a process that serves one sweep has one store
-    _OF_WORKER = _kept(workers)
-
-
-def _in_worker(task: _Task) -> Outcome:
-    assert _OF_WORKER is not None
-    return _outcome(task, _OF_WORKER)
-
-
-def _in_pool(tasks: Sequence[_Task], workers: int) -> Generator[Outcome, None, list[_Task]]:
-    """Outcomes of tasks in processes; returns the tasks whose process died."""
-    lost = list[_Task]()
-    count = min(workers, len(tasks))
-    with ProcessPoolExecutor(count, get_context("spawn"), _begin_worker, (count,)) as pool:
-        running: dict[Future[Outcome], _Task] = {pool.submit(_in_worker, task): task for task in tasks}
-        try:
-            for done in as_completed(running):
-                try:
-                    yield done.result()
-                except BrokenProcessPool:
-                    lost.append(running[done])
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return lost
-
-
-def _outcome(task: _Task, kept: Kept) -> Outcome:
+def _outcome(task: _Task, held: _Held) -> Outcome:
     """Run one variant, or read what it left."""
     began, variant = perf_counter(), task.variant
     summary: dict[str, Any] = {}
@@ -143,8 +124,8 @@ def _outcome(task: _Task, kept: Kept) -> Outcome:
     failed = variant.refused
     try:
         if not failed:
-            with kept.offered():
-                summary, fields = _computed(task)
+            with held.kept.offered():
+                summary, fields = _computed(task, held.threads)
     except (EigencontactError, MemoryError) as problem:
         failed = " ".join(str(problem).split()) or type(problem).__name__
     except Exception as problem:  # noqa: BLE001 - one variant must not take the others along, whatever it meets
@@ -156,7 +137,7 @@ def _outcome(task: _Task, kept: Kept) -> Outcome:
     return Outcome(variant.place, summary, fields, failed, perf_counter() - began)
 
 
-def _computed(task: _Task) -> tuple[dict[str, Any], dict[str, Any]]:
+def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any]]:
     from eigencontact.afterwards import open_results
     from eigencontact.app import run
 
@@ -169,8 +150,8 @@ def _computed(task: _Task) -> tuple[dict[str, Any], dict[str, Any]]:
             return summary, {}
         with open_results(folder) as dataset:
             return summary, _chosen(dataset, task.fields)
-    if task.threads is not None and scene.numerics.threads is None:
-        numerics = scene.numerics.model_copy(update={"threads": task.threads})
+    if threads is not None and scene.numerics.threads is None:
+        numerics = scene.numerics.model_copy(update={"threads": threads})
         scene = scene.model_copy(update={"numerics": numerics})
     result = run(scene, folder, overwrite=folder is not None and folder.exists())
     fields = _chosen(result.dataset, task.fields) if task.fields else {}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.sweeps.axes import Axis, axes_of
 from eigencontact.sweeps.gather import as_csv, gathered
@@ -65,6 +66,7 @@ def sweep(
     scalars: Sequence[str] = (),
     grid: Literal["own", "shared"] = "own",
     workers: int = 1,
+    cluster: str | Cluster | None = None,
     pictures: bool = False,
     told: Told | None = None,
 ) -> SweepResult:
@@ -90,6 +92,9 @@ def sweep(
         Whether each variant has the window that it asks for, or all have one that holds them.
     workers : int
         Processes that share the variants.
+    cluster : str, optional
+        Workers of dask.distributed that run them instead: ``"local:4"`` for four processes of this machine, the
+        scheduler's address (``"tcp://host:8786"``) or file. The folder must be one that all machines share.
     pictures : bool
         Whether each variant draws its own pictures.
     told : callable, optional
@@ -101,6 +106,8 @@ def sweep(
         A description that no variant can follow; chosen fields on different cells, before anything is run.
     ResultsError
         A folder that cannot be written.
+    ClusterError
+        A cluster that is not reachable, that is lost, or whose workers cannot do what is asked.
 
     Examples
     --------
@@ -113,6 +120,9 @@ def sweep(
 
     if isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 1024:
         raise SceneError(f"workers must be a whole number from 1 to 1024 (got {shown(workers)})")
+    if cluster is not None and workers != 1:
+        raise SceneError(f"workers must be without cluster, which has its own (got {shown(workers)})")
+    engine = Cluster(cluster) if isinstance(cluster, str) else cluster
     if grid not in ("own", "shared"):
         raise SceneError(f"grid of a sweep must be 'own' or 'shared' (got {shown(grid)})")
     loaded = load_scene(scene)
@@ -130,7 +140,7 @@ def sweep(
     if place is not None:
         place.mkdir(parents=True, exist_ok=True)
     found: list[Outcome] = []
-    for outcome in outcomes(variants, place, fields=fields, workers=workers):
+    for outcome in outcomes(variants, place, fields=fields, workers=workers, engine=engine):
         found.append(outcome)
         if told is not None:
             told(outcome, len(found), len(variants))

@@ -75,7 +75,8 @@ def verify(
         float, typer.Option("--memory", metavar="GB", min=0.1, help="A task that needs more is ended and reported.")
     ] = 6.0,
     cluster: Annotated[
-        str | None, typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed to run on.")
+        str | None,
+        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
     ] = None,
     pictures: Annotated[
         bool, typer.Option("--pictures", help="Also write mesh and field of one case a kernel (VTU, PNG).")
@@ -141,6 +142,9 @@ def verify(
             chosen, gaps, output, executor=executor, limit=limit, quick=quick, pictures=pictures,
             show=not (quiet or as_json),
         )  # fmt: skip
+    except EigencontactError as problem:
+        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
+        raise typer.Exit(problem.exit_code) from None
     except KeyboardInterrupt:
         typer.echo("eigencontact: interrupted; finished solutions are kept, run the same again to continue", err=True)
         raise typer.Exit(130) from None
@@ -191,15 +195,10 @@ def _executor(workers: int, memory: float, cluster: str | None, plugins: Sequenc
         return partial(in_processes, workers=workers, limits=Limits(memory=memory), plugins=plugins)
     if plugins:
         raise ValueError("--plugin must be without --cluster, whose workers have no such file; install it there")
-    try:
-        from distributed import Client
-    except ImportError:
-        raise ImportError(
-            "--cluster must have dask.distributed (not installed); install eigencontact[cluster]"
-        ) from None
+    from eigencontact.engines.cluster import Cluster
     from eigencontact_verification.campaign.cluster import on_cluster
 
-    return partial(on_cluster, client=Client(cluster, timeout=10))
+    return partial(on_cluster, engine=Cluster(cluster, say=lambda words: typer.echo(words, err=True)))
 
 
 def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:

@@ -28,6 +28,13 @@ def study(
     ),
     coarse: Annotated[bool, typer.Option("--coarse", help="Fewer variants and cells, for a first look.")] = False,
     workers: Annotated[int, typer.Option("--workers", min=1, help="Processes that share the variants.")] = 1,
+    cluster: Annotated[
+        str | None,
+        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
+    ] = None,
+    memory: Annotated[
+        float | None, typer.Option("--memory", metavar="GB", min=0.1, help="Of a variant, on a cluster.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
     form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
@@ -47,7 +54,7 @@ def study(
         elif show:
             _show(name)
         else:
-            _run(name, output, coarse=coarse, workers=workers, as_json=as_json)
+            _run(name, output, coarse=coarse, workers=workers, on=(cluster, memory), as_json=as_json)
     except EigencontactError as problem:
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(problem.exit_code) from None
@@ -100,15 +107,22 @@ def _show(name: str) -> None:
     typer.echo(text.read_text(encoding="utf-8"), nl=False)
 
 
-def _run(name: str, output: Path, *, coarse: bool, workers: int, as_json: bool) -> None:
+def _run(
+    name: str, output: Path, *, coarse: bool, workers: int, on: tuple[str | None, float | None], as_json: bool
+) -> None:
+    from eigencontact.engines.cluster import cluster_of
+    from eigencontact.errors import SceneError
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
 
     item = find(name)
+    cluster = cluster_of(*on, say=lambda words: typer.echo(words, err=True))
+    if cluster is not None and workers != 1:
+        raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
     total = len(item.coarse_rows if coarse else item.rows)
     found: list[Finished | Failed] = []
     with _progress(item.name, total) as tell:
-        for outcome in run_study(item, output, coarse=coarse, workers=workers):
+        for outcome in run_study(item, output, coarse=coarse, workers=workers, cluster=cluster):
             found.append(outcome)
             tell(outcome.label, len(found))
     files = write_study(item, found, output)

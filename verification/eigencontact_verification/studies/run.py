@@ -11,6 +11,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.sweeps.variants import Variant
 from eigencontact_verification.studies.checks import verdicts
@@ -53,7 +54,7 @@ def variants_of_study(study: Study, *, coarse: bool) -> list[Variant]:
 
 
 def run_study(
-    study: Study, folder: Path, *, coarse: bool = False, workers: int = 1
+    study: Study, folder: Path, *, coarse: bool = False, workers: int = 1, cluster: Cluster | None = None
 ) -> Iterator[Finished | Failed]:
     """Run the variants, each into a folder of its own; finished ones are read again, not run again.
 
@@ -67,6 +68,8 @@ def run_study(
         Fewer variants and cells, for a first look.
     workers : int
         Processes that share the variants.
+    cluster : Cluster, optional
+        Who runs them instead.
 
     Yields
     ------
@@ -81,7 +84,8 @@ def run_study(
     variants = variants_of_study(study, coarse=coarse)
     place = folder / study.name
     place.mkdir(parents=True, exist_ok=True)
-    for outcome in outcomes([replace(one, label=_plain(one.label)) for one in variants], place, workers=workers):
+    plain = [replace(one, label=_plain(one.label)) for one in variants]
+    for outcome in outcomes(plain, place, workers=workers, engine=cluster):
         variant = variants[outcome.place[0]]
         if outcome.failed:
             yield Failed(variant.label, variant.values, outcome.failed)

@@ -1,0 +1,265 @@
+"""Perform tasks on the workers of a cluster that dask.distributed knows (extra ``cluster``), or on one of this machine.
+
+A worker performs one task at a time, with all its threads and memory. Dask gives the tasks of a worker that dies to
+others. Few tasks wait at the scheduler at a time, so that their number costs it nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from time import monotonic
+from typing import Any, Self, TypeVar
+from uuid import uuid4
+
+from eigencontact.core.memory import machine_bytes
+from eigencontact.core.parallel import available_threads
+from eigencontact.engines.engine import Lost, Share
+from eigencontact.errors import ClusterError
+
+__all__ = ["Cluster", "cluster_of"]
+
+Task = TypeVar("Task")
+Answer = TypeVar("Answer")
+Held = TypeVar("Held")
+
+#: Longest wait for a scheduler, and for its first worker [s].
+_CONNECT, _WORKER = 10.0, 60.0
+#: Time after which the workers are counted again [s]; a cluster may grow.
+_COUNT = 5.0
+#: A worker that dies with a task, by dask's default, may do so three times; on this machine once is enough.
+_LOCAL = {
+    "distributed.scheduler.allowed-failures": 1,
+    # results are small and tasks hold what they were given: a pause would never end
+    "distributed.worker.memory.target": False,
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
+}
+
+
+class Cluster:
+    """Engine of dask.distributed; opened by ``with``, and again while it is open at no cost.
+
+    Parameters
+    ----------
+    address : str
+        ``local:N`` for N processes of this machine, which share its threads and memory; else the scheduler's, as
+        ``tcp://host:8786``, or the file that it wrote with ``--scheduler-file``.
+    memory : float, optional
+        What a task needs [bytes]; workers that have less get none.
+    say : callable, optional
+        Told in one line which workers there are, and where the dashboard is.
+
+    Raises
+    ------
+    ClusterError
+        What is none of these; dask.distributed is not installed.
+
+    Examples
+    --------
+    >>> Cluster("local:none")
+    Traceback (most recent call last):
+    eigencontact.errors.ClusterError: cluster must be local:N, N from 1 to 1024 (got 'local:none')
+    """
+
+    def __init__(
+        self, address: str, *, memory: float | None = None, say: Callable[[str], None] | None = None
+    ) -> None:
+        local = re.fullmatch(r"local:(\d{1,4})", address)
+        self._local = int(local[1]) if local else 0
+        if address.startswith("local") and not 1 <= self._local <= 1024:
+            raise ClusterError(f"cluster must be local:N, N from 1 to 1024 (got {address!r})")
+        if not self._local and not Path(address).is_file() and not re.fullmatch(r"(\w+://)?\S+:\d+", address):
+            raise ClusterError(f"cluster must be local:N, host:port or a scheduler's file (got {address!r})")
+        try:
+            import distributed  # noqa: F401
+        except ImportError:
+            words = "cluster must have dask.distributed (not installed); install eigencontact[cluster]"
+            raise ClusterError(words) from None
+        self._address, self._memory, self._say = address, memory, say
+        self._client: Any = None
+        self._open = ExitStack()
+        #: Where results are written; workers must see it.
+        self.folder: Path | None = None
+
+    def __enter__(self) -> Self:
+        from distributed import Client
+
+        try:
+            if self._local:
+                client = Client(self._open.enter_context(self._own()))
+            elif Path(self._address).is_file():
+                client = Client(scheduler_file=self._address, timeout=_CONNECT)
+            else:
+                client = Client(self._address, timeout=_CONNECT)
+        except (OSError, ValueError) as problem:  # TimeoutError is an OSError
+            self._open.close()
+            words = " ".join(str(problem).split()) or type(problem).__name__
+            raise ClusterError(
+                f"cluster must be reachable within {_CONNECT:g} s (got {self._address}: {words})"
+            ) from None
+        self._client = client
+        self._open.callback(_closed, client)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._client = None
+        self._open.close()
+
+    def _own(self) -> Any:
+        """Cluster of this machine."""
+        import logging
+
+        import dask
+        from distributed import LocalCluster
+
+        self._open.enter_context(dask.config.set(_LOCAL))
+        return LocalCluster(
+            n_workers=self._local, threads_per_worker=max(1, available_threads() // self._local),
+            memory_limit=int(machine_bytes() / self._local), processes=True, host="127.0.0.1",
+            dashboard_address=":0", silence_logs=logging.CRITICAL,
+        )  # fmt: skip
+
+    def map(
+        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
+    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        """As `Engine.map`.
+
+        Raises
+        ------
+        ClusterError
+            No worker, or one of another version, or that does not see the folder, named; no worker with the memory;
+            a scheduler that is lost while tasks are left.
+        """
+        from eigencontact.engines.dask_worker import Beginning
+
+        name = f"eigencontact-{uuid4().hex}"
+        seen = None if self.folder is None else self.folder.resolve() / f".{name}"
+        try:
+            if seen is not None:
+                seen.touch()
+            self._check(seen)
+            self._client.register_plugin(Beginning(begin, seen), name=name)
+            lost = deque[tuple[Task, str]]()
+            for task, answer in self._answers(function, tasks, name, workers=0):
+                if isinstance(answer, Lost):
+                    lost.append((task, answer.reason))
+                else:
+                    yield task, answer
+            for task, _ in lost:  # perhaps it only waited at a worker that another task took along: again, alone
+                yield from self._answers(function, [task], name, workers=1)
+        finally:
+            if seen is not None:
+                seen.unlink(missing_ok=True)
+            with suppress(Exception):  # of a scheduler that is gone
+                if self._client.status == "running":
+                    self._client.unregister_worker_plugin(name)
+
+    def _answers(
+        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], name: str, *, workers: int
+    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        """Answers of tasks, of which twice as many as there are workers wait; `workers` 0 counts them."""
+        from distributed import as_completed
+
+        from eigencontact.engines.dask_worker import MEMORY, ONE, perform
+
+        needs = {ONE: 1} | ({} if self._memory is None else {MEMORY: self._memory})
+        waiting, running, done = deque(tasks), dict[Any, Task](), as_completed()
+        room, counted = 1, -_COUNT
+        finished = 0
+        try:
+            while waiting or running:
+                if not workers and monotonic() - counted > _COUNT and self._client.status == "running":
+                    room, counted = 2 * len(self._client.nthreads()) + 2, monotonic()
+                while waiting and len(running) < room:
+                    task = waiting.popleft()
+                    future = self._client.submit(perform, function, task, name, pure=False, resources=needs)
+                    running[future] = task
+                    done.add(future)
+                future = next(done)
+                task = running.pop(future)
+                if future.status == "finished":
+                    answer = future.result()
+                    finished += 1
+                    yield task, answer
+                elif future.status == "error":
+                    problem = future.exception()
+                    yield task, Lost(f"its worker failed: {' '.join(f'{type(problem).__name__}: {problem}'.split())}")
+                else:
+                    raise self._gone(finished, len(tasks))
+        except (OSError, RuntimeError) as problem:  # how a client that has lost its scheduler refuses
+            raise self._gone(finished, len(tasks)) from problem
+        finally:
+            with suppress(Exception):
+                self._client.cancel(list(running))
+
+    def _gone(self, finished: int, total: int) -> ClusterError:
+        return ClusterError(
+            f"scheduler of {self._address} must stay until the end (lost after {finished} of {total}); "
+            "what is finished is kept, the same command continues"
+        )
+
+    def _check(self, seen: Path | None) -> None:
+        """Refuse workers that are unlike this machine, by name; say which there are."""
+        from eigencontact import __version__
+
+        try:
+            self._client.wait_for_workers(1, timeout=_WORKER)
+        except TimeoutError:
+            raise ClusterError(f"cluster {self._address} must have a worker (none within {_WORKER:g} s)") from None
+        facts: dict[str, dict[str, Any]] = self._client.run(_asking(None if seen is None else str(seen)))
+        for worker, told in facts.items():
+            if told["version"] != __version__:
+                got = told["version"] or "none"
+                raise ClusterError(f"worker {worker} must have eigencontact {__version__} (got {got}); install it")
+            if not told["sees"] and seen is not None:
+                raise ClusterError(f"worker {worker} must see the folder {seen.parent}; give one that all share")
+        limits = self._client.run(_limit)
+        memory = max(limits.values())
+        if self._memory is not None and self._memory > memory:
+            got = f"{self._memory / 1e9:.3g} GB, the largest worker {memory / 1e9:.3g} GB"
+            raise ClusterError(f"memory of a task must be that of a worker at most (got {got})")
+        if self._say is not None:
+            threads = sum(self._client.nthreads().values())
+            self._say(
+                f"cluster {self._address}: {len(facts)} workers, {threads} threads, {memory / 1e9:.3g} GB each; "
+                f"dashboard: {self._client.dashboard_link}"
+            )
+
+
+def cluster_of(address: str | None, gigabytes: float | None, *, say: Callable[[str], None]) -> Cluster | None:
+    """Cluster of the options ``--cluster`` and ``--memory``; None without the first."""
+    if address is None:
+        if gigabytes is not None:
+            raise ClusterError(f"memory must be with --cluster, whose workers it chooses (got {gigabytes:g} GB)")
+        return None
+    return Cluster(address, memory=None if gigabytes is None else 1e9 * gigabytes, say=say)
+
+
+def _asking(seen: str | None) -> Callable[[], dict[str, Any]]:
+    """Make a function for a worker that may lack this package: pickle sends one that is no module's by its code."""
+
+    def ask() -> dict[str, Any]:
+        from pathlib import Path
+
+        try:
+            import eigencontact
+
+            version = eigencontact.__version__
+        except ImportError:
+            version = ""
+        return {"version": version, "sees": seen is None or Path(seen).is_file()}
+
+    return ask
+
+
+def _limit(dask_worker: Any) -> float:
+    return float(dask_worker.memory_manager.memory_limit or machine_bytes())
+
+
+def _closed(client: Any) -> None:
+    with suppress(Exception):  # of a scheduler that is gone
+        client.close(timeout=5)

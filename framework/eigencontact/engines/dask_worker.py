@@ -1,0 +1,54 @@
+"""What a worker of dask.distributed holds for one engine; imported on workers, and where a cluster is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from distributed import WorkerPlugin, get_worker
+
+from eigencontact import __version__
+from eigencontact.core.memory import machine_bytes
+from eigencontact.engines.engine import Share
+from eigencontact.errors import ClusterError
+
+__all__ = ["MEMORY", "ONE", "Beginning", "perform"]
+
+#: Resources of dask: one task of ours at a time in each worker, and the memory that it may take [bytes].
+ONE, MEMORY = "eigencontact", "eigencontact-memory"
+
+
+class Beginning(WorkerPlugin):  # type: ignore[misc]
+    """Makes a worker ready, also one that joins later: the same version, a folder that it sees, what its tasks share.
+
+    Parameters
+    ----------
+    begin : callable
+        Makes what the tasks of the worker share.
+    seen : Path or None
+        A file of the folder of results.
+    """
+
+    def __init__(self, begin: Callable[[Share], Any], seen: Path | None) -> None:
+        self.held: Any = None
+        self._begin, self._seen, self._version = begin, seen, __version__
+
+    async def setup(self, worker: Any) -> None:
+        """Refuse a worker that is unlike this machine; else declare what it has."""
+        if self._version != __version__:
+            raise ClusterError(f"worker {worker.address} must have eigencontact {self._version} (got {__version__})")
+        if self._seen is not None and not self._seen.is_file():
+            raise ClusterError(f"worker {worker.address} must see the folder {self._seen.parent}")
+        memory = float(worker.memory_manager.memory_limit or machine_bytes())
+        self.held = self._begin(Share(worker.state.nthreads, memory))
+        await worker.set_resources(**{ONE: 1, MEMORY: memory})
+
+    def teardown(self, worker: Any) -> None:  # noqa: ARG002 - as dask calls it
+        """Give up what was shared."""
+        self.held = None
+
+
+def perform(function: Callable[[Any, Any], Any], task: Any, name: str) -> Any:
+    """Perform a task in this worker."""
+    return function(task, get_worker().plugins[name].held)

@@ -1,0 +1,156 @@
+"""What performs tasks that do not know of each other, and the two engines that need nothing but this machine.
+
+An engine yields what comes of a task as soon as it has come. A task whose process dies costs no other: it is tried
+again alone, and is `Lost` when it dies again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Any, Protocol, Self, TypeVar
+
+from eigencontact.core.memory import machine_bytes
+from eigencontact.core.parallel import available_threads
+
+__all__ = ["Engine", "Lost", "Processes", "Share", "ThisProcess"]
+
+Task = TypeVar("Task")
+Answer = TypeVar("Answer")
+Held = TypeVar("Held")
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """What a process that performs tasks, one after the other, may take of its machine.
+
+    Attributes
+    ----------
+    threads : int or None
+        Threads; None where the task may choose.
+    memory : float
+        Memory [bytes].
+    """
+
+    threads: int | None
+    memory: float
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """Instead of an answer: the process that performed the task died, more than once; `reason` is one line."""
+
+    reason: str
+
+
+class Engine(Protocol):
+    """Performs tasks while it is open (``with``)."""
+
+    def __enter__(self) -> Self:
+        """Take what is needed."""
+        ...
+
+    def __exit__(self, *_: object) -> None:
+        """Give everything back."""
+        ...
+
+    def map(
+        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
+    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        """Yield tasks and their answers as they are finished.
+
+        Parameters
+        ----------
+        function : callable
+            Gets a task and what its process holds; must not raise. Named in a module, so that processes find it.
+        tasks : sequence
+            What is done, begun in this order.
+        begin : callable
+            Called once in each process; makes what the tasks of that process share.
+        """
+        ...
+
+
+class ThisProcess:
+    """Performs tasks one after the other, here."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return
+
+    def map(
+        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
+    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        """As `Engine.map`."""
+        held = begin(Share(None, machine_bytes()))
+        for task in tasks:
+            yield task, function(task, held)
+
+
+class Processes:
+    """Performs tasks in processes of this machine, which share its threads and memory evenly.
+
+    Parameters
+    ----------
+    workers : int
+        Processes.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return
+
+    def map(
+        self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
+    ) -> Iterator[tuple[Task, Answer | Lost]]:
+        """As `Engine.map`."""
+        lost = yield from self._pool(function, tasks, begin, self._workers)
+        for task in lost:  # whose process died, or that of a neighbour: each again, alone, so that it takes none along
+            if (yield from self._pool(function, [task], begin, 1)):
+                yield task, Lost("its process died, twice (of memory, or killed)")
+
+    def _pool(
+        self,
+        function: Callable[[Task, Held], Answer],
+        tasks: Sequence[Task],
+        begin: Callable[[Share], Held],
+        count: int,
+    ) -> Generator[tuple[Task, Answer | Lost], None, list[Task]]:
+        """Answers of tasks; returns the tasks whose process died."""
+        lost, count = list[Task](), min(count, len(tasks))
+        share = Share(max(1, available_threads() // self._workers), machine_bytes() / self._workers)
+        with ProcessPoolExecutor(max(1, count), get_context("spawn"), _begin, (begin, share)) as pool:
+            running: dict[Future[Answer], Task] = {pool.submit(_perform, function, task): task for task in tasks}
+            try:
+                for done in as_completed(running):
+                    try:
+                        yield running[done], done.result()
+                    except BrokenProcessPool:
+                        lost.append(running[done])
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        return lost
+
+
+#: What the tasks of this process share, where it is one of a pool.
+_HELD: Any = None
+
+
+def _begin(begin: Callable[[Share], Any], share: Share) -> None:
+    global _HELD  # noqa: PLW0603 - a process of a pool serves one pool
+    _HELD = begin(share)
+
+
+def _perform(function: Callable[[Any, Any], Answer], task: Any) -> Answer:
+    return function(task, _HELD)

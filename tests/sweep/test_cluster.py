@@ -1,0 +1,182 @@
+"""Sweeps on a cluster: the numbers of a serial sweep to the bit, workers and schedulers that die, what is refused."""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eigencontact.core.memory import machine_bytes
+from eigencontact.engines import cluster as engine_of_cluster
+from eigencontact.engines.cluster import Cluster, cluster_of
+from eigencontact.errors import ClusterError, SceneError
+from eigencontact.sweeps.sweep import sweep
+
+SCENE = {
+    "name": "ball",
+    "body1": {"young-modulus": "210 GPa", "poisson-ratio": 0.3},
+    "geometry": {"type": "sphere", "radius": "100 um"},
+    "grid": {"cells": 32, "size": "30 um"},
+    "steps": {"normal-load": "0.5 N"},
+}
+VARY = {"steps.normal-load": {"from": 0.1, "to": 1.0, "count": 8}}
+
+
+@pytest.mark.parametrize("address", ["local", "local:0", "local:x", "local:2000", "somewhere", "host:"])
+def test_addresses_that_are_none(address):
+    with pytest.raises(ClusterError, match=r"cluster must be local:N, .*got '" + address):
+        Cluster(address)
+
+
+def test_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ClusterError, match=r"install eigencontact\[cluster\]"):
+        Cluster("local:2")
+
+
+def test_options_that_contradict():
+    with pytest.raises(ClusterError, match="memory must be with --cluster"):
+        cluster_of(None, 4.0, say=print)
+    pytest.importorskip("distributed")
+    with pytest.raises(SceneError, match="workers must be without cluster"):
+        sweep(SCENE, VARY, cluster="local:2", workers=2)
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+@pytest.mark.slow
+def test_no_scheduler_there(monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(engine_of_cluster, "_CONNECT", 1.0)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    began = time.monotonic()
+    with pytest.raises(ClusterError, match=f"reachable within 1 s .*{address}") as refused:
+        sweep(SCENE, VARY, cluster=address)
+    assert time.monotonic() - began < 20.0
+    assert "\n" not in str(refused.value)
+
+
+def same_to_the_bit(one, other):
+    for name in ("max_pressure", "contact_radius", "approach", "pressure"):
+        assert np.array_equal(one.dataset[name].values, other.dataset[name].values), name
+        assert np.isfinite(one.dataset[name].values).all()
+
+
+@pytest.fixture(scope="module")
+def serial():
+    pytest.importorskip("distributed")
+    return sweep(SCENE, VARY, fields=["pressure"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [2, 4])
+def test_numbers_of_the_serial_sweep(serial, tmp_path, workers):
+    said = []
+    engine = Cluster(f"local:{workers}", say=said.append)
+    same_to_the_bit(sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=engine), serial)
+    assert f"{workers} workers" in said[0]
+    assert "dashboard: http://127.0.0.1:" in said[0]
+    assert not list(tmp_path.glob(".eigencontact-*"))
+
+
+@pytest.mark.slow
+def test_a_killed_worker_costs_its_task_only(serial, tmp_path):
+    killed = []
+
+    def told(outcome, done, total):
+        if done == 2:
+            workers = [one for one in multiprocessing.active_children() if "Worker" in one.name or "Dask" in one.name]
+            killed.append(workers[0].pid)
+            os.kill(workers[0].pid, signal.SIGKILL)
+
+    found = sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster="local:2", told=told)
+    assert len(killed) == 1
+    assert not found.failed
+    same_to_the_bit(found, serial)
+
+
+@contextlib.contextmanager
+def started(*words, path=None):
+    """A scheduler or worker of dask, in a process of its own."""
+    env = os.environ | ({"PYTHONPATH": str(path)} if path else {})
+    process = subprocess.Popen(
+        [sys.executable, "-m", *words], env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield process
+    finally:
+        process.terminate()
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def scheduler(port):
+    address = ("--host", "127.0.0.1", "--port", str(port), "--dashboard-address", "127.0.0.1:0")
+    return started("distributed.cli.dask_scheduler", *address)
+
+
+def worker(port, path=None):
+    options = ("--nthreads", "1", "--no-dashboard", "--death-timeout", "60")
+    return started("distributed.cli.dask_worker", f"tcp://127.0.0.1:{port}", *options, path=path)
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_dies_and_one_that_goes_on(serial, tmp_path):
+    port = free_port()
+    address = f"tcp://127.0.0.1:{port}"
+    with scheduler(port) as first, worker(port):
+
+        def told(outcome, done, total):
+            if done == 3:
+                first.kill()
+
+        with pytest.raises(ClusterError, match=r"lost after [3-7] of 8.*the same command continues"):
+            sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=address, told=told)
+    kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/results.nc")}
+    assert 3 <= len(kept) < 8
+    with scheduler(port), worker(port):
+        same_to_the_bit(sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=address), serial)
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("__version__ = '0.0.9'", r"worker tcp://\S+ must have eigencontact \S+ \(got 0.0.9\)"),
+        ("raise ImportError", r"worker tcp://\S+ must have eigencontact \S+ \(got none\)"),
+    ],
+)
+def test_workers_unlike_this_machine_are_refused(tmp_path, content, words):
+    pytest.importorskip("distributed")
+    (tmp_path / "eigencontact").mkdir()
+    (tmp_path / "eigencontact" / "__init__.py").write_text(content, encoding="utf-8")
+    port = free_port()
+    with scheduler(port), worker(port, tmp_path), pytest.raises(ClusterError, match=words):
+        sweep(SCENE, VARY, cluster=f"tcp://127.0.0.1:{port}")
+
+
+@pytest.mark.slow
+def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    with Cluster("local:1") as engine:  # opened once for both
+        address = engine._client.scheduler.address
+        with pytest.raises(ClusterError, match="memory of a task must be that of a worker"):
+            sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, memory=2.0 * machine_bytes()))
+        monkeypatch.setattr(Path, "touch", lambda _: None)
+        with pytest.raises(ClusterError, match=f"must see the folder {tmp_path}"):
+            sweep(SCENE, VARY, tmp_path, cluster=address)
