@@ -249,7 +249,8 @@ class Clashing(Stiffening):
 """, "Yielding, Clashing")  # fmt: skip
     clashing = RUBBER | {"type": "clashing"}
     both = ball(STEEL, 0.2, name="one"), ball(clashing, 0.2, x=0.5, name="two")
-    with pytest.raises(SceneError, match=f"inclusions.1.material must be of a law that remembers .*{message}"):
+    where = r"material of inclusion 'two' \(second\)"
+    with pytest.raises(SceneError, match=f"{where} must be of a law that remembers .*{message}"):
         ec.plan(scene(*both))
     elastic = {"body2": {"young-modulus": E, "poisson-ratio": NU}}
     ec.plan(scene(both[0], both[1] | {"body": 2}, **elastic))

@@ -194,7 +194,7 @@ def test_a_contains_of_the_wrong_shape_is_refused():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"eigenstrain": np.ones((3, 2))}, "eigenstrain must be of shape"),
+        ({"eigenstrain": np.ones((3, 2))}, "eigenstrain must be one number, or of shape"),
         ({"eigenstrain": [[0, 1, 0], [0, 0, 0], [0, 0, 0]]}, "eigenstrain must be symmetric"),
         ({"points": [[0, 0, -1.0]]}, "points must be at z of 0 or more"),
         ({"points": [[0, 0, np.nan]]}, "points must be finite"),

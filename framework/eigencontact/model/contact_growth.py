@@ -15,6 +15,7 @@ I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.model.contact_estimate import ContactEstimate
-from eigencontact.model.window import Separation
 from eigencontact.solvers.control import Control
 
 __all__ = ["ContactGrowth", "contact_growth"]
 
 FloatArray = NDArray[np.float64]
+Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
 #: Radii of the table, the smallest by the largest, and directions along which the gap must rise.
 _RADII, _SMALLEST, _DIRECTIONS = 64, 1e-3, 12
