@@ -13,10 +13,14 @@ from eigencontact.errors import ResultsError, SceneError
 from eigencontact.results.ownership import is_ours
 from eigencontact.viz import figures
 from eigencontact.viz.looks import used_look
+from eigencontact.viz.profile import stress_profile
 
 REGIONS = (
     '{name="section", shape="plane", normal="y", depth-max="9 um", depth-cells=12}',
     '{name="axis", shape="line", start=[0,0,0], end=[0,0,9e-6], count=19}',
+    '{name="level", shape="line", start=[-5e-6,0,3e-6], end=[5e-6,0,3e-6], count=64}',
+    '{name="back", shape="line", start=[0,5e-6,3e-6], end=[0,-4e-6,3e-6], count=20}',
+    '{name="skew", shape="line", start=[-5e-6,0,1e-6], end=[5e-6,0,3e-6], count=20}',
     '{name="spots", shape="points", points=[[0,0,1e-6]]}',
 )
 CHANGES = [
@@ -103,6 +107,37 @@ def test_a_line_shows_the_stress_that_is_asked_for(data, component):
     assert np.abs(wanted).max() > 1e8
 
 
+ACROSS = {
+    "level": ("x", lambda data: data["level_x"].values),
+    "back": ("y", lambda data: data["back_y"].values),
+    "skew": ("distance along skew", lambda data: np.hypot(data["skew_x"].values + 5e-6, data["skew_z"].values - 1e-6)),
+}
+
+
+@pytest.mark.parametrize("rounded", [0.0, 4e-22])
+@pytest.mark.parametrize("region", ACROSS)
+def test_a_line_that_is_not_steep_is_drawn_across(data, region, rounded):
+    name, places = ACROSS[region]
+    moved = data.copy()
+    moved[f"{region}_z"] = data[f"{region}_z"] + rounded * (np.arange(data.sizes[f"{region}_point"]) % 2)
+    axes = ec.plot(moved, "stress", component="xz", region=region)
+    curve = axes.get_lines()[0]
+    assert axes.get_xlabel() == f"{name} [µm]"
+    assert axes.get_ylabel().startswith(r"Stress $\sigma_{xz}$ [")
+    assert 1e-6 * curve.get_xdata() == close(places(data), rel=1e-12, abs=1e-18)
+    stress = data[f"{region}_stress"][-1, 4].values
+    assert curve.get_ydata() * unit(axes.get_ylabel()) == close(stress, rel=1e-9, abs=1.0)
+    assert np.ptp(curve.get_ydata()) > 0
+    assert not axes.yaxis.get_inverted()
+    whole = stress_profile(moved, region).axes[0]
+    assert (whole.get_xlabel(), whole.get_ylabel()[:8]) == (f"{name} [µm]", "Stress [")
+
+
+def test_a_line_of_one_depth_is_stored_at_exactly_that(data):
+    assert (data["level_z"].values == 3e-6).all()
+    assert (data["level_x"].values[0], data["level_x"].values[-1]) == (-5e-6, 5e-6)
+
+
 def test_what_vanishes_is_drawn_as_zero_and_not_its_round_off(data):
     axes = ec.plot(data, "stress", component="xz", region="axis", step=1)
     assert axes.get_xlabel().endswith("[Pa]")
@@ -166,7 +201,7 @@ def test_all_pictures_in_another_format_and_style(folder, command, tmp_path, mon
 
 REFUSED = {
     ("--field", "presure"): "field must be one that the results hold: .*did you mean 'pressure'?",
-    ("--field", "stress", "--region", "sektion"): "must be a stored one .*'section', 'axis', 'surface'.*'section'",
+    ("--field", "stress", "--region", "sektion"): "must be a stored one .*'section', 'axis', .*'surface'.*'section'",
     ("--field", "stress", "--region", "spots"): "region must be a stored one that can be drawn",
     ("--field", "gap", "--region", "axis"): "must be one that the results hold of region 'axis': stress, von_mises",
     ("--field", "shear", "--component", "w"): "component must be one of magnitude, x, y for 'shear' (got 'w')",

@@ -203,4 +203,5 @@ def _points(request: StressRequest) -> FloatArray:
         return np.array(request.points, dtype=float)
     share = np.linspace(0.0, 1.0, request.count)[:, None]
     start, end = np.array(request.start, dtype=float), np.array(request.end, dtype=float)
-    return np.asarray((1.0 - share) * start + share * end)
+    # What is constant stays exactly so: rounded, one depth would become several that differ in their last digits.
+    return np.where(start == end, start, (1.0 - share) * start + share * end)

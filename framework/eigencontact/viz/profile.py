@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Line", "line_profile", "mean_profile", "stress_profile"]
 
+#: A coordinate that varies by less than this part of the largest is constant: the points of a line are rounded.
+SAME = 1e-9
+
 
 class Line:
     """Points of a region of shape line, and where curves along it break: at interfaces and borders of inclusions.
@@ -29,9 +32,11 @@ class Line:
     Attributes
     ----------
     deep : bool
-        Whether it goes into the body.
+        Whether no coordinate varies more along it than depth.
     at : (n,)
-        Depth, or distance along a line of constant depth [m].
+        Depth where the line is deep; else x or y where nothing else varies, or the distance along it [m].
+    name : str
+        What ``at`` is, in words.
     whole : (n,) bool
         Points in no cell that a border cuts.
     jumps : (m,)
@@ -45,10 +50,15 @@ class Line:
                 for axis in "xyz"
             ]
         )
-        self.deep = bool(np.ptp(points[2]) > 0)
-        moved = np.linalg.norm(np.diff(points), axis=0)
-        self.at = points[2] if self.deep else np.concatenate([[0.0], np.cumsum(moved)])
-        self._name = region
+        extents = np.ptp(points, axis=1)
+        varying = np.flatnonzero(extents > SAME * np.abs(points).max())
+        self.deep = bool(2 in varying and extents[2] >= (1.0 - SAME) * extents.max())
+        if self.deep or varying.size == 1:
+            number = 2 if self.deep else int(varying[0])
+            self.name, self.at = "xyz"[number], points[number]
+        else:
+            moved = np.linalg.norm(np.diff(points), axis=0)
+            self.name, self.at = f"distance along {region}", np.concatenate([[0.0], np.cumsum(moved)])
         body = int(json.loads(dataset.attrs["regions"])[region]["body"])
         sides = line_sides(dataset, body, points, step)
         self.whole = sides.whole
@@ -66,10 +76,10 @@ class Line:
     def finish(self, axes: Axes, length: Scale) -> None:
         """Name the axis along the line, z downwards, and draw the jumps."""
         if self.deep:
-            axes.set_ylabel(f"z [{length.unit}]")
+            axes.set_ylabel(f"{self.name} [{length.unit}]")
             axes.set_ylim(float(length(self.at.max())), float(length(self.at.min())))
         else:
-            axes.set_xlabel(f"distance along {self._name} [{length.unit}]")
+            axes.set_xlabel(f"{self.name} [{length.unit}]")
             axes.margins(x=0)
         for jump in self.jumps:
             across = axes.axhline if self.deep else axes.axvline
@@ -77,7 +87,7 @@ class Line:
 
 
 def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
-    """Stresses of one step along a line: depth downwards, or distance along it where the depth is constant.
+    """Stresses of one step along a line: depth downwards, or across over what varies more than depth.
 
     Parameters
     ----------
@@ -161,7 +171,7 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
 
 
 def line_profile(dataset: Results, region: str, shown: Shown, step: int, view: View) -> Figure:
-    """One number along a line: depth downwards, or distance along it where the depth is constant.
+    """One number along a line: depth downwards, or across over what varies more than depth.
 
     Parameters
     ----------
@@ -174,7 +184,7 @@ def line_profile(dataset: Results, region: str, shown: Shown, step: int, view: V
     step : int
         Position along ``step``.
     view : View
-        ``vertical`` is the part of the line that is seen where it goes down, else ``horizontal``.
+        ``vertical`` is the part of the line that is seen where it is deep, else ``horizontal``.
     """
     line = Line(dataset, region, step)
     unit, length = scale_for(shown.values, shown.unit), scale_for(line.at, "m")
