@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from eigencontact.execution.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
-__all__ = ["ProgressLines", "VerboseLines", "draws_in_place", "progress"]
+__all__ = ["ProgressLines", "VerboseLines", "draws_in_place", "progress", "time_in_words"]
 
 #: Shortest time between two lines on load steps, and longest silence while one of them is solved [s].
 _LINES, _SILENCE = 1.0, 15.0
@@ -141,9 +141,9 @@ class ProgressLines:
         least = _LINES if record.index < total or not self._spoke else 0.0
         if self._ends[-1] - self._said < least:
             return
-        text = f"load step {record.index} of {total} done after {_readable(self._ends[-1] - self._ends[0])}"
+        text = f"load step {record.index} of {total} done after {time_in_words(self._ends[-1] - self._ends[0])}"
         if record.index < total:
-            text += f", some {_readable((total - record.index) * self._pace())} left"
+            text += f", some {time_in_words((total - record.index) * self._pace())} left"
         self._say(text)
 
     def _pace(self) -> float:
@@ -181,13 +181,13 @@ class VerboseLines(ProgressLines):
             for name, value in numbers.items()
             if name.endswith("_residual") and value > 0.0
         ]
-        times = [f"{name} {_readable(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
+        times = [f"{name} {time_in_words(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
         parts = [", ".join([*said, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
         self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))
 
 
-def _readable(seconds: float) -> str:
+def time_in_words(seconds: float) -> str:
     """Time in words: ``"0.21 s"``, ``"45 s"``, ``"3 min 20 s"``, ``"2 h 5 min"``."""
     if seconds < 100.0:
         return f"{seconds:.2g} s"

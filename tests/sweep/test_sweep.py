@@ -19,6 +19,7 @@ from eigencontact.sweeps.axes import axes_of, axis_of_text
 from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import _drawn, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
+from eigencontact.sweeps.warned import warnings_in_words
 from eigencontact.viz.sweep import draw_sweep
 
 #: Cells few enough for tests, in a window that holds the contacts of all variants.
@@ -309,3 +310,43 @@ def test_the_command_writes_and_tells(command, tmp_path):
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["approach.png"]
     refused = command("sweep", "hertz", *changes)
     assert (refused.code, refused.err.count("\n")) == (2, 1)
+
+
+def test_warnings_of_variants_are_told_once_a_code(tmp_path, command):
+    """Few cells in the smaller contacts: the words are those of the run, the rows have the codes alone."""
+    (tmp_path / "ball.toml").write_text(
+        """
+        body1 = { young-modulus = "210 GPa", poisson-ratio = 0.3 }
+        geometry = { type = "sphere", radius = "100 um" }
+        grid = { cells = 32, size = "60 um" }
+        steps = { normal-load = "0.5 N" }
+        """
+    )
+    arguments = (str(tmp_path / "ball.toml"), "--vary", "steps.normal-load=0.5 N,1 N,20 N")
+    done = command("sweep", *arguments, "-o", tmp_path / "out")
+    said = [json.loads(path.read_text())["warnings"] for path in sorted((tmp_path / "out").glob("*/summary.json"))]
+    few = [one for row in said for one in row if one["code"] == "contact-cells"]
+    assert len(said) == 3
+    assert len(few) == 2
+    assert any(f"2 of 3 variants warn: contact-cells: {one['words']}" in done.out.splitlines() for one in few)
+    with (tmp_path / "out" / "sweep.csv").open(encoding="utf-8") as sheet:
+        codes = [row["warnings"] for row in csv.DictReader(sheet)]
+    assert ["contact-cells" in text for text in codes] == [True, True, False]
+    with xr.open_dataset(tmp_path / "out" / "sweep.nc") as dataset:
+        assert list(dataset["warnings"].values.ravel()) == codes
+    content = json.loads(command("sweep", *arguments, "-o", tmp_path / "out", "--json").out)  # read again, not run
+    assert sum("contact-cells" in str(row) for row in content["warnings"].values()) == 2
+    memory = sweep(tmp_path / "ball.toml", {"steps.normal-load": ["0.5 N", "20 N"]})
+    assert [one["code"] for one in next(iter(memory.warnings.values()))].count("contact-cells") == 1
+    assert list(memory.dataset["warnings"].values.ravel())[1] == codes[2]
+
+
+def test_warnings_in_words():
+    """A code that a variant has twice counts once; one variant warns, two warn."""
+    slow, few = ({"code": code, "words": f"{code} here", "error": None} for code in ("slow-place", "contact-cells"))
+    again = {**slow, "words": "slow-place there"}
+    assert warnings_in_words({"a": [slow, again], "b": [few], "c": [again]}, 4) == [
+        "2 of 4 variants warn: slow-place: slow-place here",
+        "1 of 4 variants warns: contact-cells: contact-cells here",
+    ]
+    assert warnings_in_words({}, 4) == []

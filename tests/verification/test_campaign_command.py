@@ -11,8 +11,10 @@ import pytest
 import analytic_cases
 import eigencontact.cli
 import eigencontact_verification.campaign as package
-from eigencontact_verification.campaign.command import campaign
-from eigencontact_verification.campaign.worker import perform
+from eigencontact_verification.campaign import cases
+from eigencontact_verification.campaign.command import _Bar, _chosen, campaign
+from eigencontact_verification.campaign.run import tasks_of
+from eigencontact_verification.campaign.worker import Outcome, perform
 
 HEAVY = ("skfem", "scipy", "matplotlib", "pyvista", "numba", "pyamg", "eigencontact_verification.fem")
 
@@ -80,6 +82,31 @@ def test_wrong_input_is_refused(verify, tmp_path, arguments, words):
     assert words in outcome.err
     assert outcome.out == ""
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_has_no_quick_case_is_told_why_and_what_all_costs():
+    """Two cases of four finite-element solutions each; not as if the file lacked something."""
+    words = r"a shape of revolution about z has \(got layer\); without --quick: 8 cases, 32 finite-element solves, "
+    with pytest.raises(ValueError, match=words):
+        _chosen(cases, ["layer"], quick=True)
+
+
+def test_lines_without_a_terminal_are_seldom(monkeypatch, capsys):
+    """One at the beginning, then one where ten seconds have passed; failures at once."""
+    now = [0.0]
+    monkeypatch.setattr("eigencontact_verification.campaign.command.time.monotonic", lambda: now[0])
+    tasks = tasks_of(cases.cases_of("layer")[0])
+    with _Bar(show=True) as bar:
+        bar.started(tasks)
+        for task, seconds, status in zip(tasks, (4.0, 9.0, 14.0, 20.0, 130.0), ("done",) * 4 + ("time",), strict=True):
+            now[0] = seconds
+            bar.finished(task, Outcome(status=status, reason="too long" * (status == "time")))
+    assert capsys.readouterr().err.splitlines() == [
+        "5 solutions to compute",
+        "solution 3 of 5 done after 14 s",
+        f"{tasks[-1].case.key}, {tasks[-1].label}: too long",
+        "solution 5 of 5 done after 2 min 10 s",
+    ]
 
 
 def test_markdown_and_figure(verify, tmp_path):

@@ -143,6 +143,11 @@ def test_a_study_of_a_user(own, tmp_path, command):
     assert "after: H. Hertz 1881, Ueber die" in done.out
     content = json.loads((tmp_path / "own.json").read_text(encoding="utf-8"))
     assert len(content["failed"]) == 2
+    order = [(row["geometry.radius"], row["load"]) for row in content["variants"]]
+    assert order == sorted(order)
+    for code in {one["code"] for said in content["warnings"].values() for one in said}:
+        count = sum(code in {one["code"] for one in said} for said in content["warnings"].values())
+        assert f"{count} of 6 variants warn" in done.out
     rows = {(row["geometry.radius"], row["load"]): row["largest pressure [Pa]"] for row in content["variants"]}
     assert set(rows) == {(5e-5, 0.1), (5e-5, 0.8), (1e-4, 0.1), (1e-4, 0.8)}
     assert rows[1e-4, 0.8] / rows[1e-4, 0.1] == close(2.0, rel=0.05)  # P^(1/3)

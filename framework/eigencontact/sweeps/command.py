@@ -90,7 +90,8 @@ def _run(
     with _progress(enabled=not as_json) as tell:
         found = run_sweep(loaded, options.pop("vary"), folder, workers=workers, cluster=cluster, told=tell, **options)
     if as_json:
-        typer.echo(json.dumps({"folder": str(folder), "files": found.files, "failed": found.failed}, indent=2))
+        content = {"folder": str(folder), "files": found.files, "failed": found.failed, "warnings": found.warnings}
+        typer.echo(json.dumps(content, indent=2))
     else:
         _report(found)
     if found.failed:
@@ -129,11 +130,15 @@ def _report(found: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.sweeps.warned import warnings_in_words
+
     console = Console(highlight=False)
     files = Table.grid(padding=(0, 2))
     for name, text in found.files.items():
         files.add_row(f"  {name}", text)
     console.print(f"in {found.folder.resolve()}:", soft_wrap=True)
     console.print(files)
+    for line in warnings_in_words(found.warnings, found.dataset["failed"].size):
+        typer.echo(line)
     for label, reason in found.failed.items():
         typer.echo(f"eigencontact: variant {label} failed: {reason}", err=True)

@@ -15,6 +15,7 @@ from eigencontact.core.units import parse_quantity
 from eigencontact.errors import ResultsError
 from eigencontact.reference.places import key_at
 from eigencontact.results.layout import SCALARS
+from eigencontact.sweeps.warned import codes_of
 
 if TYPE_CHECKING:
     import xarray
@@ -62,9 +63,12 @@ def gathered(
         attrs = {"long_name": known.long_name} if known else {}
         data[name] = (dims, values, attrs | {"units": units.get(name, known.unit if known else "1")})
     failed, seconds = np.full(shape, "", dtype=object), np.zeros(shape)
+    warned = failed.copy()
     for outcome in found:
         failed[outcome.place], seconds[outcome.place] = outcome.failed, outcome.seconds
+        warned[outcome.place] = codes_of(outcome.summary)
     data["failed"] = (dims, failed.astype(str), {"long_name": "why a variant failed"})
+    data["warnings"] = (dims, warned.astype(str), {"long_name": "codes of the warnings of a variant"})
     data["variant_seconds"] = (dims, seconds, {"units": "s", "long_name": "wall time of a variant"})
     coordinates = {axis.name: (dims if pairs else (axis.name,), *_coordinate(axis, variants, k))
                    for k, axis in enumerate(axes)}  # fmt: skip
@@ -139,15 +143,17 @@ def _with_fields(
 
 
 def as_csv(axes: Sequence[Axis], variants: Sequence[Variant], found: Sequence[Outcome]) -> str:
-    """One line for each variant: its values as they were given, its numbers in SI units, why it failed."""
+    """One line a variant: its values as they were given, numbers in SI units, why it failed, codes of its warnings."""
     rows = {outcome.place: _numbers(outcome.summary) for outcome in found}
     names = list(dict.fromkeys(name for row in rows.values() for name in row))
     text = io.StringIO()
     sheet = csv.writer(text, lineterminator="\n")
-    sheet.writerow([*(axis.key for axis in axes), *names, "failed"])
+    sheet.writerow([*(axis.key for axis in axes), *names, "failed", "warnings"])
     failed = {outcome.place: outcome.failed for outcome in found}
+    warned = {outcome.place: codes_of(outcome.summary) for outcome in found}
     for variant in variants:
         row = rows.get(variant.place, {})
         numbers = [repr(row[name]) if name in row and math.isfinite(row[name]) else "" for name in names]
-        sheet.writerow([*variant.values.values(), *numbers, failed.get(variant.place, "")])
+        said = (failed.get(variant.place, ""), warned.get(variant.place, ""))
+        sheet.writerow([*variant.values.values(), *numbers, *said])
     return text.getvalue()

@@ -46,6 +46,9 @@ class SweepResult:
         Name of each file in `folder` and what it holds.
     failed : dict of str to str
         Variants that failed, by label, and why.
+    warnings : dict of str to list of dict
+        What makes numbers worth less than they look, by label of the variant, as in ``summary.json``: ``code``,
+        ``words``, ``error``. Variants without any are left out.
     folder : Path or None
         Where it is stored; None for a sweep in memory.
     """
@@ -53,6 +56,7 @@ class SweepResult:
     dataset: xarray.Dataset
     files: dict[str, str] = field(default_factory=dict)
     failed: dict[str, str] = field(default_factory=dict)
+    warnings: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     folder: Path | None = None
 
 
@@ -147,8 +151,10 @@ def sweep(
     dataset = gathered(axes, variants, found, loaded.title or loaded.label, pairs=pairs)
     labels = {variant.place: variant.label for variant in variants}
     failed = {labels[one.place]: one.failed for one in found if one.failed}
+    order = sorted(found, key=lambda one: one.place)
+    warnings = {labels[one.place]: list(said) for one in order if (said := one.summary.get("warnings"))}
     files = {} if place is None else _write(place, axes, variants, found, dataset, scalars)
-    return SweepResult(dataset=dataset, files=files, failed=failed, folder=place)
+    return SweepResult(dataset=dataset, files=files, failed=failed, warnings=warnings, folder=place)
 
 
 def _write(

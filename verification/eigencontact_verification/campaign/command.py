@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CaseList", "campaign", "verify"]
 
+#: Least time between two lines on solutions [s].
+_LINES = 10.0
+
 
 class CaseList(Protocol):
     """What the module with the cases offers."""
@@ -215,10 +218,20 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
                 "`eigencontact plugins` lists what is installed"
             )
     found = [case for key in known if not names or key in names for case in cases.cases_of(key)]
-    found = [case for case in found if case.quick] if quick else found
-    if not found:
-        raise ValueError(f"kernel must have a quick case (got {', '.join(names)}); run it without --quick")
-    return tuple(found)
+    if quick and not any(case.quick for case in found):
+        raise ValueError(
+            f"--quick must be given a kernel with a quick case, as a shape of revolution about z has (got "
+            f"{', '.join(names)}); without --quick: {_cost(found)}"
+        )
+    return tuple(case for case in found if case.quick or not quick)
+
+
+def _cost(cases: Sequence[Case]) -> str:
+    """What cases cost, in words; meshes without a symmetry of revolution are what takes memory."""
+    from eigencontact_verification.campaign.run import tasks_of
+
+    solves = sum(task.level is not None for case in cases for task in tasks_of(case))
+    return f"{len(cases)} cases, {solves} finite-element solves, many minutes, up to some 5 GB for each process"
 
 
 def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
@@ -310,7 +323,7 @@ def campaign(
     pictures : bool
         Also write mesh and field of the first case of each kernel.
     show : bool
-        Draw a bar with the remaining time, where there is a terminal.
+        Draw a bar with the remaining time, where there is a terminal; else write a line now and then.
 
     Returns
     -------
@@ -367,12 +380,14 @@ def _drawn(judged: Sequence[JudgedCase], folder: Path) -> dict[str, tuple[Path, 
 
 
 class _Bar:
-    """Progress with the remaining time: the bar counts work, the words count solutions."""
+    """Progress with the remaining time: the bar counts work, the words count solutions; lines without a terminal."""
 
     def __init__(self, *, show: bool) -> None:
         self._bar: Any = None
         self._task: Any = None
-        self._left = 0
+        self._left = self._total = 0
+        self._lines = False
+        self._began = self._said = time.monotonic()
         if show:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -383,6 +398,8 @@ class _Bar:
             if draws_in_place(sys.stderr):
                 words = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
                 self._bar = Progress(*words, TimeRemainingColumn(), console=console, transient=True)
+            else:
+                self._lines = True
 
     def __enter__(self) -> Self:
         if self._bar is not None:
@@ -395,7 +412,10 @@ class _Bar:
 
     def started(self, tasks: Sequence[Task]) -> None:
         """Show the work that is due."""
-        self._left = len(tasks)
+        self._left = self._total = len(tasks)
+        self._began = self._said = time.monotonic()
+        if self._lines and tasks:
+            typer.echo(f"{self._total} solutions to compute", err=True)
         if self._bar is not None:
             self._task = self._bar.add_task(f"{self._left} solutions", total=sum(task.weight for task in tasks))
 
@@ -406,6 +426,19 @@ class _Bar:
             if outcome.status != "done":
                 self._bar.console.print(f"{task.case.key}, {task.label}: {outcome.reason}", markup=False)
             self._bar.update(self._task, advance=task.weight, description=f"{self._left} solutions to go")
+        elif self._lines:
+            self._say(task, outcome)
+
+    def _say(self, task: Task, outcome: Outcome) -> None:
+        """A line for what failed, and for how far it is where the last one is some time ago."""
+        from eigencontact.progress import time_in_words
+
+        now = time.monotonic()
+        if outcome.status != "done":
+            typer.echo(f"{task.case.key}, {task.label}: {outcome.reason}", err=True)
+        if now - self._said >= _LINES:
+            self._said, done = now, self._total - self._left
+            typer.echo(f"solution {done} of {self._total} done after {time_in_words(now - self._began)}", err=True)
 
 
 def _print(report: Report, files: dict[str, Path]) -> None:

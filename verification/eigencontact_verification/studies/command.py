@@ -125,6 +125,7 @@ def _run(
         for outcome in run_study(item, output, coarse=coarse, workers=workers, cluster=cluster):
             found.append(outcome)
             tell(outcome.label, len(found))
+    found.sort(key=lambda one: one.place)  # several processes finish in any order
     files = write_study(item, found, output)
     failed = [one for one in found if isinstance(one, Failed)]
     if as_json:
@@ -162,6 +163,7 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.sweeps.warned import warnings_in_words
     from eigencontact_verification.studies.checks import verdicts
     from eigencontact_verification.studies.run import source_in_words
     from eigencontact_verification.studies.study import Finished
@@ -173,6 +175,8 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     for one in done:
         table.add_row(one.label, *(f"{one.row[name]:.4g}" if name in one.row else "" for name in columns))
     Console().print(table)
+    for line in warnings_in_words({one.label: one.warnings for one in done}, len(found)):
+        typer.echo(line)
     for verdict in verdicts(item, done):
         typer.echo(f"{'holds' if verdict.holds else 'does not hold'}: {verdict.check} ({verdict.found})")
     if item.trend:

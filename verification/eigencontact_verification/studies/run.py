@@ -27,6 +27,7 @@ class Failed:
     label: str
     values: Mapping[str, Any]
     reason: str
+    place: int = 0
 
 
 def variants_of_study(study: Study, *, coarse: bool) -> list[Variant]:
@@ -88,14 +89,15 @@ def run_study(
     for outcome in outcomes(plain, place, workers=workers, engine=cluster):
         variant = variants[outcome.place[0]]
         if outcome.failed:
-            yield Failed(variant.label, variant.values, outcome.failed)
+            yield Failed(variant.label, variant.values, outcome.failed, outcome.place[0])
             continue
         dataset = open_results(place / _plain(variant.label))
         numbers = _in_si(study, variant)
         row = study.read(numbers, dataset, coarse=coarse)
         symbols = {symbol: row[name] for name, (symbol, *_) in study.readings.items() if name in row}
         names = {**study.names(numbers, coarse=coarse), **symbols}
-        yield Finished(variant.label, numbers, dataset, row, names)
+        warnings = outcome.summary.get("warnings", ())
+        yield Finished(variant.label, numbers, dataset, row, names, outcome.place[0], warnings)
 
 
 def _in_si(study: Study, variant: Variant) -> dict[str, Any]:
@@ -121,8 +123,7 @@ def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) 
     from eigencontact_verification.studies.figure import draw_study
 
     folder.mkdir(parents=True, exist_ok=True)
-    order = {study.text(values): n for n, values in enumerate([*study.rows, *study.coarse_rows])}
-    done = sorted((one for one in found if isinstance(one, Finished)), key=lambda one: order.get(one.label, 0))
+    done = sorted((one for one in found if isinstance(one, Finished)), key=lambda one: one.place)
     files = [folder / f"{study.name}.json"]
     if done and study.figure["panel"]:
         with paper_style():
@@ -139,6 +140,7 @@ def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) 
         "study": study.name, "title": study.title, "source": [dict(one) for one in study.sources],
         "trend": study.trend, "variants": rows, "checks": [vars(one) for one in verdicts(study, done)],
         "failed": {one.label: one.reason for one in found if isinstance(one, Failed)},
+        "warnings": {one.label: list(one.warnings) for one in done if one.warnings},
     }  # fmt: skip
     files[-1].write_text(json.dumps(content, indent=2, ensure_ascii=False, default=str) + "\n", encoding="utf-8")
     return files

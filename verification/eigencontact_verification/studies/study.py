@@ -155,6 +155,10 @@ class Finished:
         Numbers read off them, by name.
     names : mapping
         What formulas may use: constants, parameters, numbers.
+    place : int
+        Its number in the order of the study.
+    warnings : sequence of mapping
+        As in ``summary.json``: what makes its numbers worth less than they look.
     """
 
     label: str
@@ -162,6 +166,8 @@ class Finished:
     dataset: xr.Dataset
     row: Mapping[str, float]
     names: Mapping[str, Any]
+    place: int = 0
+    warnings: Sequence[Mapping[str, Any]] = ()
 
     @property
     def context(self) -> Context:
