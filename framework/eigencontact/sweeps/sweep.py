@@ -157,6 +157,16 @@ def sweep(
     return SweepResult(dataset=dataset, files=files, failed=failed, warnings=warnings, folder=place)
 
 
+def _as_netcdf(dataset: xarray.Dataset) -> bytes:
+    """Bytes of the dataset's file; by way of a file, as older versions of xarray do not write netCDF-4 to memory."""
+    from tempfile import TemporaryDirectory
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "sweep.nc"
+        dataset.to_netcdf(path, engine="h5netcdf", format="NETCDF4")
+        return path.read_bytes()
+
+
 def _write(
     folder: Path,
     axes: Sequence[Axis],
@@ -171,7 +181,7 @@ def _write(
     from eigencontact.viz.sweep import draw_sweep
 
     with replacing(folder / "sweep.nc", "the dataset of the sweep") as sink:
-        sink.write(dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4"))
+        sink.write(_as_netcdf(dataset))
     with replacing(folder / "sweep.csv", "the table of the sweep") as sink:
         sink.write(as_csv(axes, variants, found).encode())
     content = {
