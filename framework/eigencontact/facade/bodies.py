@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -20,7 +21,7 @@ __all__ = ["Body", "HalfSpace", "Layered"]
 FloatArray = NDArray[np.float64]
 
 
-class Body:
+class Body(ABC):
     """What half-spaces have in common: fields under tractions that are given."""
 
     def stress(
@@ -99,21 +100,21 @@ class Body:
 
         return field_under(self, "displacement", points, pressure, shear, spacing, center)
 
+    @abstractmethod
     def scene_table(self) -> dict[str, Any]:
         """Table ``[body1]`` of a scene."""
-        raise NotImplementedError
 
     def scene_inclusions(self, number: int) -> list[dict[str, Any]]:  # noqa: ARG002 - of this body as body `number`
         """Tables ``[[inclusions]]``."""
         return []
 
     @property
+    @abstractmethod
     def solid(self) -> Material | LayeredMedium:
         """Elastic constants, the same everywhere or by depth: what kernels are made of."""
-        raise NotImplementedError
 
-    def __repr__(self) -> str:
-        raise NotImplementedError
+    @abstractmethod
+    def __repr__(self) -> str: ...
 
 
 class HalfSpace(Body):
