@@ -65,9 +65,7 @@ class Cluster:
     eigencontact.errors.ClusterError: cluster must be local:N, N from 1 to 1024 (got 'local:none')
     """
 
-    def __init__(
-        self, address: str, *, memory: float | None = None, say: Callable[[str], None] | None = None
-    ) -> None:
+    def __init__(self, address: str, *, memory: float | None = None, say: Callable[[str], None] | None = None) -> None:
         local = re.fullmatch(r"local:(\d{1,4})", address)
         self._local = int(local[1]) if local else 0
         if address.startswith("local") and not 1 <= self._local <= 1024:
@@ -163,6 +161,7 @@ class Cluster:
     ) -> Iterator[tuple[Task, Answer | Lost]]:
         """Answers of tasks, of which twice as many as there are workers wait; `workers` 0 counts them."""
         from distributed import as_completed
+        from distributed.protocol.pickle import dumps
 
         from eigencontact.engines.dask_worker import MEMORY, ONE, perform
 
@@ -176,10 +175,20 @@ class Cluster:
                     room, counted = 2 * len(self._client.nthreads()) + 2, monotonic()
                 while waiting and len(running) < room:
                     task = waiting.popleft()
-                    future = self._client.submit(perform, function, task, name, pure=False, resources=needs)
+                    try:
+                        question = dumps((function, task))
+                    except Exception as refused:  # noqa: BLE001 - whatever pickling a stranger's task raises
+                        yield task, Lost(f"cannot be sent to a worker: {' '.join(str(refused).split())}")
+                        continue
+                    future = self._client.submit(perform, question, name, pure=False, resources=needs)
                     running[future] = task
                     done.add(future)
+                if not running:  # none of the rest could be sent
+                    continue
                 future = next(done)
+                if future.status in ("lost", "pending") and self._client.status == "running":
+                    done.add(future)  # its worker died with the answer, before that was fetched: it is worked out anew
+                    continue
                 task = running.pop(future)
                 if future.status == "finished":
                     answer = future.result()
@@ -204,17 +213,17 @@ class Cluster:
 
     def _check(self, seen: Path | None) -> None:
         """Refuse workers that are unlike this machine, by name; say which there are."""
-        from eigencontact import __version__
+        from eigencontact.engines.versions import unlike, versions
 
         try:
             self._client.wait_for_workers(1, timeout=_WORKER)
         except TimeoutError:
             raise ClusterError(f"cluster {self._address} must have a worker (none within {_WORKER:g} s)") from None
         facts: dict[str, dict[str, Any]] = self._client.run(_asking(None if seen is None else str(seen)))
+        wanted = versions()
         for worker, told in facts.items():
-            if told["version"] != __version__:
-                got = told["version"] or "none"
-                raise ClusterError(f"worker {worker} must have eigencontact {__version__} (got {got}); install it")
+            if words := unlike(wanted, told["versions"]):
+                raise ClusterError(f"worker {worker} {words}")
             if not told["sees"] and seen is not None:
                 raise ClusterError(f"worker {worker} must see the folder {seen.parent}; give one that all share")
         limits = self._client.run(_limit)
@@ -245,13 +254,17 @@ def _asking(seen: str | None) -> Callable[[], dict[str, Any]]:
     def ask() -> dict[str, Any]:
         from pathlib import Path
 
+        found: dict[str, str] = {}
         try:
             import eigencontact
 
-            version = eigencontact.__version__
-        except ImportError:
-            version = ""
-        return {"version": version, "sees": seen is None or Path(seen).is_file()}
+            found = {"eigencontact": eigencontact.__version__}
+            from eigencontact.engines.versions import versions
+
+            found = versions()
+        except ImportError:  # it is not there, or a version without this module
+            pass
+        return {"versions": found, "sees": seen is None or Path(seen).is_file()}
 
     return ask
 

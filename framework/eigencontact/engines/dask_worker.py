@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from distributed import WorkerPlugin, get_worker
+from distributed.protocol.pickle import loads
 
-from eigencontact import __version__
 from eigencontact.core.memory import machine_bytes
 from eigencontact.engines.engine import Share
+from eigencontact.engines.versions import unlike, versions
 from eigencontact.errors import ClusterError
 
 __all__ = ["MEMORY", "ONE", "Beginning", "perform"]
@@ -32,12 +33,12 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
 
     def __init__(self, begin: Callable[[Share], Any], seen: Path | None) -> None:
         self.held: Any = None
-        self._begin, self._seen, self._version = begin, seen, __version__
+        self._begin, self._seen, self._versions = begin, seen, versions()
 
     async def setup(self, worker: Any) -> None:
         """Refuse a worker that is unlike this machine; else declare what it has."""
-        if self._version != __version__:
-            raise ClusterError(f"worker {worker.address} must have eigencontact {self._version} (got {__version__})")
+        if words := unlike(self._versions, versions()):
+            raise ClusterError(f"worker {worker.address} {words}")
         if self._seen is not None and not self._seen.is_file():
             raise ClusterError(f"worker {worker.address} must see the folder {self._seen.parent}")
         memory = float(worker.memory_manager.memory_limit or machine_bytes())
@@ -49,6 +50,7 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         self.held = None
 
 
-def perform(function: Callable[[Any, Any], Any], task: Any, name: str) -> Any:
-    """Perform a task in this worker."""
+def perform(question: bytes, name: str) -> Any:
+    """Perform a task in this worker: a function and its task, pickled, as a scheduler lacks what workers have."""
+    function, task = loads(question)
     return function(task, get_worker().plugins[name].held)

@@ -7,7 +7,7 @@ import linecache
 import re
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -16,10 +16,29 @@ from eigencontact.errors import PluginError, nearest
 from eigencontact.hooks.manager import add_module
 from eigencontact.hooks.registry import OF_FILE, Registry
 
-__all__ = ["with_files"]
+__all__ = ["hold_texts", "texts_of", "with_files"]
 
 #: Digits of the hash by which results name the text of a file.
 _DIGITS = 16
+#: Texts of files of another machine, by path; they stand for what lies there on this one.
+_SENT: dict[str, str] = {}
+
+
+def texts_of(files: Iterable[Path]) -> dict[str, str]:
+    """Texts of plugin files by absolute path, each once, for a process that may not see them (`hold_texts`).
+
+    Raises
+    ------
+    PluginError
+        A file that is missing or is no text.
+    """
+    return {str(path): _text(path) for path in dict.fromkeys(path.resolve() for path in files)}
+
+
+def hold_texts(texts: Mapping[str, str]) -> None:
+    """Take these texts for the files of these paths, and for no others, from now on: of `texts_of`, in a worker."""
+    _SENT.clear()
+    _SENT.update(texts)
 
 
 def with_files(registry: Registry, files: Iterable[Path]) -> Registry:
@@ -63,17 +82,21 @@ def _refuse_bundled(registry: Registry, path: Path, kind: str, key: str) -> None
 
 def _module(path: Path) -> tuple[ModuleType, str]:
     """Module of a file, and the version that its text stands for."""
+    text = _text(path)
+    return _run(path.resolve(), text), f"{OF_FILE}{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
+
+
+def _text(path: Path) -> str:
+    if (sent := _SENT.get(str(path.resolve()))) is not None:
+        return sent
     if path.suffix != ".py" or not path.is_file():
         beside = [item.name for item in path.parent.glob("*.py")] if path.parent.is_dir() else []
         found = "no Python file" if path.exists() else "no such file"
-        raise PluginError(
-            f"plugin file must be a Python file (got {str(path)!r}, {found}){nearest(path.name, beside)}"
-        )
+        raise PluginError(f"plugin file must be a Python file (got {str(path)!r}, {found}){nearest(path.name, beside)}")
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, ValueError) as problem:
         raise PluginError(f"plugin file must be readable text (got {str(path)!r}): {problem}") from None
-    return _run(path.resolve(), text), f"{OF_FILE}{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
 
 
 @lru_cache(maxsize=64)

@@ -48,6 +48,10 @@ _Bounds = tuple[FloatArray, FloatArray]
 
 #: Coarse cells across a contact, and times that the box that is searched may be doubled.
 _ACROSS, _DOUBLINGS = 16, 5
+#: Points about which a law is asked at once, where a depth does not have more [points].
+_AT_ONCE = 1 << 15
+#: Elastic stress that is kept at most, of all loads together [bytes].
+_KEPT = 100_000_000
 #: Stress that is tried, as a multiple of the elastic one: the coarse contact errs by some 3 %.
 SAFETY = 1.1
 #: The same beside inclusions and eigenstrain, one after another until a place is found: stress next to a void or to a
@@ -148,8 +152,8 @@ class _Trial:
     material: Material
     where: str
 
-    def beyond(self, stress: FloatArray, z: float) -> NDArray[np.bool_]:
-        """Whether the law answers the strain of an elastic stress ``(6, n)`` [Pa] at a depth [m] with another one.
+    def beyond(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """Whether the law answers the strain of elastic stress ``(6, n)`` [Pa] at depths ``(n,)`` [m] with another one.
 
         Raises
         ------
@@ -157,15 +161,18 @@ class _Trial:
             It has elastic constants other than the body.
         """
         small = 1e-9 * self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
+        depths = np.unique(z)
+        asked = np.repeat(depths, small.shape[1])
+        other = self._differs(np.tile(small, depths.size), asked)
         rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
-        got = f"{self.law.key!r}, with others at a depth of {z:g} m"
-        require(not self._differs(small, z).any(), self.where, "type", got, rule)
+        got = f"{self.law.key!r}, with others at a depth of {asked[np.argmax(other)]:g} m"
+        require(not other.any(), self.where, "type", got, rule)
         return self._differs(stress, z)
 
-    def _differs(self, stress: FloatArray, z: float) -> NDArray[np.bool_]:
+    def _differs(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         count = stress.shape[1]
         before = {name: np.zeros((variable.components, count)) for name, variable in self.law.variables.items()}
-        step: Any = LawStep(x=np.zeros(count), y=np.zeros(count), z=np.full(count, z), time=1.0, duration=1.0)
+        step: Any = LawStep(x=np.zeros(count), y=np.zeros(count), z=z, time=1.0, duration=1.0)
         size: FloatArray = np.linalg.norm(stress, axis=0)
         try:
             answer = np.asarray(self.law.update(compliance(self.material) @ stress, before, step).stress)
@@ -173,12 +180,22 @@ class _Trial:
             # What softens too fast is more than elastic; the other points are asked again.
             out = np.isin(np.arange(count), problem.points)
             if not out.any():
-                return np.asarray(size > 0.0)
-            out[~out] = self._differs(stress[:, ~out], z)
+                return self._by_depth(stress, z)
+            out[~out] = self._differs(stress[:, ~out], z[~out])
             return out
         except EigencontactError:
-            return np.asarray(size > 0.0)
+            return self._by_depth(stress, z)
         return np.asarray(np.linalg.norm(answer - stress, axis=0) > _SAME * size, dtype=bool)
+
+    def _by_depth(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+        """The same of points that the law refused together: each depth alone; one refused is more than elastic."""
+        depths = np.unique(z)
+        out = np.asarray(np.linalg.norm(stress, axis=0) > 0.0)
+        if depths.size > 1:
+            for depth in depths:
+                here = z == depth
+                out[here] = self._differs(stress[:, here], z[here])
+        return out
 
 
 def _box_where(
@@ -189,9 +206,10 @@ def _box_where(
     room: float,
 ) -> Patch | None:
     """Box around all places where a law is more than elastic under a load of the scene; None where it never is."""
+    elastic = _ElasticStress(influences, trial.material)
 
     def bounds(factor: float) -> _Bounds | None:
-        found = [_extent(trial, window, fields, influences, factor) for window, fields in loads]
+        found = [_extent(trial, window, fields, elastic, factor) for window, fields in loads]
         return _around([one for one in found if one is not None])
 
     box = next((found for factor in (_BESIDE if beside else [SAFETY]) if (found := bounds(factor))), None)
@@ -265,11 +283,50 @@ def _loads(
                 yield {"p": pressure, name: sign * np.where(pressure > 0, bound, 0.0)}
 
 
+class _ElasticStress:
+    """Stress by the tractions of coarse contacts, kept for loads and factors that ask again: it is most of the work."""
+
+    def __init__(self, influences: Mapping[str, SurfaceInfluence], material: Material) -> None:
+        self._influences, self._material, self._room = influences, material, _KEPT
+        self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
+
+    def at(self, window: Grid, loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:
+        """Mandel stress ``(6, count, count)`` [Pa] about the loaded cells, at the depth `z` [m] in the body."""
+        stress = np.zeros((6, count, count))
+        for name, field in loaded.items():
+            self._add(stress, name, window, field, z)
+        stress[3:] *= SQRT2
+        return stress
+
+    def _add(self, stress: FloatArray, name: str, window: Grid, field: FloatArray, z: float) -> None:
+        count = stress.shape[1]
+        before = self._known.setdefault((name, window.dx, window.dy, field.shape, count, z), [])
+        for known, caused in before:
+            if np.array_equal(known, field):
+                stress += caused
+                return
+            if np.array_equal(known, -field):
+                stress -= caused
+                return
+        # Offsets from loaded cells to the points: all that a sum over the cells needs.
+        y, x = (
+            (np.arange(1 - loads, count) + 0.5 * (loads - count)) * edge
+            for loads, edge in zip(field.shape, (window.dy, window.dx), strict=True)
+        )
+        half = (0.5 * window.dx, 0.5 * window.dy)
+        tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
+        caused = np.stack([fftconvolve(table, field, mode="valid") for table in tables])
+        stress += caused
+        if caused.nbytes <= self._room:
+            self._room -= caused.nbytes
+            before.append((field, caused))
+
+
 def _extent(
     trial: _Trial,
     window: Grid,
     fields: Mapping[str, FloatArray],
-    influences: Mapping[str, SurfaceInfluence],
+    elastic: _ElasticStress,
     factor: float,
 ) -> _Bounds | None:
     """Bounds (x, y, z) of the places at which a law is more than elastic under tractions on a coarse window."""
@@ -281,7 +338,7 @@ def _extent(
     middle = np.array([window.x[box.x0] + window.x[box.x1 - 1], window.y[box.y0] + window.y[box.y1 - 1]]) / 2
     count = 3 * max(nx, ny, _ACROSS)
     for _ in range(_DOUBLINGS):
-        inside = _beyond(trial, window, loaded, influences, count, factor)
+        inside = _beyond(trial, window, loaded, elastic, count, factor)
         if not inside.any():
             return None
         rim = (inside[-1], inside[:, [0, -1]], inside[:, :, [0, -1]])
@@ -299,25 +356,17 @@ def _beyond(
     trial: _Trial,
     window: Grid,
     loaded: Mapping[str, FloatArray],
-    influences: Mapping[str, SurfaceInfluence],
+    elastic: _ElasticStress,
     count: int,
     factor: float,
 ) -> NDArray[np.bool_]:
     """Whether a law is more than elastic, in coarse cells ``(nz, count, count)`` about the loaded ones."""
-    # Offsets from loaded cells to the points: all that a sum over the cells needs.
-    y, x = (
-        (np.arange(1 - loads, count) + 0.5 * (loads - count)) * edge
-        for loads, edge in zip(loaded["p"].shape, (window.dy, window.dx), strict=True)
-    )
-    half = (0.5 * window.dx, 0.5 * window.dy)
-    out = []
-    for z in (np.arange(count // 2) + 0.5) * window.dx:
-        stress = np.zeros((6, count, count))
-        for name, field in loaded.items():
-            tables = influences[name].sample("stress", list(COMPONENTS), x, y, float(z), half, trial.material)
-            for row, table in enumerate(tables):
-                stress[row] += fftconvolve(table, field, mode="valid")
-        stress[3:] *= SQRT2
+    depths = (np.arange(count // 2) + 0.5) * window.dx
+    out = np.empty((depths.size, count, count), dtype=bool)
+    # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
+    for first in range(0, depths.size, together := max(1, _AT_ONCE // count**2)):
+        some = depths[first : first + together]
+        stress = np.stack([elastic.at(window, loaded, count, float(z)) for z in some], axis=1)
         tried = factor * stress.reshape(6, -1)
-        out.append(trial.beyond(tried, float(z)).reshape(count, count))
-    return np.array(out)
+        out[first : first + together] = trial.beyond(tried, np.repeat(some, count**2)).reshape(-1, count, count)
+    return out

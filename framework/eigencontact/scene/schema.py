@@ -381,8 +381,12 @@ class Scene(Table):
         from eigencontact.hooks.files import with_files
         from eigencontact.scene.installed import installed_plugins
 
-        files = [Path(name) if self.folder is None else self.folder / name for name in self.plugins]
-        return with_files(installed_plugins() if registry is None else registry, files)
+        return with_files(installed_plugins() if registry is None else registry, self.plugin_files)
+
+    @property
+    def plugin_files(self) -> list[Path]:
+        """Files in ``plugins``, from the folder of the scene."""
+        return [Path(name) if self.folder is None else self.folder / name for name in self.plugins]
 
     @property
     def label(self) -> str:

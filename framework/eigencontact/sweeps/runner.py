@@ -7,8 +7,9 @@ What fails is told, and stops nothing.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -95,8 +96,15 @@ def outcomes(
              for variant in variants]  # fmt: skip
     if isinstance(engine, Cluster):
         engine.folder = folder
+    begin = _Held.within
+    if isinstance(engine, Cluster):
+        from eigencontact.hooks.files import texts_of
+
+        scenes = [variant.scene for variant in variants if variant.scene is not None]
+        files = dict.fromkeys(path for scene in scenes for path in scene.plugin_files)
+        begin = partial(_Held.within, texts=texts_of(files))
     with engine:
-        for task, answer in engine.map(_outcome, tasks, _Held.within):
+        for task, answer in engine.map(_outcome, tasks, begin):
             if isinstance(answer, Lost):
                 yield Outcome(task.variant.place, {}, {}, answer.reason, 0.0)
             else:
@@ -111,8 +119,12 @@ class _Held:
     threads: int | None
 
     @classmethod
-    def within(cls, share: Share) -> _Held:
-        """Make it, of a share of a machine."""
+    def within(cls, share: Share, texts: Mapping[str, str] | None = None) -> _Held:
+        """Make it, of a share of a machine, which may not see plugin files that scenes name: their `texts` by path."""
+        if texts is not None:
+            from eigencontact.hooks.files import hold_texts
+
+            hold_texts(texts)
         return cls(Kept(min(_MOST_KEPT, _PART_KEPT * share.memory)), share.threads)
 
 

@@ -1,0 +1,34 @@
+"""Versions of what is installed here and must be the same on every worker: this package, and packages of plugins."""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+
+from eigencontact import __version__
+
+__all__ = ["OURS", "unlike", "versions"]
+
+#: Name of this package, and of the entry points by which others offer plugins.
+OURS = "eigencontact"
+
+
+def versions() -> dict[str, str]:
+    """Versions by name of package: this one, and all that offer plugins."""
+    offered = {point.dist.name: point.dist.version for point in entry_points(group=OURS) if point.dist is not None}
+    return {**dict(sorted(offered.items())), OURS: __version__}
+
+
+def unlike(wanted: dict[str, str], found: dict[str, str]) -> str:
+    """Words for the packages of a worker that are not the `wanted` ones; empty where all are. It may have others.
+
+    Examples
+    --------
+    >>> unlike({"eigencontact": "0.1.0", "bowls": "2.0"}, {"eigencontact": "0.1.0"})
+    'must have bowls 2.0 (got none); install it'
+    """
+    other = [name for name in (OURS, *wanted) if wanted[name] != found.get(name)]
+    if not other:
+        return ""
+    names = list(dict.fromkeys(other))
+    got = ", ".join(found.get(name) or "none" for name in names)
+    return f"must have {', '.join(f'{name} {wanted[name]}' for name in names)} (got {got}); install it"
