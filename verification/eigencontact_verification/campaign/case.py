@@ -20,13 +20,15 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Case", "Curve", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
+__all__ = ["UNKNOWNS", "Case", "Curve", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
 
 Quantity = Literal["displacement", "stress", "strain"]
 #: Mesh of a case: 0 coarse, 1 medium, 2 fine.
 Level = Literal[0, 1, 2]
 #: Boundary condition on the outer faces of the finite-element model.
 Outer = Literal["fixed", "free"]
+#: Name under which `Case.reference` may tell how many unknowns it solved for, as one number.
+UNKNOWNS = "number of unknowns"
 #: Values by name of profile, each (n, components).
 Fields = dict[str, NDArray[np.float64]]
 #: Abscissa (n,) and values (n, components) of a line to be drawn; it breaks where values are not finite.

@@ -5,27 +5,20 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import sys
-import time
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol, Self
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol
 
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from eigencontact_verification.campaign.case import Case, Gap
-    from eigencontact_verification.campaign.judge import JudgedCase
     from eigencontact_verification.campaign.report import Report
     from eigencontact_verification.campaign.run import Executor
-    from eigencontact_verification.campaign.worker import Outcome, Task
 
-__all__ = ["CaseList", "campaign", "verify"]
-
-#: Least time between two lines on solutions [s].
-_LINES = 10.0
+__all__ = ["CaseList", "verify"]
 
 
 class CaseList(Protocol):
@@ -46,10 +39,22 @@ class CaseList(Protocol):
 
 def verify(
     kernels: Annotated[
-        list[str] | None, typer.Argument(help="What to verify; by default everything installed.", metavar="[KERNEL]...")
+        list[str] | None,
+        typer.Argument(
+            help="What to verify: kernels, or runs to audit (folders or their results.nc); by default all kernels.",
+            metavar="[KERNEL|RESULTS]...",
+        ),
     ] = None,
     *,
-    quick: Annotated[bool, typer.Option("--quick", help="Only the quick cases: minutes on two cores.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only the quick cases, or lighter meshes: minutes on two cores.")
+    ] = False,
+    step: Annotated[
+        int | None, typer.Option("--step", metavar="N", min=1, help="Step of a run, from 1; by default the last.")
+    ] = None,
+    contact: Annotated[
+        bool, typer.Option("--contact", help="Of a run of revolution: also solve the whole contact by finite elements.")
+    ] = False,
     kernel: Annotated[
         list[str] | None, typer.Option("--kernel", metavar="KEY", help="The same as KERNEL; repeatable.")
     ] = None,
@@ -75,8 +80,14 @@ def verify(
         float, typer.Option("--limit", metavar="PART", help="Largest u_FE for agreement, as a part of the field.")
     ] = 0.02,
     memory: Annotated[
-        float, typer.Option("--memory", metavar="GB", min=0.1, help="A task that needs more is ended and reported.")
-    ] = 6.0,
+        float | None,
+        typer.Option(
+            "--memory",
+            metavar="GB",
+            min=0.1,
+            help="A task that needs more is ended and reported (6); on a cluster, what a worker must have.",
+        ),
+    ] = None,
     cluster: Annotated[
         str | None,
         typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
@@ -106,7 +117,10 @@ def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Compare every kernel with finite elements whose own error is known; write a report.
+    """Compare every kernel, or a stored run, with finite elements whose own error is known; write a report.
+
+    Of a run the stored tractions of a step load the elements, which have its layers, inclusions, and what its bodies
+    remember as their own; compared are displacement of the surface and stored stress.
 
     Finished solutions are kept in the folder: an interrupted campaign continues, a repeated one only judges again.
 
@@ -115,7 +129,7 @@ def verify(
 
     With --law the finite elements ask the law itself in their integration points: what is judged is all around it.
 
-    Example: `eigencontact verify --quick --kernel cuboid`
+    Examples: `eigencontact verify --quick --kernel cuboid`, `eigencontact verify --quick ./hertz`
     """
     from eigencontact.errors import EigencontactError
     from eigencontact_verification.benchmarks.table import check_section
@@ -125,27 +139,39 @@ def verify(
     names = [name for name in names if name not in files_given]
     if not 0.0 < limit < 1.0:
         _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
+    solve: Callable[[], tuple[Report, dict[str, Path]]]
     try:
+        from eigencontact_verification.audit.command import audit_results, is_results
         from eigencontact_verification.campaign import cases
+        from eigencontact_verification.campaign.whole import campaign
 
+        runs = [name for name in names if is_results(name) and name not in cases.kernels()]
         own_shapes, own_laws = _of_files(files_given)
         if not (names or laws):
             names, laws = own_shapes, own_laws
-        chosen = _chosen(cases, names, quick=quick) if names or not laws else ()
-        chosen += _of_laws(laws, quick=quick)
+        executor = _executor(workers, memory, cluster, files_given)
+        options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
+        options["show"] = not (quiet or as_json)
+        chosen: tuple[Case, ...] = ()
+        _refuse_together(runs, names, laws, figure, step, contact=contact)
+        if runs:
+            solve = partial(audit_results, runs, output, step=step, contact=contact, **options)
+        else:
+            chosen = _chosen(cases, names, quick=quick) if names or not laws else ()
+            chosen += _of_laws(laws, quick=quick)
+            solve = partial(campaign, chosen, _gaps(cases, names, laws), output, **options)
         copies = _copies(chosen, figure or [])
         if markdown is not None:
             check_section(markdown, section, family="verify")
-        executor = _executor(workers or _cores(), memory * 1e9, cluster, files_given)
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
-    gaps = _gaps(cases, names, laws)
     try:
-        report, files = campaign(
-            chosen, gaps, output, executor=executor, limit=limit, quick=quick, pictures=pictures,
-            show=not (quiet or as_json),
-        )  # fmt: skip
-    except EigencontactError as problem:
+        report, files = solve()
+    except (EigencontactError, ValueError) as problem:
+        if isinstance(problem, ValueError) and not isinstance(problem, EigencontactError) and not runs:
+            raise
+        if not isinstance(problem, EigencontactError):
+            _refuse(str(problem))
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(problem.exit_code) from None
     except KeyboardInterrupt:
@@ -155,7 +181,9 @@ def verify(
     if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
     elif not quiet:
-        _print(report, files)
+        from eigencontact_verification.campaign.progress import print_report
+
+        print_report(report, files)
     if trouble:
         _refuse(trouble)
     raise typer.Exit(report.exit_code)
@@ -164,6 +192,24 @@ def verify(
 def _refuse(problem: str) -> NoReturn:
     typer.echo(f"eigencontact: {' '.join(problem.split())}", err=True)
     raise typer.Exit(2) from None
+
+
+def _refuse_together(
+    runs: Sequence[str], names: Sequence[str], laws: Sequence[str], figures: Sequence[str] | None, step: int | None, *,
+    contact: bool,
+) -> None:  # fmt: skip
+    """Refuse runs together with kernels and laws, and what only the one or the other has."""
+    if not runs:
+        if step is not None:
+            raise ValueError(f"--step must be given with a run (got {step}); name its folder")
+        if contact:
+            raise ValueError("--contact must be given with a run (got none); name its folder")
+        return
+    others = [*(name for name in names if name not in runs), *laws]
+    if others:
+        raise ValueError(f"runs must be audited by themselves (got {runs[0]} and {others[0]}); leave one of them out")
+    if figures:
+        raise ValueError(f"--figure must be of kernels (got {figures[0]}); the report of an audit has its figures")
 
 
 def _cores() -> int:
@@ -191,17 +237,20 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
     return shapes, laws
 
 
-def _executor(workers: int, memory: float, cluster: str | None, plugins: Sequence[str]) -> Executor:
+def _executor(workers: int | None, memory: float | None, cluster: str | None, plugins: Sequence[str]) -> Executor:
     from eigencontact_verification.campaign.run import Limits, in_processes
 
     if cluster is None:
-        return partial(in_processes, workers=workers, limits=Limits(memory=memory), plugins=plugins)
-    if plugins:
-        raise ValueError("--plugin must be without --cluster, whose workers have no such file; install it there")
-    from eigencontact.engines.cluster import Cluster
+        limits = Limits() if memory is None else Limits(memory=memory * 1e9)
+        return partial(in_processes, workers=workers or _cores(), limits=limits, plugins=plugins)
+    if workers is not None:
+        raise ValueError(f"--workers must be without --cluster, which has its own (got {workers}); leave it out")
+    from eigencontact.engines.cluster import cluster_of
     from eigencontact_verification.campaign.cluster import on_cluster
 
-    return partial(on_cluster, engine=Cluster(cluster, say=lambda words: typer.echo(words, err=True)))
+    engine = cluster_of(cluster, memory, say=lambda words: typer.echo(words, err=True))
+    assert engine is not None
+    return partial(on_cluster, engine=engine, plugins=plugins)
 
 
 def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
@@ -291,174 +340,3 @@ def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[G
     told += tuple(Gap(kernel=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
     left = [key for key in cases.kernels() if some and key not in names]
     return told + tuple(Gap(kernel=key, what="everything", reason="not asked for in this run") for key in left)
-
-
-def campaign(
-    cases: Sequence[Case],
-    gaps: Sequence[Gap],
-    folder: Path,
-    *,
-    executor: Executor,
-    limit: float = 0.02,
-    quick: bool = False,
-    pictures: bool = False,
-    show: bool = False,
-) -> tuple[Report, dict[str, Path]]:
-    """Solve, judge and report.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-        What to verify.
-    gaps : sequence of Gap
-        What the report lists as not covered.
-    folder : Path
-        Gets the report, and the finished solutions below ``solutions``.
-    executor : callable
-        Performs the tasks.
-    limit : float
-        Largest u_FE for agreement.
-    quick : bool
-        Said in the report. The quick cases of a kernel may leave components out; those are then not in its table.
-    pictures : bool
-        Also write mesh and field of the first case of each kernel.
-    show : bool
-        Draw a bar with the remaining time, where there is a terminal; else write a line now and then.
-
-    Returns
-    -------
-    Report, dict of str to Path
-        What was found, and the files.
-    """
-    from eigencontact_verification.campaign.judge import judge
-    from eigencontact_verification.campaign.report import Report, write_report
-    from eigencontact_verification.campaign.run import run_campaign
-    from eigencontact_verification.campaign.store import Store
-
-    start = time.perf_counter()
-    with _Bar(show=show) as bar:
-        solved = run_campaign(cases, Store(folder / "solutions"), executor=executor, progress=bar)
-    judged = tuple(judge(one, limit=limit) for one in solved)
-    notes = tuple(_pictures(judged, folder / "fields")) if pictures else ()
-    report = Report(
-        cases=judged,
-        gaps=tuple(gaps),
-        limit=limit,
-        quick=quick,
-        seconds=time.perf_counter() - start,
-        notes=notes,
-        pictures=_drawn(judged, folder / "fields") if pictures else {},
-    )
-    return report, write_report(report, folder)
-
-
-def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
-    """Write mesh and field of the first case of each kernel; say what was written, or why it was not."""
-    seen = set()
-    for case in (found.case for found in judged):
-        if case.kernel in seen:
-            continue
-        seen.add(case.kernel)
-        try:
-            files = case.pictures(_folder(case, folder))
-        except Exception as problem:  # noqa: BLE001 - a picture that fails must not cost the report
-            yield f"{case.key}: no pictures, {type(problem).__name__}: {' '.join(str(problem).split())}"
-            continue
-        if files:
-            names = ", ".join(file.name for file in files)
-            yield f"{case.key}: mesh and field in {folder.name}/{_folder(case, folder).name}: {names}"
-
-
-def _folder(case: Case, folder: Path) -> Path:
-    return folder / case.key.replace("/", "-")
-
-
-def _drawn(judged: Sequence[JudgedCase], folder: Path) -> dict[str, tuple[Path, ...]]:
-    """Pictures that are there, by key of the case; one that failed has not taken the others with it."""
-    files = {one.case.key: tuple(sorted(_folder(one.case, folder).glob("*.png"))) for one in judged}
-    return {key: found for key, found in files.items() if found}
-
-
-class _Bar:
-    """Progress with the remaining time: the bar counts work, the words count solutions; lines without a terminal."""
-
-    def __init__(self, *, show: bool) -> None:
-        self._bar: Any = None
-        self._task: Any = None
-        self._left = self._total = 0
-        self._lines = False
-        self._began = self._said = time.monotonic()
-        if show:
-            from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-            from eigencontact.progress import draws_in_place
-
-            console = Console(stderr=True)
-            if draws_in_place(sys.stderr):
-                words = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
-                self._bar = Progress(*words, TimeRemainingColumn(), console=console, transient=True)
-            else:
-                self._lines = True
-
-    def __enter__(self) -> Self:
-        if self._bar is not None:
-            self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-
-    def started(self, tasks: Sequence[Task]) -> None:
-        """Show the work that is due."""
-        self._left = self._total = len(tasks)
-        self._began = self._said = time.monotonic()
-        if self._lines and tasks:
-            typer.echo(f"{self._total} solutions to compute", err=True)
-        if self._bar is not None:
-            self._task = self._bar.add_task(f"{self._left} solutions", total=sum(task.weight for task in tasks))
-
-    def finished(self, task: Task, outcome: Outcome) -> None:
-        """Count a solution; say what failed."""
-        self._left -= 1
-        if self._bar is not None:
-            if outcome.status != "done":
-                self._bar.console.print(f"{task.case.key}, {task.label}: {outcome.reason}", markup=False)
-            self._bar.update(self._task, advance=task.weight, description=f"{self._left} solutions to go")
-        elif self._lines:
-            self._say(task, outcome)
-
-    def _say(self, task: Task, outcome: Outcome) -> None:
-        """A line for what failed, and for how far it is where the last one is some time ago."""
-        from eigencontact.progress import time_in_words
-
-        now = time.monotonic()
-        if outcome.status != "done":
-            typer.echo(f"{task.case.key}, {task.label}: {outcome.reason}", err=True)
-        if now - self._said >= _LINES:
-            self._said, done = now, self._total - self._left
-            typer.echo(f"solution {done} of {self._total} done after {time_in_words(now - self._began)}", err=True)
-
-
-def _print(report: Report, files: dict[str, Path]) -> None:
-    """The coverage table, what is not agreement, and where the report is."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from eigencontact_verification.campaign.brief import totals
-    from eigencontact_verification.campaign.judge import coverage
-
-    console = Console(highlight=False)
-    table = Table("kernel", "quantity", "component", "verdict", "profiles", "u_FE", "|SA−FE|", box=None, pad_edge=False)
-    for one in coverage(report.rows):
-        numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (one.uncertainty, one.difference))
-        agreed = f"{one.counts['agrees']}/{sum(one.counts.values())}"
-        table.add_row(one.kernel, one.quantity, one.component, one.word, agreed, *numbers)
-    console.print(table)
-    for row in report.rows:
-        if row.word != "agrees":
-            words = f"{row.word}: {row.kernel}/{row.case}, {row.profile}, {row.component}: {row.reason}"
-            console.print(words, markup=False, soft_wrap=True)
-    console.print(f"\n{totals(report)} {len(report.gaps)} known gaps.", markup=False, soft_wrap=True)
-    console.print(f"report: {files['html'].resolve()}", markup=False, soft_wrap=True)

@@ -38,7 +38,7 @@ FloatArray = NDArray[np.float64]
 _AXES = "xyz"
 #: Code that decides what the finite elements of a case compute.
 _OWN = ("shape_of", "section_bounds", "tensor_of", "InclusionCase.solid_model", "InclusionCase.axisymmetric_model")
-_READING = ("lines:read_section", "lines:read_solid", "lines:chosen", "recovery")
+_READING = ("lines:read_section", "lines:read_solid", "lines:chosen")
 _CODE = (
     *(f"{__name__}:{name}" for name in (*_OWN, "InclusionCase.reference")),
     *(f"eigencontact_verification.campaign.{name}" for name in _READING),

@@ -36,7 +36,7 @@ _CODE = (
     *(f"{__name__}:InhomogeneityCase.{name}" for name in ("problem", "contains", "model", "reference")),
     f"{__name__}:_region",
     "eigencontact_verification.campaign.equivalent:Sphere",
-    *(f"eigencontact_verification.campaign.{name}" for name in ("lines:read_section", "lines:chosen", "recovery")),
+    *(f"eigencontact_verification.campaign.{name}" for name in ("lines:read_section", "lines:chosen")),
 )
 #: Cells across the sphere in what is judged, and in the coarser cuttings that give its error.
 _CELLS = (48, 24, 32)

@@ -31,7 +31,6 @@ KEY = "bonded-layers"
 _CODE = (
     *(f"{__name__}:LayeredCase.{name}" for name in ("interfaces", "model", "reference", "read")),
     "eigencontact_verification.campaign.lines:chosen",
-    "eigencontact_verification.campaign.recovery",
 )
 _DIVISIONS, _GROWTH = (4, 6, 9), 2.0
 #: Reach of the body in radii of the circle.
@@ -94,7 +93,7 @@ class LayeredCase(Case):
 
     def read(self, solution: Any, profile: Profile) -> FloatArray:
         """Displacement, or stress recovered within the layer that each point is in."""
-        from eigencontact_verification.campaign.recovery import recovered_section_stress
+        from eigencontact_verification.fem.recovery import recovered_section_stress
 
         if profile.quantity == "displacement":
             return np.asarray(solution.displacement(profile.points))

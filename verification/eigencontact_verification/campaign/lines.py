@@ -219,7 +219,7 @@ def _column(x: float, y: float, depths: FloatArray) -> FloatArray:
 
 def read_section(solution: Any, profiles: Sequence[Profile], contains: Contains) -> Fields:
     """Read what the profiles ask for of an axisymmetric model with one source; stress is recovered on its own side."""
-    from eigencontact_verification.campaign.recovery import recovered_section_stress
+    from eigencontact_verification.fem.recovery import recovered_section_stress
 
     fields = {}
     for profile in profiles:
@@ -233,7 +233,7 @@ def read_section(solution: Any, profiles: Sequence[Profile], contains: Contains)
 
 def read_solid(solution: Any, profiles: Sequence[Profile], sources: Sequence[Contains] = ()) -> Fields:
     """Read a solid model: stress recovered on each side of the bounds of its sources (see `recovery`)."""
-    from eigencontact_verification.campaign.recovery import recovered_stress
+    from eigencontact_verification.fem.recovery import recovered_stress
 
     model = solution.model
     boxes = [(*region.bounds[0], *region.bounds[1]) for region in model.regions]

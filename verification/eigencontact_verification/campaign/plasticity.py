@@ -19,7 +19,7 @@ from eigencontact_verification.fem import yielding_law
 from eigencontact_verification.fem.yielding import Indentation, IndentationSolution, YieldingRegion, solve_indentation
 from eigencontact_verification.fem.yielding_law import Curve, PointLaw, YieldingLaw
 
-__all__ = ["KEY", "PlasticCase"]
+__all__ = ["KEY", "PlasticCase", "point_law"]
 
 FloatArray = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ KEY = "plasticity"
 #: Code that decides what the finite elements of a case compute.
 _CODE = (
     *(f"{__name__}:PlasticCase.{name}" for name in ("problem", "law_of", "model", "reference", "read")),
-    *(f"{__name__}:{name}" for name in ("_curve", "_point_law", "_region")),
+    *(f"{__name__}:{name}" for name in ("_curve", "point_law", "_region")),
     *(
         f"eigencontact_verification.campaign.indentation:Problem.{name}"
         for name in ("contact_modulus", "contact_radius", "depth", "from_touch", "pressure", "peak")
@@ -75,7 +75,7 @@ class PlasticCase(Case):
 
     def law_of(self, table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> PointLaw:
         """Law of the integration points for the fields of a law in a scene."""
-        return _point_law(table, young_modulus, poisson_ratio)
+        return point_law(table, young_modulus, poisson_ratio)
 
     def model(self, level: Level, outer: Outer) -> Indentation:
         """Finite-element model of one level."""
@@ -169,7 +169,7 @@ def _curve(table: Mapping[str, Any], young_modulus: float) -> Curve:
     return makers[kind](**{names.get(name, name): value for name, value in given.items()})
 
 
-def _point_law(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> YieldingLaw:
+def point_law(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> YieldingLaw:
     """The finite elements' own law for the fields of a scene's law."""
     hardening = list(table["hardening"])
     backs = [one for one in hardening if one["type"] in ("prager", "armstrong-frederick")]

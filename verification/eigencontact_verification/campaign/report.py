@@ -49,6 +49,8 @@ class Report:
         Anything else that a reader has to know: pictures that could not be made.
     pictures : dict of str to tuple of Path
         Mesh and field of some cases, by key; in the folder of the report.
+    method : str
+        How verdicts are found, with ``{limit}`` in place of the limit.
     """
 
     cases: tuple[JudgedCase, ...]
@@ -58,6 +60,7 @@ class Report:
     seconds: float = 0.0
     notes: tuple[str, ...] = ()
     pictures: dict[str, tuple[Path, ...]] = field(default_factory=dict)
+    method: str = _METHOD
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -230,7 +233,14 @@ def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[
 
 def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
-    lines = ["# Finite-element cross-check", "", totals(report), "", _METHOD.format(limit=_percent(report.limit)), ""]
+    lines = [
+        "# Finite-element cross-check",
+        "",
+        totals(report),
+        "",
+        report.method.format(limit=_percent(report.limit)),
+        "",
+    ]
     lines += ["## Coverage", "", *_markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows)))]
     lines += ["## Not covered", ""]
     lines += _markdown_table(("kernel", "what", "why"), gaps) if gaps else ["Nothing is listed.", ""]
@@ -280,7 +290,7 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>Finite-element cross-check</title>",
         f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body>",
         f"<h1>Finite-element cross-check</h1><p>{html.escape(totals(report))}</p>",
-        f"<p>{html.escape(_METHOD.format(limit=_percent(report.limit)))}</p><h2>Coverage</h2>",
+        f"<p>{html.escape(report.method.format(limit=_percent(report.limit)))}</p><h2>Coverage</h2>",
         _html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
         "<h2>Not covered</h2>",
         _html_table(("kernel", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, own_error
+from eigencontact_verification.campaign.case import UNKNOWNS, Case, Fields, Level, Outer, own_error
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -76,6 +76,12 @@ class Outcome:
     memory: int | None = None
     cached: bool = False
 
+    @property
+    def unknowns(self) -> int | None:
+        """Number of unknowns of the largest system; None where the case does not tell."""
+        told = None if self.fields is None else self.fields.get(UNKNOWNS)
+        return None if told is None else int(told[0])
+
 
 def perform(task: Task) -> Outcome:
     """Solve, measure, and turn every failure into words."""
@@ -116,6 +122,8 @@ def _checked(case: Case, found: Fields) -> Fields:
         fields[profile.name] = values
         if own_error(profile.name) in found:
             fields[own_error(profile.name)] = np.abs(found[own_error(profile.name)]).reshape(expected)
+    if UNKNOWNS in found:
+        fields[UNKNOWNS] = np.asarray(found[UNKNOWNS], dtype=float).reshape(1)
     return fields
 
 

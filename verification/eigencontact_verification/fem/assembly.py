@@ -23,6 +23,7 @@ __all__ = [
     "Material",
     "eigenstrain_load",
     "face_weights",
+    "gather",
     "hooke",
     "material",
     "point_state",
@@ -271,7 +272,7 @@ def eigenstrain_load(grid: Grid, stuff: Material) -> FloatArray:
         h = grid.size[stuff.cut]
         inner = stuff.cut_eigenstress / h[:, None, None, :] * h.prod(axis=1)[:, None, None, None]
         values[stuff.cut] = np.einsum("csab,sib->cia", inner, cells, optimize=True)
-    return _scatter(grid, grid.element_nodes, values)
+    return gather(grid, grid.element_nodes, values)
 
 
 def face_weights(grid: Grid, axis: int, end: int) -> tuple[IntArray, FloatArray]:
@@ -298,11 +299,12 @@ def traction_load(model: Model, grid: Grid) -> FloatArray:
     for patch in model.patches:
         hit = ((middle > patch.low) & (middle < patch.high)).all(axis=1)
         force = np.multiply.outer(weights[hit], np.asarray(patch.traction, dtype=float))
-        load += _scatter(grid, grid.element_nodes[elements[hit]], force)
+        load += gather(grid, grid.element_nodes[elements[hit]], force)
     return load
 
 
-def _scatter(grid: Grid, nodes: IntArray, values: FloatArray) -> FloatArray:
+def gather(grid: Grid, nodes: IntArray, values: FloatArray) -> FloatArray:
+    """Sum values (elements, local nodes, 3) at nodes (elements, local nodes), (nodes, 3)."""
     count = len(grid.nodes)
     return np.stack(
         [np.bincount(nodes.ravel(), weights=values[..., a].ravel(), minlength=count) for a in range(3)], axis=1

@@ -25,6 +25,11 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 from skfem import CellBasis, ElementQuad2, ElementVector, FacetBasis, LinearForm
 
+from eigencontact_verification.fem.axisymmetric_loads import (
+    point_force_displacement,
+    point_force_stress,
+    surface_load,
+)
 from eigencontact_verification.fem.axisymmetric_mesh import Grid
 from eigencontact_verification.fem.axisymmetric_model import (
     AxisymmetricLayer,
@@ -50,10 +55,10 @@ Field = Callable[[FloatArray, FloatArray], ArrayLike]
 
 #: Gauss points each way in an element, in a sub-cell, and sub-cells each way in an element that a boundary cuts.
 _POINTS, _CUT_POINTS, _CELLS = 4, 2, 8
+#: The same of elements that hold stored cells, whose fields bend at the cells' faces.
+_STORED = (3, 3)
 #: Integration points that are worked on at a time.
 _CHUNK = 1 << 15
-#: Gauss points along the loaded edge of an element.
-_EDGE_POINTS = 16
 
 
 def _strains(basis: CellBasis, part: slice) -> FloatArray:
@@ -65,10 +70,8 @@ def _strains(basis: CellBasis, part: slice) -> FloatArray:
     return np.swapaxes(strains, 1, 2)
 
 
-def _assemble(
-    basis: CellBasis, lame: FloatArray, mu: FloatArray, s_r: FloatArray, s_z: FloatArray
-) -> tuple[csc_matrix, FloatArray]:
-    """Stiffness matrix, and load vector of an initial stress s_rr = s_tt, s_zz; all (elements, points)."""
+def _assemble(basis: CellBasis, lame: FloatArray, mu: FloatArray, initial: FloatArray) -> tuple[csc_matrix, FloatArray]:
+    """Stiffness matrix, and load vector of an initial stress s_rr, s_tt, s_zz, s_rz, (4, elements, points)."""
     dofs = np.asarray(basis.element_dofs).T
     count = dofs.shape[1]
     matrices = np.empty((len(dofs), count, count))
@@ -82,7 +85,7 @@ def _assemble(
         stresses[3] /= 2
         stresses[:3] += first * strains[:3].sum(axis=0)
         matrices[part] = sum(np.matmul(w * stresses[k], np.swapaxes(strains[k], 1, 2)) for k in range(4))
-        force = s_r[part, None] * (strains[0] + strains[1]) + s_z[part, None] * strains[2]
+        force = sum(initial[k, part, None] * strains[k] for k in range(4))
         np.add.at(load, dofs[part], (w * force).sum(axis=2))
     rows, columns = (np.broadcast_to(x, matrices.shape).ravel() for x in (dofs[:, :, None], dofs[:, None]))
     return csc_matrix((matrices.ravel(), (rows, columns)), shape=(basis.N, basis.N)), load
@@ -94,25 +97,6 @@ def _body(v: Any, w: Any) -> Any:
 
 def _traction(v: Any, w: Any) -> Any:
     return (w.t_r * v[0] + w.t_z * v[1]) * w.x[0]
-
-
-def point_force_displacement(
-    load: float, young_modulus: float, poisson_ratio: float, r: FloatArray, z: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """u_r and u_z of a normal point force on the surface of a half-space, off its point (Boussinesq; J. eq. 3.18)."""
-    nu, R = poisson_ratio, np.hypot(r, z)
-    scale = (1 + nu) * load / (2 * np.pi * young_modulus)
-    u_r = scale * (r * z / R**3 - (1 - 2 * nu) * r / (R * (R + z)))
-    return np.asarray(u_r), np.asarray(scale * (z * z / R**3 + 2 * (1 - nu) / R))
-
-
-def point_force_stress(
-    load: float, poisson_ratio: float, r: FloatArray, z: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """s_rr, s_zz and s_rz of the same force (Boussinesq; J. eq. 3.19)."""
-    R, scale = np.hypot(r, z), load / (2 * np.pi)
-    s_rr = scale * ((1 - 2 * poisson_ratio) / (R * (R + z)) - 3 * r * r * z / R**5)
-    return np.asarray(s_rr), np.asarray(-3 * scale * z**3 / R**5), np.asarray(-3 * scale * r * z * z / R**5)
 
 
 def _square_rule(points: int, cells: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -128,19 +112,22 @@ def _lame(material: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.asarray(2 * mu * material[1] / (1 - 2 * material[1])), np.asarray(mu)
 
 
-def _normal(material: FloatArray, e_r: ArrayLike, e_z: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Stress s_rr = s_tt and s_zz of the strain e_rr = e_tt, e_zz."""
+def _stress(material: FloatArray, strain: FloatArray) -> FloatArray:
+    """Stress s_rr, s_tt, s_zz, s_rz of strains e_rr, e_tt, e_zz, e_rz, (4, ...)."""
     lame, mu = _lame(material)
-    mean = lame * (2 * np.asarray(e_r) + np.asarray(e_z))
-    return mean + 2 * mu * np.asarray(e_r), mean + 2 * mu * np.asarray(e_z)
+    stress = 2 * mu * strain
+    stress[:3] += lame * strain[:3].sum(axis=0)
+    return np.asarray(stress)
 
 
-def _remote_strain(model: AxisymmetricModel) -> tuple[float, float]:
+def _remote_strain(model: AxisymmetricModel) -> FloatArray:
+    """Strain e_rr, e_tt, e_zz, e_rz far away, (4,)."""
     if model.remote_stress is None:
-        return 0.0, 0.0
+        return np.zeros(4)
     s_r, s_z = model.remote_stress
     E, nu = model.young_modulus, model.poisson_ratio
-    return ((1 - nu) * s_r - nu * s_z) / E, (s_z - 2 * nu * s_r) / E
+    e_r = ((1 - nu) * s_r - nu * s_z) / E
+    return np.array([e_r, e_r, (s_z - 2 * nu * s_r) / E, 0.0])
 
 
 def _bases(model: AxisymmetricModel, grid: Grid) -> Iterator[tuple[CellBasis, FloatArray]]:
@@ -158,39 +145,16 @@ def _bases(model: AxisymmetricModel, grid: Grid) -> Iterator[tuple[CellBasis, Fl
         places = mapping.F(fine[0], ids)
         inside = region.contains(places[0], places[1])
         cut[ids] |= inside.any(axis=1) & ~inside.all(axis=1)
-    for ids, rule in ((np.flatnonzero(~cut), _square_rule(_POINTS)), (np.flatnonzero(cut), fine)):
+    stored = np.zeros_like(cut)
+    for cells in model.cells:
+        stored |= np.all([(high[k] > cells.bounds[0][k]) & (low[k] < cells.bounds[1][k]) for k in (0, 1)], axis=0)
+    plain, mixed = ~cut & ~stored, ~cut & stored
+    rules = ((plain, _square_rule(_POINTS)), (mixed, _square_rule(*_STORED)), (cut, fine))
+    for ids, rule in ((np.flatnonzero(chosen), rule) for chosen, rule in rules):
         if ids.size:
             basis = CellBasis(mesh, ElementVector(ElementQuad2()), elements=ids, quadrature=rule)
             places = np.asarray(basis.global_coordinates())
             yield basis, model.material(places[0], places[1], grid, ids)
-
-
-def surface_load(disc: Disc, basis: CellBasis) -> FloatArray:
-    """Load vector (without the factor 2 pi) of a disc of pressure, exact to round-off; Hertz's by r = a sin t."""
-    mesh = basis.mesh
-    facets = mesh.boundary_facets()
-    ends = mesh.p[:, mesh.facets[:, facets]]
-    loaded = np.all(ends[1] == 0, axis=0) & (ends[0].max(axis=0) <= disc.radius * (1 + 1e-12))
-    facets = facets[loaded]
-    ends = np.minimum(ends[0][:, loaded], disc.radius)
-    x, w = np.polynomial.legendre.leggauss(_EDGE_POINTS)
-    x, w = (x + 1) / 2, w / 2
-    if disc.profile == "uniform":
-        span = ends[1] - ends[0]
-        r = ends[0] + span * x[:, None]
-        weight = disc.pressure * r * w[:, None] * np.abs(span)
-    else:
-        turn = np.arcsin(ends / disc.radius)
-        span = turn[1] - turn[0]
-        t = turn[0] + span * x[:, None]
-        r = disc.radius * np.sin(t)
-        weight = disc.pressure * disc.radius * np.cos(t) ** 2 * r * w[:, None] * np.abs(span)
-    s = (r - ends[0]) / (ends[1] - ends[0])
-    load = np.zeros(basis.N)
-    first, last = basis.nodal_dofs[1, mesh.facets[:, facets]]
-    for dofs, shape in ((first, (1 - s) * (1 - 2 * s)), (last, s * (2 * s - 1)), (None, 4 * s * (1 - s))):
-        np.add.at(load, basis.facet_dofs[1, facets] if dofs is None else dofs, (weight * shape).sum(axis=0))
-    return load
 
 
 def _held(
@@ -257,14 +221,14 @@ def solve_axisymmetric(
     """
     start = time.perf_counter()
     grid = model.grid()
-    e_r, e_z = _remote_strain(model)
-    body = np.array([model.young_modulus, model.poisson_ratio])
+    remote = _remote_strain(model)
+    uniform = _stress(np.array([model.young_modulus, model.poisson_ratio]), remote)[:, None, None]
     matrix: Any = 0.0
     load: Any = 0.0
     for basis, material in _bases(model, grid):
         lame, mu = _lame(material)
-        own, uniform = _normal(material, material[2] - e_r, material[3] - e_z), _normal(body, e_r, e_z)
-        parts = _assemble(basis, lame, mu, own[0] + uniform[0], own[1] + uniform[1])
+        own = _stress(material, material[2:] - remote[:, None, None])
+        parts = _assemble(basis, lame, mu, own + uniform)
         matrix, load = matrix + parts[0], load + parts[1]
         if body_force is not None:
             f_r, f_z = np.asarray(body_force(*np.asarray(basis.global_coordinates())))
@@ -349,26 +313,32 @@ class AxisymmetricSolution:
         value, _ = self._interpolate(element, local)
         return np.stack((value[0] * turn[0], value[0] * turn[1], value[1]), axis=1)
 
-    def stress(self, points: ArrayLike) -> FloatArray:
-        """Stress (n, 3, 3) at Cartesian points (n, 3), from the strain inside the element that holds the point.
+    def strain(self, points: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Strain e_rr, e_tt, e_zz, e_rz (4, n) at Cartesian points (n, 3), material (6, n) there, and e_r (2, n).
 
-        On a line of the mesh, an interface among them, it is the side of larger r and z that counts.
+        Sides as in `stress`.
         """
         place, turn, element, local, on_axis = self._place(points)
         value, grad = self._interpolate(element, local)
         hoop = np.where(on_axis, grad[0, 0], value[0] / np.where(on_axis, 1.0, place[0]))
         inward = place + 1e-9 * (self.grid.centres[:, element] - place)
         material = self.model.material(inward[0], inward[1], self.grid, element)
-        e_r, e_z = _remote_strain(self.model)
-        lame, mu = _lame(material)
-        strain = np.stack((grad[0, 0] + e_r - material[2], hoop + e_r - material[2], grad[1, 1] + e_z - material[3]))
-        s = lame * strain.sum(axis=0) + 2 * mu * strain
-        shear = np.where(on_axis, 0.0, mu * (grad[0, 1] + grad[1, 0]))
-        frame = np.zeros((3, 3, element.size))  # columns: e_r, e_t, e_z
+        shear = np.where(on_axis, 0.0, (grad[0, 1] + grad[1, 0]) / 2)
+        strain = np.stack((grad[0, 0], hoop, grad[1, 1], shear)) + _remote_strain(self.model)[:, None]
+        return strain, material, turn
+
+    def stress(self, points: ArrayLike) -> FloatArray:
+        """Stress (n, 3, 3) at Cartesian points (n, 3), from the strain inside the element that holds the point.
+
+        On a line of the mesh, an interface among them, it is the side of larger r and z that counts.
+        """
+        strain, material, turn = self.strain(points)
+        polar_stress = _stress(material, strain - material[2:])
+        frame = np.zeros((3, 3, strain.shape[1]))  # columns: e_r, e_t, e_z
         frame[0, 0], frame[1, 0], frame[0, 1], frame[1, 1], frame[2, 2] = turn[0], turn[1], -turn[1], turn[0], 1.0
         polar = np.zeros_like(frame)
-        polar[[0, 1, 2], [0, 1, 2]] = s
-        polar[0, 2] = polar[2, 0] = shear
+        polar[[0, 1, 2], [0, 1, 2]] = polar_stress[:3]
+        polar[0, 2] = polar[2, 0] = polar_stress[3]
         return np.asarray(np.einsum("ian,abn,jbn->nij", frame, polar, frame))
 
     def write_vtu(self, path: str | Path) -> None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.fem.axisymmetric_cells import CellField, CellPressure
 from eigencontact_verification.fem.axisymmetric_mesh import Fit, Grid, build, graded_lines
 
 __all__ = ["AxisymmetricLayer", "AxisymmetricModel", "AxisymmetricRegion", "Disc"]
@@ -123,8 +124,9 @@ class AxisymmetricModel:
     ----------
     young_modulus, poisson_ratio : float
         Moduli of the body (of the substrate under layers).
-    regions, discs, layers : tuples
-        Where regions overlap eigenstrains add up and the last one's moduli hold.
+    regions, discs, layers, cells : tuples
+        Where regions overlap eigenstrains add up and the last one's moduli hold; the eigenstrains of cells add to
+        them, and what cells keep of the stiffness multiplies it.
     reach : float
         Radius and depth of the mesh.
     outer : str
@@ -152,8 +154,9 @@ class AxisymmetricModel:
     reach: float
     fine: float
     regions: tuple[AxisymmetricRegion, ...] = ()
-    discs: tuple[Disc, ...] = ()
+    discs: tuple[Disc | CellPressure, ...] = ()
     layers: tuple[AxisymmetricLayer, ...] = ()
+    cells: tuple[CellField, ...] = ()
     outer: str = "fixed"
     far_field: bool = False
     growth: float = 1.3
@@ -168,9 +171,14 @@ class AxisymmetricModel:
         _require(1 < self.growth <= 4, "model growth", "above 1, at most 4", self.growth, "1.3 is usual")
         _require(self.divisions >= 1, "model divisions", "at least 1", self.divisions, "1, 2, 4 are a family")
         far = [*(x for region in self.regions for x in region.bounds[1]), *(disc.radius for disc in self.discs)]
+        far += [x for cells in self.cells for x in cells.bounds[1]]
         far += [sum(layer.thickness for layer in self.layers), *self.lines[0], *self.lines[1]]
         _require(
-            max(far) < self.reach, "model reach", "beyond all regions, discs, layers, lines", self.reach, "raise it"
+            max(far) < self.reach,
+            "model reach",
+            "beyond all regions, discs, layers, cells, lines",
+            self.reach,
+            "raise it",
         )
         for k, region in enumerate(self.regions):
             if region.poisson_ratio is not None:
@@ -209,6 +217,11 @@ class AxisymmetricModel:
             for k in (0, 1):
                 fixed[k].extend((fit.box[0][k], fit.box[1][k]))
                 fine[k].append((fit.box[0][k], fit.box[1][k]))
+        for cells in self.cells:
+            fine[0].append((0.0, cells.bounds[1][0]))
+            fixed[0].append(cells.bounds[1][0])
+            fine[1].append((cells.bounds[0][1], cells.bounds[1][1]))
+            fixed[1].extend(cells.lines)
         for disc in self.discs:
             fine[0].append((0.0, disc.radius))
             fixed[0].append(disc.radius)
@@ -224,7 +237,7 @@ class AxisymmetricModel:
         return build(r, z, fits, self.fine, self.divisions)
 
     def material(self, r: FloatArray, z: FloatArray, grid: Grid, element: NDArray[np.int64]) -> FloatArray:
-        """Young's modulus, Poisson's ratio, e_r and e_z at points, (4, ...).
+        """Young's modulus, Poisson's ratio, eigenstrain e_rr, e_tt, e_zz and e_rz at points, (6, ...).
 
         Parameters
         ----------
@@ -239,16 +252,20 @@ class AxisymmetricModel:
         layer = np.searchsorted(self.interfaces(), grid.centres[1, element])
         young = np.array([*(x.young_modulus for x in self.layers), self.young_modulus])
         nu = np.array([*(x.poisson_ratio for x in self.layers), self.poisson_ratio])
-        out = np.zeros((4, *r.shape))
+        out = np.zeros((6, *r.shape))
         out[0], out[1] = young[layer][rows], nu[layer][rows]
         for k, region in enumerate(self.regions):
             if region.fitted:
                 inside = np.broadcast_to((grid.marks[element] == k)[rows], r.shape)
             else:
                 inside = np.asarray(region.contains(r, z), dtype=bool)
-            out[2:, inside] += np.array(region.eigenstrain)[:, None]
+            out[2:5, inside] += np.array(region.eigenstrain)[[0, 0, 1], None]
             if region.young_modulus is not None:
                 out[0, inside] = region.young_modulus or _VOID * self.young_modulus
             if region.poisson_ratio is not None:
                 out[1, inside] = region.poisson_ratio
+        for cells in self.cells:
+            eigenstrain, kept = cells.at(r, z)
+            out[2:] += eigenstrain
+            out[0] *= kept
         return out

@@ -9,13 +9,14 @@ from eigencontact_verification.fem.assembly import face_weights
 from eigencontact_verification.fem.mesh import Grid
 from eigencontact_verification.fem.model import Model
 
-__all__ = ["constrained", "free_motions", "mirror", "outer_weights", "rigid_motions"]
+__all__ = ["constrained", "free_motions", "mirror", "outer_nodes", "outer_weights", "rigid_motions"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 
-def _on_outer(model: Model, grid: Grid) -> BoolArray:
+def outer_nodes(model: Model, grid: Grid) -> BoolArray:
+    """Nodes on sides and bottom, (nodes,)."""
     x, tiny = grid.nodes, 1e-9 * model.reach
     out = x[:, 2] > model.reach - tiny
     for axis, kind in enumerate(model.symmetry):
@@ -32,7 +33,7 @@ def constrained(model: Model, grid: Grid) -> BoolArray:
             normal = np.arange(3) == axis
             fixed[np.ix_(on_plane, normal if kind == "even" else ~normal)] = True
     if model.outer == "fixed":
-        fixed[_on_outer(model, grid)] = True
+        fixed[outer_nodes(model, grid)] = True
     return fixed
 
 

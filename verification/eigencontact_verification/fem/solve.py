@@ -15,7 +15,7 @@ from eigencontact_verification.fem.mesh import Grid, build_grid
 from eigencontact_verification.fem.model import Model
 from eigencontact_verification.fem.preconditioners import contrast, multigrid, separable
 
-__all__ = ["NotConverged", "Solution", "solve", "solve_system"]
+__all__ = ["NotConverged", "Solution", "peak_memory", "solve", "solve_system"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -200,6 +200,15 @@ class Solution:
         # an odd plane turns the sign of the whole field, and the two factors of one stress component hide that
         stress *= self._odd_sign(points)[:, None, None]
         return np.asarray(stress + (0.0 if self.model.remote_stress is None else self.model.remote_stress))
+
+    def strain(self, points: ArrayLike) -> FloatArray:
+        """Strain of the displacement (n, 3, 3) at points (n, 3) inside elements."""
+        inside, factor = self._inside(points)
+        element, local, _ = self._locate(inside, (1, 1, 1))
+        slopes = self.grid.shapes(local)[1] / self.grid.size[element][:, None, :]
+        slope = np.einsum("nib,nia->nab", slopes, self.nodal[self.grid.element_nodes[element]])
+        strain = np.einsum("na,nab,nb->nab", factor, (slope + slope.swapaxes(1, 2)) / 2, factor)
+        return np.asarray(strain * self._odd_sign(points)[:, None, None])
 
     def write_vtu(self, path: str | Path) -> None:
         """Write mesh, nodal displacement, and what the elements have in their middle as a VTU file.

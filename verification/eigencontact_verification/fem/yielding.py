@@ -1,8 +1,9 @@
-"""A rigid sphere pressed into a body of revolution that yields: load control, implicit steps, Newton's iteration.
+"""A rigid body pressed into a body of revolution that yields: load control, implicit steps, Newton's iteration.
 
-The sphere is the parabola r²/2R and the displacement is small, as in the half-space theory that this judges. Far away
-the body moves as a half-space under a point force (`AxisymmetricModel.far_field`); "free" gives it the traction of that
-force instead. Neither knows of the plastic strain, whose own far field falls faster by one power of the distance.
+It is a sphere, the parabola r²/2R, or has a profile of its own. The displacement is small, as in the half-space theory
+that this judges. Far away the body moves as a half-space under a point force (`AxisymmetricModel.far_field`); "free"
+gives it the traction of that force instead. Neither knows of the plastic strain, whose own far field falls faster by
+one power of the distance.
 """
 
 from __future__ import annotations
@@ -151,7 +152,7 @@ class _Solver:
     def surface(self) -> Surface:
         model = self.model
         stiffness = _STIFF * model.young_modulus * model.divisions / model.fine
-        return surface_of(self.body.basis, reach=model.extent, radius=model.radius, stiffness=stiffness)
+        return surface_of(self.body.basis, reach=model.extent, height=model.height, stiffness=stiffness)
 
     @cached_property
     def far(self) -> FloatArray:

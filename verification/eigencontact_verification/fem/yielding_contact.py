@@ -1,4 +1,4 @@
-"""The rigid sphere on the surface, without friction: a parabola that presses where the surface would be inside it.
+"""A rigid body of revolution on the surface, without friction: it presses where the surface would be inside it.
 
 The pressure at a node of the surface is a stiff spring on the overlap, ``p = k max(0, overlap)``, and its force that of
 Simpson's rule on the edges. (Two Gauss points an edge leave a pressure that alternates and does no work.) With
@@ -7,6 +7,7 @@ k = 1e4 E over the size of the elements the overlap that is left is a few millio
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,8 +31,8 @@ class Surface:
         Number of u_z of each node.
     axis : int
         Number of u_z of the node on the axis.
-    radius : float
-        Of the sphere.
+    height : (n,) float64
+        Of the rigid body above its lowest point, which is on the axis.
     stiffness : float
         k, stress over length.
     """
@@ -40,16 +41,16 @@ class Surface:
     weight: FloatArray
     unknowns: NDArray[np.int64]
     axis: int
-    radius: float
+    height: FloatArray
     stiffness: float
 
     def pressure(self, u: FloatArray, depth: float) -> FloatArray:
-        """Pressure (n,) at a displacement of the body and a depth of the sphere."""
-        return np.maximum(0.0, self.stiffness * (depth - self.r**2 / (2 * self.radius) - u[self.unknowns]))
+        """Pressure (n,) at a displacement of the body and a depth of the rigid body."""
+        return np.maximum(0.0, self.stiffness * (depth - self.height - u[self.unknowns]))
 
     def touching(self, u: FloatArray) -> float:
-        """Depth at which the sphere just touches."""
-        return float(min(u[self.axis], np.min(u[self.unknowns] + self.r**2 / (2 * self.radius))))
+        """Depth at which the rigid body just touches."""
+        return float(min(u[self.axis], np.min(u[self.unknowns] + self.height)))
 
     def contact_radius(self, pressure: FloatArray) -> float:
         """Radius where p² of the last two points under pressure, continued in r², comes to zero; 0 without contact."""
@@ -62,8 +63,10 @@ class Surface:
         return float(min(np.sqrt(rim), beyond))
 
 
-def surface_of(basis: CellBasis, *, reach: float, radius: float, stiffness: float) -> Surface:
-    """Nodes of the surface z = 0 within r <= reach."""
+def surface_of(
+    basis: CellBasis, *, reach: float, height: Callable[[FloatArray], FloatArray], stiffness: float
+) -> Surface:
+    """Nodes of the surface z = 0 within r <= reach, below a body of the profile ``height(r)``."""
     corners, middles = basis.nodal_dofs[1], basis.facet_dofs[1]
     mesh = basis.mesh
     facets = mesh.boundary_facets()
@@ -78,4 +81,6 @@ def surface_of(basis: CellBasis, *, reach: float, radius: float, stiffness: floa
     loaded = loaded[np.argsort(basis.doflocs[0, loaded])]
     r = np.asarray(basis.doflocs[0, loaded])
     axis = int(corners[ends[mesh.p[0, ends] == 0][0]])
-    return Surface(r=r, weight=weight[loaded], unknowns=loaded, axis=axis, radius=radius, stiffness=stiffness)
+    return Surface(
+        r=r, weight=weight[loaded], unknowns=loaded, axis=axis, height=np.asarray(height(r)), stiffness=stiffness
+    )

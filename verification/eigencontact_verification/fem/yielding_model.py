@@ -1,10 +1,12 @@
-"""What an elastic-plastic indentation is made of: a half-space with regions that yield, below a rigid sphere."""
+"""What an elastic-plastic indentation is made of: a half-space with regions that yield, below a body of revolution."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eigencontact_verification.fem.axisymmetric_mesh import Fit, Grid, build, graded_lines
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricRegion
@@ -12,6 +14,8 @@ from eigencontact_verification.fem.yielding_body import YieldingBody
 from eigencontact_verification.fem.yielding_law import PointLaw, YieldingLaw
 
 __all__ = ["Indentation", "YieldingRegion"]
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +33,7 @@ class YieldingRegion(AxisymmetricRegion):
 
 @dataclass(frozen=True, kw_only=True)
 class Indentation:
-    """A half-space of one material, with regions, below a rigid sphere.
+    """A half-space of one material, with regions, below a rigid body of revolution.
 
     Attributes
     ----------
@@ -38,7 +42,9 @@ class Indentation:
     law : PointLaw or None
         Material of the body; None: elastic.
     radius : float
-        Of the sphere.
+        Of the sphere; of another profile that of a sphere which is as wide where contact may end.
+    profile : callable or None
+        Height ``h(r)`` of the rigid body above its lowest point, 0 at r = 0; None: the parabola r²/2R.
     fine, extent : float
         Element size, and the radius and depth within which it is kept; contact is looked for there and no farther.
     reach : float
@@ -48,6 +54,8 @@ class Indentation:
         the integration points that lie in it; layers and cylinders are exact in that.
     outer, growth, divisions
         See `AxisymmetricModel`.
+    lines : tuple of float
+        More radii at which the mesh has lines: where the profile changes its form.
     """
 
     young_modulus: float
@@ -58,9 +66,11 @@ class Indentation:
     reach: float
     law: PointLaw | None = None
     regions: tuple[YieldingRegion, ...] = ()
+    profile: Callable[[FloatArray], FloatArray] | None = None
     outer: str = "fixed"
     growth: float = 1.3
     divisions: int = 1
+    lines: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not 0 < self.fine < self.extent < self.reach:
@@ -73,6 +83,10 @@ class Indentation:
     def contact_modulus(self) -> float:
         """E / (1 - nu²)."""
         return self.young_modulus / (1 - self.poisson_ratio**2)
+
+    def height(self, r: FloatArray) -> FloatArray:
+        """Of the rigid body above its lowest point, at radii (n,)."""
+        return r**2 / (2 * self.radius) if self.profile is None else self.profile(r)
 
     def hertz_depth(self, load: float) -> float:
         """Depth in an elastic body."""
@@ -91,6 +105,7 @@ class Indentation:
                 *(x.bounds[i][k] for x in self.regions if not x.fitted for i in (0, 1)),
             ]
             fixed += [fit.box[i][k] for fit in fits for i in (0, 1)]
+            fixed += self.lines if k == 0 else ()
             fine = [(0.0, self.extent), *((fit.box[0][k], fit.box[1][k]) for fit in fits)]
             lines.append(graded_lines(fixed, fine, self.fine, self.growth))
         return build(lines[0], lines[1], fits, self.fine, self.divisions)

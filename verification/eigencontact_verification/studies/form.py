@@ -109,15 +109,17 @@ FORM: dict[str, dict[str, str]] = {
 }
 
 
-def checked(table: Any, kind: str, told: str, *, needs: Sequence[str] = ()) -> Mapping[str, Any]:
-    """Return a table of a kind.
+def checked(
+    table: Any, kind: str, told: str, *, needs: Sequence[str] = (), form: Mapping[str, Mapping[str, str]] = FORM
+) -> Mapping[str, Any]:
+    """Return a table of a kind; `form` has the kinds and their keys.
 
     Raises
     ------
     SceneError
         No table, a key that is unknown, or one that is missing.
     """
-    known = FORM[kind]
+    known = form[kind]
     if not isinstance(table, Mapping):
         raise SceneError(f"{told} must be a table of {', '.join(known)} (got {shown(table)})")
     for key in table:

@@ -17,7 +17,7 @@ from eigencontact.sweeps.variants import Variant
 from eigencontact_verification.studies.checks import verdicts
 from eigencontact_verification.studies.study import Finished, Study
 
-__all__ = ["Failed", "run_study", "source_in_words", "variants_of_study", "write_study"]
+__all__ = ["Failed", "folder_name", "in_si", "run_study", "source_in_words", "variants_of_study", "write_study"]
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,14 @@ def run_study(
     variants = variants_of_study(study, coarse=coarse)
     place = folder / study.name
     place.mkdir(parents=True, exist_ok=True)
-    plain = [replace(one, label=_plain(one.label)) for one in variants]
+    plain = [replace(one, label=folder_name(one.label)) for one in variants]
     for outcome in outcomes(plain, place, workers=workers, engine=cluster):
         variant = variants[outcome.place[0]]
         if outcome.failed:
             yield Failed(variant.label, variant.values, outcome.failed, outcome.place[0])
             continue
-        dataset = open_results(place / _plain(variant.label))
-        numbers = _in_si(study, variant)
+        dataset = open_results(place / folder_name(variant.label))
+        numbers = in_si(study, variant)
         row = study.read(numbers, dataset, coarse=coarse)
         symbols = {symbol: row[name] for name, (symbol, *_) in study.readings.items() if name in row}
         names = {**study.names(numbers, coarse=coarse), **symbols}
@@ -100,7 +100,7 @@ def run_study(
         yield Finished(variant.label, numbers, dataset, row, names, outcome.place[0], warnings)
 
 
-def _in_si(study: Study, variant: Variant) -> dict[str, Any]:
+def in_si(study: Study, variant: Variant) -> dict[str, Any]:
     """Values of parameters; texts with units, which stand at keys of the scene, as numbers."""
     from eigencontact.core.units import parse_quantity
     from eigencontact.reference.places import key_at
@@ -161,7 +161,7 @@ def source_in_words(source: Mapping[str, Any]) -> str:
     return ", ".join(part for part in parts if part)
 
 
-def _plain(label: str) -> str:
+def folder_name(label: str) -> str:
     """Label as the name of a folder."""
     plain = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in label)
     short = re.sub("_+", "_", plain).strip("_")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.axes import Axis
 
-__all__ = ["Finished", "Parameter", "Study", "formatted", "number_of", "plain", "read_study"]
+__all__ = ["Finished", "Parameter", "Study", "formatted", "number_of", "plain", "read_study", "study_of"]
 
 Values = Mapping[str, Any]
 
@@ -194,7 +194,29 @@ def read_study(path: Path, text: str | None = None) -> Study:
         given = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
     except (OSError, ValueError, RecursionError) as problem:
         raise SceneError(f"study must be a readable TOML file (got {str(path)!r}): {problem}") from None
-    table = checked(given, "study", f"study {path.stem}", needs=("title", "scene", "vary"))
+    return study_of(given, path.stem, path.parent, path.resolve().parent if path.is_file() else None)
+
+
+def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | None = None) -> Study:
+    """Study of the tables of its file.
+
+    Parameters
+    ----------
+    given : mapping
+        The tables.
+    name : str
+        Of the study.
+    beside : Path
+        Folder of scenes that it names.
+    folder : Path, optional
+        Where the files that the scene names lie.
+
+    Raises
+    ------
+    SceneError
+        What is wrong with it, by key.
+    """
+    table = checked(given, "study", f"study {name}", needs=("title", "scene", "vary"))
     coarse = checked(table.get("coarse", {}), "coarse", "coarse")
     groups = _tables(table["vary"])
     parameters: dict[str, Parameter] = {}
@@ -204,11 +226,11 @@ def read_study(path: Path, text: str | None = None) -> Study:
     few = [_block({**group, **one}, parameters, coarser)
            for group, one in zip(groups, _fewer(coarse, len(groups)), strict=True) if one is not None]  # fmt: skip
     return Study(
-        name=path.stem,
+        name=name,
         title=str(table["title"]),
         trend=" ".join(str(table.get("trend", "")).split()),
         sources=[checked(one, "source", "source") for one in _tables(table.get("source", []))],
-        scene_tables=_scene(table["scene"], path.parent),
+        scene_tables=_scene(table["scene"], beside),
         constants=constants,
         coarse_constants=coarser,
         parameters=list(parameters.values()),
@@ -221,7 +243,7 @@ def read_study(path: Path, text: str | None = None) -> Study:
         readings=_readings(table.get("read", {})),
         figure=_figure(table),
         checks=[checked(one, "check", "check", needs=("number", "is")) for one in _tables(table.get("check", []))],
-        folder=path.resolve().parent if path.is_file() else None,
+        folder=folder,
     )
 
 

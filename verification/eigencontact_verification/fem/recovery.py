@@ -18,14 +18,16 @@ from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["recovered_section_stress", "recovered_stress"]
+__all__ = ["recovered", "recovered_section_stress", "recovered_stress"]
 
 FloatArray = NDArray[np.float64]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
 
 _COUNT = 4
+#: Points whose 64 neighbours are evaluated together, for memory.
+_AT_ONCE = 500
 #: Points that a cubic in (r, z) with its ten coefficients is fitted to.
 _NEAREST = 30
 #: Points among which those are looked for.
@@ -66,9 +68,36 @@ def recovered_stress(
         The source, where its boundary is not made of planes at `breaks`. A point whose neighbours do not all lie on
         its own side of it keeps its own value.
     """
+    return recovered(solution.stress, solution.grid, solution.model.symmetry, points, breaks=breaks, side=contains)
+
+
+def recovered(
+    field: Callable[[FloatArray], FloatArray],
+    grid: Any,
+    symmetry: tuple[str, str],
+    points: FloatArray,
+    *,
+    breaks: Sequence[ArrayLike] = ((), (), ()),
+    side: Callable[[FloatArray, FloatArray, FloatArray], NDArray[Any]] | None = None,
+) -> FloatArray:
+    """A tensor ``(n, 3, 3)`` at points ``(n, 3)``, interpolated from the Gauss points of a tensor-product mesh.
+
+    Parameters
+    ----------
+    field : callable
+        Tensor ``(m, 3, 3)`` at points ``(m, 3)``.
+    grid : Grid
+        Mesh of `eigencontact_verification.fem.mesh`.
+    symmetry : (str, str)
+        As in `eigencontact_verification.fem.model.Model`.
+    points, breaks
+        As in `recovered_stress`.
+    side : callable, optional
+        As `contains` there; any numbers that tell sides apart.
+    """
     stencils = [
-        _stencil(solution.grid.lines[axis], points[:, axis], np.sort(np.asarray(breaks[axis], dtype=float)),
-                 mirrored=axis < 2 and solution.model.symmetry[axis] != "none")
+        _stencil(grid.lines[axis], points[:, axis], np.sort(np.asarray(breaks[axis], dtype=float)),
+                 mirrored=axis < 2 and symmetry[axis] != "none")
         for axis in range(3)
     ]  # fmt: skip
     (xs, wx), (ys, wy), (zs, wz) = stencils
@@ -81,14 +110,16 @@ def recovered_stress(
         ],
         axis=-1,
     )
-    values = solution.stress(samples.reshape(-1, 3)).reshape(*shape, 3, 3)
-    found: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values)
-    if contains is not None:
-        own = np.asarray(contains(*points.T))
-        others = np.asarray(contains(*np.moveaxis(samples, -1, 0)))
+    values = np.empty((*shape, 3, 3))
+    for some in (slice(k, k + _AT_ONCE) for k in range(0, len(points), _AT_ONCE)):
+        values[some] = field(samples[some].reshape(-1, 3)).reshape(*values[some].shape)
+    found: FloatArray = np.einsum("ni,nj,nk,nijkab->nab", wx, wy, wz, values, optimize=True)
+    if side is not None:
+        own = np.asarray(side(*points.T))
+        others = np.asarray(side(*np.moveaxis(samples, -1, 0)))
         mixed = np.flatnonzero(np.any(others != own[:, None, None, None], axis=(1, 2, 3)))
         if mixed.size:
-            found[mixed] = solution.stress(points[mixed])
+            found[mixed] = field(points[mixed])
     return found
 
 

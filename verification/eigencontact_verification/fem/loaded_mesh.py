@@ -1,0 +1,156 @@
+"""Families of tensor-product meshes for a loaded body, as fine as a number of unknowns allows.
+
+Elements are `fine` long in the boxes of what loads or disturbs the body, in proportion to the size of each box, and
+grow with the distance from them. Every segment between two lines that the mesh must have is cut into 4, 6 or 9 parts
+(times a whole number) at the levels 0, 1, 2, along the same grading: element sizes have the exact ratio 1.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.fem.loaded_body import LoadedBody
+from eigencontact_verification.fem.loaded_symmetry import boxes_of
+from eigencontact_verification.fem.mesh import Grid
+from eigencontact_verification.fem.model import Region
+
+__all__ = ["PARTS", "RATIO", "breaks_of", "family_grid", "is_box", "reach_of"]
+
+FloatArray = NDArray[np.float64]
+Anchor = tuple[float, float, float]
+
+#: Parts of a segment at each level, and their ratio.
+PARTS = (4, 6, 9)
+RATIO = 1.5
+#: Growth per element of the finest mesh, away from what loads the body.
+_RATE = 0.25
+#: Distance, in sizes of the largest source, where that growth has doubled: what is far varies slowly and matters less.
+_DOUBLED = 12.0
+#: Cells with no more edges than this along an axis are followed by the mesh; smaller ones are not.
+_FEW = 5
+#: Length of elements below tractions along z over that along x: the field varies most there.
+_STEEP = 0.6
+_TABLE = np.linspace(0.0, 1.0, 8001)
+
+
+def is_box(region: Region) -> bool:
+    """Whether a region fills its bounds: whether it has all corners."""
+    low, high = (np.asarray(corner, dtype=float) for corner in region.bounds)
+    at = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    corners = low + (high - low) * (1e-6 + (1 - 2e-6) * at)
+    return bool(np.all(region.contains(*corners.T)))
+
+
+def breaks_of(body: LoadedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Coordinates along x, y, z where the field has kinks on planes: interfaces, faces of boxes and of large cells."""
+    found: list[list[float]] = [[], [], np.cumsum([layer.thickness for layer in body.layers]).tolist()]
+    for region in body.regions:
+        if is_box(region):
+            for axis in range(3):
+                found[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
+    for cells in body.cells:
+        edges = (cells.x, cells.y, cells.z)
+        if max(e.size for e in edges) <= _FEW:
+            for axis in range(3):
+                found[axis] += edges[axis].tolist()
+    x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in found)
+    return x, y, z
+
+
+def reach_of(body: LoadedBody, reaches: float) -> float:
+    """Half width and depth of the block: so many sizes of the loaded patch, and well beyond all else."""
+    boxes = list(boxes_of(body))
+    loaded = [float((box[1] - box[0]).max()) / 2 for kind, box in boxes if kind == "tractions"]
+    own = [float((box[1] - box[0]).max()) / 2 for kind, box in boxes if kind != "tractions"]
+    far = max(float(np.abs(box).max()) for _, box in boxes)
+    thick = sum(layer.thickness for layer in body.layers)
+    return max(reaches * max(loaded + own), 1.0 * far + 0.6 * reaches * max(loaded + own), 4.0 * thick)
+
+
+def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
+    """Intervals (from, to, relative length of elements) along x, y, z."""
+    boxes = list(boxes_of(body, 1e-9))
+    sizes = [float((box[1] - box[0])[:2].min()) / 2 for _, box in boxes]
+    anchors: list[list[Anchor]] = [[], [], []]
+    for (kind, box), size in zip(boxes, sizes, strict=True):
+        small = float((box[1] - box[0]).min()) / 2 if kind != "tractions" else size
+        length = min(size, 2 * small) / max(sizes)
+        depth = (0.0, 0.5 * size) if kind == "tractions" else (box[0, 2], box[1, 2])
+        for axis, (low, high) in enumerate((tuple(box[:, 0]), tuple(box[:, 1]), depth)):
+            # of a source on the other side of a plane of symmetry only its reflection is meshed
+            if high > lows[axis]:
+                share = _STEEP * length if kind == "tractions" and axis == 2 else length
+                anchors[axis].append((max(low, lows[axis]), high, share))
+    return anchors
+
+
+def _away(distance: FloatArray, largest: float) -> FloatArray:
+    """What elements are longer at a distance from a source."""
+    away = np.maximum(distance, 0.0)
+    return np.asarray(_RATE * away * (1 + away / (_DOUBLED * largest)))
+
+
+def _segments(
+    low: float, high: float, breaks: FloatArray, anchors: Sequence[Anchor], fine: float, largest: float
+) -> list[tuple[FloatArray, FloatArray, int]]:
+    """Table of places and element counts of every segment, and how many nine elements it gets at the finest level."""
+    inner = [float(b) for b in breaks if low + 1e-9 * (high - low) < b < high - 1e-9 * (high - low)]
+    out = []
+    for start, stop in pairwise([low, *inner, high]):
+        t = start + (stop - start) * _TABLE
+        size = np.min([fine * f + _away(np.maximum(a - t, t - b), largest) for a, b, f in anchors], axis=0)
+        count = np.concatenate(([0.0], np.cumsum((1 / size[1:] + 1 / size[:-1]) / 2 * np.diff(t))))
+        out.append((t, count, max(1, round(count[-1] / PARTS[2]))))
+    return out
+
+
+def family_grid(
+    body: LoadedBody, symmetry: tuple[str, str], reach: float, *, level: int, budget: int
+) -> tuple[Grid, float]:
+    """Mesh of one level, and the length of elements of the finest level in the largest source.
+
+    Parameters
+    ----------
+    body : LoadedBody
+        Its planes of symmetry at the origin.
+    symmetry : (str, str)
+        As in `fem.model.Model`.
+    reach : float
+        Half width and depth of the block.
+    level : {0, 1, 2}
+        Coarse, medium, fine.
+    budget : int
+        Unknowns that the fine mesh may have.
+
+    Raises
+    ------
+    ValueError
+        If the lines that the mesh must have are too many for the budget.
+    """
+    lows = np.array([-reach if kind == "none" else 0.0 for kind in symmetry] + [0.0])
+    breaks, anchors = breaks_of(body), _anchors(body, lows)
+    size = max(float((box[1] - box[0])[:2].min()) / 2 for _, box in boxes_of(body, 1e-9))
+    chosen = None
+    for fine in size * np.geomspace(0.01, 2.0, 200):
+        axes = [_segments(lows[a], reach, breaks[a], anchors[a], float(fine), size) for a in range(3)]
+        elements = [PARTS[2] * sum(number for _, _, number in axis) for axis in axes]
+        unknowns = 3 * np.prod([2 * n + 1 for n in elements])
+        if unknowns <= budget:
+            chosen = axes, float(fine)
+            break
+    if chosen is None:
+        raise ValueError(f"budget must be at least {unknowns} unknowns for this body (got {budget}); raise it")
+    lines = []
+    for low, axis in zip(lows, chosen[0], strict=True):
+        line = [np.array([low])]
+        for t, count, number in axis:
+            parts = PARTS[level] * number
+            some = np.interp(np.arange(1, parts + 1) / parts * count[-1], count, t)
+            some[-1] = t[-1]
+            line.append(some)
+        lines.append(np.concatenate(line))
+    return Grid(lines=(lines[0], lines[1], lines[2]), order=2), chosen[1]

@@ -1,0 +1,206 @@
+"""Finite elements of a half-space as a stored step leaves it: layers, regions, tractions, eigenstrain, damage.
+
+Triquadratic hexahedra on a graded tensor-product mesh (`loaded_mesh`), half or a quarter of it where body and loads are
+symmetric (`loaded_symmetry`), loads of cells integrated exactly (`cell_loads`), outer faces that know the point forces
+of the tractions (`far_field`). Stress is Hooke's law of the total strain that `recovery` finds at Gauss points of
+each side of interfaces, with the eigenstrain of the very point. Of cells smaller than elements that eigenstrain is a
+stair of which the strain knows the mean: read stress in the middle of such cells.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eigencontact_verification.fem import assembly, planes
+from eigencontact_verification.fem.cell_loads import cell_state, cells_load, damaged, traction_cells_load
+from eigencontact_verification.fem.far_field import PointForces, far_field, outer_loads, unit_loads
+from eigencontact_verification.fem.loaded_body import LoadedBody
+from eigencontact_verification.fem.loaded_mesh import RATIO, breaks_of, family_grid, is_box, reach_of
+from eigencontact_verification.fem.loaded_symmetry import centred
+from eigencontact_verification.fem.mesh import Grid
+from eigencontact_verification.fem.model import Model
+from eigencontact_verification.fem.recovery import recovered
+from eigencontact_verification.fem.solve import Solution, peak_memory, solve_system
+
+__all__ = ["QUICK_BUDGET", "RATIO", "LoadedSolution", "solve_loaded"]
+
+FloatArray = NDArray[np.float64]
+
+#: Unknowns of the fine mesh in a quick audit.
+QUICK_BUDGET = 510_000
+#: Size of the block in sizes of the loaded patch.
+REACHES = 8.0
+_TOLERANCE = 1e-8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoadedSolution:
+    """Displacement and stress of a loaded body, in its own coordinates.
+
+    Attributes
+    ----------
+    body : LoadedBody
+        Moved so that planes of symmetry pass through the origin.
+    origin : (3,) array
+        Place of that origin.
+    solution : Solution
+        Of the finite elements.
+    """
+
+    body: LoadedBody
+    origin: FloatArray
+    solution: Solution
+
+    @property
+    def unknowns(self) -> int:
+        """Components of displacement that are not constrained."""
+        return self.solution.unknowns
+
+    @property
+    def seconds(self) -> float:
+        """Wall time of symmetry, mesh, assembly and solution."""
+        return self.solution.seconds
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of the solver."""
+        return self.solution.iterations
+
+    @property
+    def peak_memory(self) -> int:
+        """Largest resident memory of the process up to the end of the solution [bytes]."""
+        return self.solution.peak_memory
+
+    def displacement(self, points: ArrayLike) -> FloatArray:
+        """Displacement (n, 3) at points (n, 3)."""
+        return self.solution.displacement(np.atleast_2d(np.asarray(points, dtype=float)) - self.origin)
+
+    def stress(self, points: ArrayLike) -> FloatArray:
+        """Stress (n, 3, 3) at points (n, 3); on an interface that of the deeper side."""
+        at = np.atleast_2d(np.asarray(points, dtype=float)) - self.origin
+        breaks = breaks_of(self.body)
+        for interface in breaks[2]:
+            at[np.abs(at[:, 2] - interface) < 1e-9 * self.solution.model.reach, 2] = interface * (1 + 1e-7)
+        curved = [region for region in self.body.regions if not is_box(region)]
+
+        def side(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.int64]:
+            return sum(
+                (np.asarray(r.contains(x, y, z), dtype=np.int64) << n for n, r in enumerate(curved)),
+                start=np.zeros(np.shape(x), dtype=np.int64),
+            )
+
+        strain = recovered(
+            self.solution.strain, self.solution.grid, self.solution.model.symmetry, at, breaks=breaks, side=side
+        )
+        lam, mu, own = assembly.point_state(self.solution.model, at)
+        kept, plastic = cell_state(self.body.cells, at)
+        return assembly.hooke(kept * lam, kept * mu, strain - own - plastic)
+
+
+def solve_loaded(
+    body: LoadedBody,
+    *,
+    level: int,
+    outer: str,
+    watched: ArrayLike,
+    budget: int = QUICK_BUDGET,
+    reaches: float = REACHES,
+    symmetric: bool = True,
+) -> LoadedSolution:
+    """Solve a loaded body.
+
+    Parameters
+    ----------
+    body : LoadedBody
+        What to solve.
+    level : {0, 1, 2}
+        Mesh of a family with the ratio `RATIO` of element sizes.
+    outer : {"fixed", "free"}
+        What sides and bottom get of the half-space beyond: displacement or traction of the point forces.
+    watched : (n, 3) array
+        Points where fields will be read; the block reaches beyond them.
+    budget : int
+        Unknowns of the fine mesh; 10^6 take about 4 GB.
+    reaches : float
+        Size of the block in sizes of the loaded patch. Outer faces know the far field of a homogeneous body; layers,
+        regions and cells need more.
+    symmetric : bool
+        Whether planes of symmetry are looked for.
+
+    Raises
+    ------
+    ValueError
+        If the budget is too small for the interfaces of the body.
+    NotConverged
+        If the iteration does not reach its tolerance.
+    """
+    start = time.perf_counter()
+    centre = centred(body, use=symmetric)
+    own = centre.body
+    far = np.abs(np.asarray(watched, dtype=float).reshape(-1, 3) - centre.origin).max(initial=0.0)
+    reach = max(reach_of(own, reaches), 1.25 * float(far))
+    grid, fine = family_grid(own, centre.symmetry, reach, level=level, budget=budget)
+    model = Model(
+        young_modulus=own.young_modulus, poisson_ratio=own.poisson_ratio, layers=own.layers, regions=own.regions,
+        reach=reach, symmetry=centre.symmetry, outer=outer, fine=fine,
+    )  # fmt: skip
+    stuff = damaged(grid, assembly.material(model, grid), own.cells)
+    load = assembly.eigenstrain_load(grid, stuff) + cells_load(grid, stuff, own.cells)
+    if own.tractions is not None:
+        load += traction_cells_load(grid, own.tractions)
+    field = far_field(own.tractions, own.young_modulus, own.poisson_ratio)
+    fixed = planes.constrained(model, grid)
+    solve = _fixed if outer == "fixed" else _free
+    nodal, iterations, history = solve(model, grid, stuff, load, fixed, field)
+    return LoadedSolution(
+        body=own,
+        origin=centre.origin,
+        solution=Solution(
+            model=model, grid=grid, nodal=nodal, unknowns=int((~fixed).sum()), seconds=time.perf_counter() - start,
+            iterations=iterations, peak_memory=peak_memory(), history=tuple(history),
+        ),
+    )  # fmt: skip
+
+
+def _fixed(
+    model: Model, grid: Grid, stuff: assembly.Material, load: FloatArray, fixed: NDArray[np.bool_], field: PointForces
+) -> tuple[FloatArray, int, Sequence[float]]:
+    values = np.zeros_like(load)
+    outer = np.flatnonzero(planes.outer_nodes(model, grid))
+    values[outer] = field.displacement(grid.nodes[outer])
+    for axis, kind in enumerate(model.symmetry):
+        if kind != "none":  # round-off of the point forces on both sides
+            plane = grid.nodes[:, axis] == 0.0
+            normal = np.arange(3) == axis
+            values[np.ix_(plane, normal if kind == "even" else ~normal)] = 0.0
+    nodal, history = solve_system(grid, stuff, load, fixed, values=values, tolerance=_TOLERANCE)
+    return nodal, len(history) - 1, history
+
+
+def _free(
+    model: Model, grid: Grid, stuff: assembly.Material, load: FloatArray, fixed: NDArray[np.bool_], field: PointForces
+) -> tuple[FloatArray, int, Sequence[float]]:
+    tests = unit_loads(model)
+    pulls = outer_loads(model, grid, [field, *tests])
+    motions = planes.free_motions(planes.rigid_motions(grid.nodes), fixed)
+    load = load + np.where(fixed, 0.0, pulls[0])
+    if motions.shape[2]:
+        # what quadrature leaves of the balance goes to the outer faces, as in `solve`
+        weights = planes.outer_weights(model, grid)
+        gram = np.einsum("nac,n,nad->cd", motions, weights, motions)
+        works = np.einsum("nac,na->c", motions, load)
+        load = load - weights[:, None] * (motions @ np.linalg.solve(gram, works))
+    nodal, history = solve_system(grid, stuff, load, fixed, tolerance=_TOLERANCE)
+    if motions.shape[2]:
+        outer = np.flatnonzero(planes.outer_nodes(model, grid))
+        away = np.zeros_like(nodal)
+        away[outer] = nodal[outer] - field.displacement(grid.nodes[outer])
+        works = np.einsum("kna,na->k", pulls[1:], away)
+        turned = np.einsum("kna,nac->kc", pulls[1:], motions)
+        nodal = nodal - motions @ np.linalg.solve(turned, works)
+    return nodal, len(history) - 1, history

@@ -1,0 +1,161 @@
+"""Stress of an axisymmetric model at points, recovered from where it is most exact.
+
+Strain is an order more exact at the 2 x 2 Gauss points of quadratic elements than elsewhere (Barlow). What is
+interpolated from there is what planes z = const leave continuous, e_rr, e_tt, s_zz and s_rz: interfaces, and faces of
+stored cells, at which eigenstrain steps. The point's own moduli and eigenstrain give the other components. On the
+tensor part of the mesh cubics in r and z interpolate; beside fitted and cut regions a cubic in both is fitted to the
+nearest Gauss points on the point's own side.
+
+References
+----------
+J. Barlow 1976, Int. J. Numer. Methods Eng. 10, 243-251; O. C. Zienkiewicz and J. Z. Zhu 1992, ibid. 33, 1331-1364.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution
+
+__all__ = ["recovered"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_COUNT = 4
+#: Gauss points that the ten coefficients of a cubic are fitted to, and among how many those are looked for.
+_NEAREST, _CANDIDATES = 30, 400
+_POWERS = tuple((i, j) for i in range(4) for j in range(4 - i))
+_OFFSETS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
+
+
+def recovered(solution: AxisymmetricSolution, points: FloatArray) -> FloatArray:
+    """Stress (n, 3, 3) at Cartesian points (n, 3), off the boundaries of the regions."""
+    r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    own = _side(solution, r, z)
+    rs, wr = _stencil(solution.grid.lines[0], r, mirrored=True)
+    zs, wz = _stencil(solution.grid.lines[1], z, breaks=solution.model.interfaces())
+    shape = (r.size, _COUNT, _COUNT)
+    sample_r, sample_z = np.broadcast_to(rs[:, :, None], shape), np.broadcast_to(zs[:, None, :], shape)
+    beside = _curved(solution, np.abs(sample_r), sample_z)
+    beside |= _side(solution, np.abs(sample_r), sample_z) != own[:, None, None]
+    scattered = np.any(beside, axis=(1, 2))
+    found = np.empty((4, r.size))
+    tensor = np.flatnonzero(~scattered)
+    if tensor.size:
+        values = _continuous(solution, sample_r[tensor].ravel(), sample_z[tensor].ravel())
+        values = values.reshape(4, tensor.size, _COUNT, _COUNT)
+        found[:, tensor] = np.einsum("ni,nj,cnij->cn", wr[tensor], wz[tensor], values)
+    rest = np.flatnonzero(scattered)
+    if rest.size:
+        found[:, rest] = _fitted(solution, r[rest], z[rest], own[rest])
+    return _whole(solution, points, found)
+
+
+def _side(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> IntArray:
+    """Number of the layers above, and a bit for every region that holds the point."""
+    model = solution.model
+    side = np.searchsorted(model.interfaces(), z).astype(np.int64)
+    for k, region in enumerate(model.regions):
+        side += np.where(np.asarray(region.contains(r, z), dtype=bool), 1 << (8 + k), 0)
+    return side
+
+
+def _curved(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    """Whether points lie in the box of a fitted region."""
+    out = np.zeros(r.shape, dtype=bool)
+    for fit in solution.model.fits():
+        low, high = fit.box
+        out |= (r > low[0]) & (r < high[0]) & (z > low[1]) & (z < high[1])
+    return out
+
+
+def _stencil(
+    line: FloatArray, at: FloatArray, *, breaks: FloatArray | None = None, mirrored: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Places (n, 4) of Gauss points around coordinates and the weights of Lagrange's interpolation.
+
+    Breaks, lines of the mesh, are not reached across; a part that is one element thick has the line through its two
+    points, and the weights of what is left over are zero.
+    """
+    gauss = (line[:-1, None] + np.diff(line)[:, None] * np.array(_OFFSETS)).ravel()
+    if mirrored:
+        gauss = np.concatenate([-gauss[::-1], gauss])
+    faces = np.concatenate([[-np.inf], [] if breaks is None else breaks, [np.inf]])
+    part = np.searchsorted(faces, at) - 1
+    low, high = np.searchsorted(gauss, faces[part]), np.searchsorted(gauss, faces[part + 1])
+    first = np.clip(np.searchsorted(gauss, at) - _COUNT // 2, low, np.maximum(high - _COUNT, low))
+    index = first[:, None] + np.arange(_COUNT)
+    lost = index >= high[:, None]
+    places = np.where(lost, np.nan, gauss[np.minimum(index, gauss.size - 1)])
+    weights = np.ones_like(places)
+    for i in range(_COUNT):
+        for j in range(_COUNT):
+            if i != j:
+                factor = (at - places[:, j]) / (places[:, i] - places[:, j])
+                weights[:, i] *= np.where(np.isnan(places[:, j]), 1.0, factor)
+    return np.where(lost, places[:, :1], places), np.where(lost, 0.0, weights)
+
+
+def _continuous(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray) -> FloatArray:
+    """e_rr, e_tt, s_zz, s_rz (4, n); beyond the axis, r < 0, the shear has the other sign."""
+    strain, material, _ = solution.strain(np.stack([np.abs(r), 0 * r, z], axis=1))
+    lame, shear = _moduli(material)
+    elastic = strain - material[2:]
+    normal = lame * elastic[:3].sum(axis=0) + 2 * shear * elastic[2]
+    return np.stack([strain[0], strain[1], normal, np.where(r < 0, -1.0, 1.0) * 2 * shear * elastic[3]])
+
+
+def _moduli(material: FloatArray) -> tuple[FloatArray, FloatArray]:
+    shear = material[0] / (2 * (1 + material[1]))
+    return np.asarray(2 * shear * material[1] / (1 - 2 * material[1])), np.asarray(shear)
+
+
+def _whole(solution: AxisymmetricSolution, points: FloatArray, continuous: FloatArray) -> FloatArray:
+    """Stress (n, 3, 3) from what is continuous and the point's own constants."""
+    _, material, turn = solution.strain(points)
+    lame, shear = _moduli(material)
+    radial, hoop = continuous[0] - material[2], continuous[1] - material[3]
+    along = (continuous[2] - lame * (radial + hoop)) / (lame + 2 * shear)
+    mean = lame * (radial + hoop + along)
+    polar = np.zeros((3, 3, len(points)))
+    polar[0, 0], polar[1, 1], polar[2, 2] = mean + 2 * shear * radial, mean + 2 * shear * hoop, continuous[2]
+    polar[0, 2] = polar[2, 0] = continuous[3]
+    frame = np.zeros_like(polar)
+    frame[0, 0], frame[1, 0], frame[0, 1], frame[1, 1], frame[2, 2] = turn[0], turn[1], -turn[1], turn[0], 1.0
+    return np.asarray(np.einsum("ian,abn,jbn->nij", frame, polar, frame))
+
+
+def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: IntArray) -> FloatArray:
+    """What is continuous, (4, n), by cubics through the nearest Gauss points on the same side."""
+    nodes = solution.grid.nodes  # (2, 9, elements); corners, middles of edges, centre
+    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
+    places = []
+    for s in _OFFSETS:
+        for t in _OFFSETS:
+            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
+            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
+    gauss = np.concatenate(places)
+    gauss = np.concatenate([gauss, gauss * (-1.0, 1.0)])  # beyond the axis, so that points near it have neighbours
+    element = np.tile(np.arange(nodes.shape[2]), 2 * len(places))
+    side = _side(solution, np.abs(gauss[:, 0]), gauss[:, 1])
+    found = np.empty((4, r.size))
+    for key in np.unique(own):
+        chosen, wanted = np.flatnonzero(side == key), np.flatnonzero(own == key)
+        at = np.stack([r[wanted], z[wanted]], axis=1)
+        near = chosen[cKDTree(gauss[chosen]).query(at, k=min(_CANDIDATES, chosen.size))[1].reshape(len(at), -1)]
+        spread = np.stack([np.linalg.cholesky(np.cov(nodes[:, :, e])) for e in element[near[:, 0]]])
+        spread = np.where(gauss[near[:, 0], 0][:, None, None] < 0, spread * np.array([[-1.0], [1.0]]), spread)
+        local = np.linalg.solve(spread[:, None], (gauss[near] - at[:, None])[..., None])[..., 0]
+        nearest = np.argsort(np.hypot(local[..., 0], local[..., 1]), axis=1)[:, :_NEAREST]
+        local, near = np.take_along_axis(local, nearest[..., None], axis=1), np.take_along_axis(near, nearest, axis=1)
+        distance = np.hypot(local[..., 0], local[..., 1])
+        size = distance[:, -1:]
+        local, weight = local / size[..., None], np.exp(-2.0 * (distance / size) ** 2)[..., None]
+        values = _continuous(solution, gauss[near.ravel(), 0], gauss[near.ravel(), 1]).reshape(4, *near.shape)
+        matrix = np.stack([local[..., 0] ** i * local[..., 1] ** j for i, j in _POWERS], axis=-1)
+        solved = np.linalg.pinv(weight * matrix) @ (weight * np.moveaxis(values, 0, -1))
+        found[:, wanted] = solved[:, 0].T
+    return found
