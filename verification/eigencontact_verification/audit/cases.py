@@ -1,0 +1,317 @@
+"""The cases of an audit: a stored step against finite elements that carry its tractions."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.audit import engines
+from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
+from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
+from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
+from eigencontact_verification.audit.stored import StoredStep, read_step
+from eigencontact_verification.campaign.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.fem.loaded_body import LoadedBody
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["AuditCase", "cases_of", "cases_of_step"]
+
+FloatArray = NDArray[np.float64]
+
+#: Part of a cell by which the boundary of what is cut into cells may be off.
+_HALF = 0.5
+#: Least own error of a component, in its largest on the line.
+_LEAST = 0.5
+_SHEAR = ("u_x", "u_y")
+_Load = tuple[str, bool, bool, tuple[str, ...], bool]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AuditCase(Case):
+    """What a step stores against finite elements under its tractions.
+
+    The run's own error (`own_error`) counts only where the run cuts into cells what has no cells: inclusions of other
+    constants, and damage. Their boundary may be off by half a cell, so that the field which they cause is uncertain by
+    what it changes over half a cell. That field is the stored displacement by eigenstrain, and the stored stress less
+    that of a homogeneous half-space under the same tractions. Plastic strain is uniform in cells for both methods, and
+    closed forms are exact: there the run has no error of its own.
+
+    Parameters
+    ----------
+    bodies : tuple of AuditedBody
+        With tractions.
+    engine : {"revolution", "solid"}
+    lines : tuple of Line
+        Their profiles are `profiles`.
+    known : dict
+        Field of a homogeneous body under the tractions, by body and profile, where the elements are asked for the
+        change of it alone.
+    budget : int
+        Unknowns that the fine mesh may have; 0 where the elements are of revolution.
+    window : (float, float)
+        Edges of a cell of the surface along x and y.
+    """
+
+    code: ClassVar[tuple[str, ...]] = (
+        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
+        *(f"{__name__}:{name}" for name in ("AuditCase.reference", "_read", "_as_stored", "_known", "_watched")),
+    )
+
+    bodies: tuple[AuditedBody, ...]
+    engine: engines.Engine
+    lines: tuple[Line, ...]
+    known: Fields = field(default_factory=dict)
+    budget: int = 0
+    window: tuple[float, float] = (0.0, 0.0)
+
+    def reference(self, level: Level, outer: Outer) -> Fields:
+        """Fields of the finite elements of all bodies, with what is known of them in closed form."""
+        fields = {line.profile.name: np.zeros(line.values.shape) for line in self.lines}
+        unknowns = 0
+        for body in self.bodies:
+            mine = _lines_of(self.lines, body.number)
+            for line in mine:
+                fields[line.profile.name] += self.known.get(f"{body.number} {line.profile.name}", 0.0)
+            for sign, part in engines.asked(body.loaded) if mine else ():
+                found = engines.solve_body(
+                    self.engine, part, level=level, outer=outer, watched=_watched(mine), budget=self.budget
+                )
+                for line in mine:
+                    fields[line.profile.name] += sign * _read(found, line, body, self.window)
+                unknowns = max(unknowns, int(getattr(found, "unknowns", 0)))
+        return {**fields, UNKNOWNS: np.array([unknowns])}
+
+    def judged(self) -> Fields:
+        """Stored values, with the error that cells have where they are an approximation."""
+        fields: Fields = {}
+        cell = max((max(body.cell) for body in self.bodies if body.different or body.damaged), default=0.0)
+        for line in self.lines:
+            name = line.profile.name
+            fields[name] = line.values
+            own = _widened(_HALF * cell * line.slopes)
+            if np.any(own):
+                fields[own_error(name)] = own
+        return fields
+
+    @property
+    def words(self) -> str:
+        """What is compared, for the figures."""
+        way = "of revolution" if self.engine == "revolution" else "of three dimensions"
+        return f"{self.kernel}, {self.name}: stored (semi-analytical) and finite elements {way} under its tractions"
+
+
+def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
+    return [line for line in lines if line.body in (0, number)]
+
+
+def _watched(lines: Sequence[Line]) -> FloatArray:
+    return np.concatenate([line.profile.points for line in lines])
+
+
+def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]) -> FloatArray:
+    """Values of a solution as a line stores them."""
+    points = line.profile.points
+    if line.body:
+        stress = found.stress(points)
+        return np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
+    values = _as_stored(found.displacement(points), line, body.number)
+    columns = [k for k, name in enumerate(line.profile.components) if name in body.means]
+    if columns:
+        offsets = (
+            np.array([(a, b, 0.0) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]) * (*window, 0.0) * 0.5 / np.sqrt(3.0)
+        )
+        around = [_as_stored(found.displacement(points + offset), line, body.number) for offset in offsets]
+        values[:, columns] = np.mean(around, axis=0)[:, columns]
+    return values
+
+
+def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
+    """Share of a body in what the surfaces do to each other: along the surface body 1 less body 2, both along z."""
+    side = np.array([1.0, 1.0, 1.0] if number == 1 else [-1.0, -1.0, 1.0])
+    return np.asarray((displacement * side)[:, [["u_x", "u_y", "u_z"].index(n) for n in line.profile.components]])
+
+
+def _known(body: AuditedBody, lines: Sequence[Line]) -> Fields:
+    """What a homogeneous body gives along the lines, where the elements are asked for the change alone."""
+    loaded = body.loaded
+    if not engines.is_split(loaded):
+        return {}
+    found = {}
+    for line in _lines_of(lines, body.number):
+        points = line.profile.points
+        if line.body:
+            values = homogeneous_stress(loaded.tractions, points, loaded.poisson_ratio)
+        else:
+            moved = homogeneous_displacement(loaded.tractions, points, loaded.young_modulus, loaded.poisson_ratio)
+            values = _as_stored(moved, line, body.number)
+        found[f"{body.number} {line.profile.name}"] = values
+    return found
+
+
+_PLACES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
+
+def _widened(error: FloatArray) -> FloatArray:
+    """Largest of three neighbours, and not less than a part of the largest of all: it may happen to vanish."""
+    index = np.arange(len(error))
+    near = [error[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
+    return np.asarray(np.maximum.reduce([*near, np.broadcast_to(_LEAST * error.max(axis=0), error.shape)]))
+
+
+def cases_of(
+    path: str | Path, step: int | None = None, *, quick: bool = True
+) -> tuple[tuple[AuditCase, ...], tuple[Gap, ...]]:
+    """Cases of a step of a run, and what cannot be judged of it, with the reasons.
+
+    Parameters
+    ----------
+    path : str or Path
+        Folder of the run, or its ``results.nc``.
+    step : int, optional
+        From 1; by default the last.
+    quick : bool
+        Lighter meshes.
+    """
+    return cases_of_step(read_step(path, step), quick=quick)
+
+
+def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[AuditCase, ...], tuple[Gap, ...]]:
+    """`cases_of` a step that is read."""
+    bodies, gaps = bodies_of_step(stored)
+    deformable = sum(not body.rigid for body in (stored.scene.body1, stored.scene.body2))
+    middle = middle_of(stored)
+    bases = {body.number: _base(stored, body) for body in bodies if body.different or body.damaged}
+    below, lost = stress_lines(stored, bodies, middle, bases)
+    gaps += lost
+    above = surface_lines(stored, middle) if len(bodies) == deformable else []
+    if len(bodies) < deformable and bodies:
+        gaps.append(
+            Gap(kernel=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
+        )
+    cases = []
+    for name, pressure, shear, components, stress in _loads(
+        stored, gaps, mixed=any(body.different or body.loaded.cells for body in bodies)
+    ):
+        lines = [_only(line, components) for line in above]
+        kept = tuple(line for line in lines if line is not None) + (tuple(below) if stress else ())
+        if not (kept and bodies):
+            continue
+        try:
+            cases.append(_case(stored, bodies, kept, name, pressure=pressure, shear=shear, quick=quick))
+        except ValueError as problem:
+            gaps.append(Gap(kernel=stored.name, what=name, reason=f"not solved: {problem}"))
+    return tuple(cases), tuple(gaps)
+
+
+def _base(stored: StoredStep, body: AuditedBody) -> Callable[[FloatArray], FloatArray]:
+    nu = body.loaded.layers[0].poisson_ratio if body.loaded.layers else body.loaded.poisson_ratio
+    return partial(_homogeneous, tractions_on(stored, body.number), nu)
+
+
+def _homogeneous(tractions: Any, poisson_ratio: float, points: FloatArray) -> FloatArray:
+    return homogeneous_stress(tractions, points, poisson_ratio)
+
+
+def _loads(stored: StoredStep, gaps: list[Gap], *, mixed: bool) -> list[_Load]:
+    """Parts of the load with what is judged under each: name, pressure, shear, displacements, stress.
+
+    A contact with friction may leave out by its scene (numerics.coupling) what one traction displaces along another.
+    Such displacements are judged under the tractions that cause them; stress always has all.
+    """
+    step = f"step-{stored.step}"
+    sheared = any(np.any(stored.surface.get(name, 0.0)) for name in ("shear_x", "shear_y"))
+    coupling = stored.scene.numerics.coupling
+    if stored.scene.friction is None or coupling == "full" or not sheared:
+        return [(step, True, True, (*_SHEAR, "u_z"), True)]
+    left = {"none": "u_x, u_y by pressure and u_z by shear", "partial": "u_x, u_y by pressure and u_z by shear"}
+    text, told = left.get(coupling, "u_z by shear"), f'the scene leaves it out: numerics.coupling = "{coupling}"'
+    gaps.append(Gap(kernel=stored.name, what=text, reason=told))
+    if mixed:
+        reason = f"inclusions answer all tractions, the bodies not: {told}"
+        gaps.append(Gap(kernel=stored.name, what="displacement of the surface", reason=reason))
+        return [(step, True, True, (), True)]
+    parts: list[_Load] = [(f"{step}-pressure", True, False, ("u_z",), False)]
+    if coupling == "one-way":
+        return [*parts, (step, True, True, _SHEAR, True)]
+    parts.append((f"{step}-shear", False, True, _SHEAR, False))
+    return [*parts, (step, True, True, (), True)] if stored.regions else parts
+
+
+def _only(line: Line, components: tuple[str, ...]) -> Line | None:
+    """A line of the surface with some components."""
+    columns = [k for k, name in enumerate(line.profile.components) if name in components]
+    if not columns:
+        return None
+    names = tuple(line.profile.components[k] for k in columns)
+    return replace(
+        line, profile=replace(line.profile, components=names), values=line.values[:, columns],
+        slopes=line.slopes[:, columns],
+    )  # fmt: skip
+
+
+def _case(
+    stored: StoredStep, bodies: Sequence[AuditedBody], lines: tuple[Line, ...], name: str, *,
+    pressure: bool, shear: bool, quick: bool,
+) -> AuditCase:  # fmt: skip
+    loaded = tuple(
+        replace(
+            body,
+            loaded=replace(body.loaded, tractions=tractions_on(stored, body.number, pressure=pressure, shear=shear)),
+        )
+        for body in bodies
+    )
+    engine = engines.engine_for([body.loaded for body in loaded])
+    seen = [body for body in loaded if _lines_of(lines, body.number)]
+    watched = [_watched(_lines_of(lines, body.number)) for body in seen]
+    budget = engines.budget_for(engine, [body.loaded for body in seen], watched, quick=quick)
+    known: Fields = {}
+    for body in loaded:
+        known |= _known(body, lines)
+    return AuditCase(
+        kernel=stored.name,
+        name=name,
+        parameters={
+            "step": stored.step,
+            "engine": engine,
+            "unknowns allowed": budget,
+            "window": list(stored.window.cell),
+            "means": [list(body.means) for body in loaded],
+            "bodies": [digest(body.loaded) for body in loaded],
+        },
+        quick=quick,
+        profiles=tuple(line.profile for line in lines),
+        ratio=engines.RATIO[engine],
+        bodies=loaded,
+        engine=engine,
+        lines=lines,
+        known=known,
+        budget=budget,
+        window=stored.window.cell,
+    )
+
+
+def digest(body: LoadedBody) -> str:
+    """Digest of all numbers of a body; of a region, which is code, its text and what it says on points in its box."""
+    found = hashlib.sha256(f"{body.young_modulus!r} {body.poisson_ratio!r} {body.layers!r}".encode())
+    for region in body.regions:
+        low, high = np.asarray(region.bounds)
+        margin = 0.1 * (high - low)
+        x, y, z = np.meshgrid(*(np.linspace(a, b, 41) for a, b in zip(low - margin, high + margin, strict=True)))
+        inside = np.asarray(region.contains(x, y, np.maximum(z, 0.0)), dtype=bool)
+        found.update(f"{region.bounds!r} {region.young_modulus!r} {region.poisson_ratio!r}".encode())
+        found.update(region.eigenstrain.tobytes() + np.packbits(inside).tobytes())
+        found.update(inspect.getsource(type(region.contains)).encode())
+    for part in (*([body.tractions] if body.tractions else []), *body.cells):
+        for name, value in vars(part).items():
+            found.update(name.encode() + (b"" if value is None else np.ascontiguousarray(value).tobytes()))
+    return found.hexdigest()

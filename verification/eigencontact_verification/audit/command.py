@@ -1,0 +1,79 @@
+"""`eigencontact verify RESULTS`: cases of stored runs through the machinery of the campaign of kernels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from eigencontact_verification.campaign.case import Case, Gap
+    from eigencontact_verification.campaign.report import Report
+    from eigencontact_verification.campaign.run import Executor
+
+__all__ = ["audit_results", "is_results"]
+
+_METHOD = (
+    "Each stored step is compared with finite elements that carry its tractions and have its layers, its inclusions, "
+    "and what its bodies remember as their own. They share no code with what is judged. The elements' own uncertainty, "
+    "u_FE, is the sum of a grid convergence index (three meshes), half the distance of fixed and free outer faces, "
+    "and, where the run cuts inclusions into cells, the change of their field over half a cell. "
+    "A component agrees if |SA − FE| ≤ u_FE at every point of a profile and u_FE is at most {limit} of the field's "
+    "largest value there; it disagrees if the difference exceeds u_FE anywhere; otherwise it is inconclusive, which is "
+    "no agreement. Checks need no elements: their difference is what was found, their u_FE what is allowed, both "
+    "relative. Differences and uncertainties below are parts of the field's largest value."
+)
+
+
+def is_results(name: str) -> bool:
+    """Whether a name on the command line is a run: a results file, or a folder that has one or the steps of one."""
+    path = Path(name)
+    return path.suffix == ".nc" or (path.is_dir() and any((path / part).exists() for part in ("results.nc", "steps")))
+
+
+def audit_results(
+    paths: Sequence[str], output: Path, *, executor: Executor, step: int | None = None, limit: float = 0.02,
+    quick: bool = False, pictures: bool = False, show: bool = False, contact: bool = False,
+) -> tuple[Report, dict[str, Path]]:  # fmt: skip
+    """Audit runs and write the report.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        Folders of runs, or their ``results.nc``.
+    output : Path
+        Folder of the report and of finished solutions.
+    executor : callable
+        Performs the solutions.
+    step : int, optional
+        From 1; by default the last one stored.
+    limit : float
+        Largest u_FE for agreement, as a part of the field.
+    quick : bool
+        Lighter meshes.
+    pictures, show : bool
+        As for `campaign`.
+    contact : bool
+        Beside that, solve each run whose contact is of revolution wholly by finite elements.
+    """
+    from eigencontact_verification.audit.cases import cases_of_step
+    from eigencontact_verification.audit.checks import checked
+    from eigencontact_verification.audit.closing import gap_in_words
+    from eigencontact_verification.audit.contact_cases import contact_cases_of
+    from eigencontact_verification.audit.stored import read_step
+    from eigencontact_verification.campaign.whole import campaign
+
+    runs = [read_step(path, step) for path in paths]
+    names = [run.name for run in runs]
+    if len(set(names)) != len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"RESULTS must be of scenes of different names (got {twice!r} twice); audit one at a time")
+    found: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
+    found += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
+    return campaign(
+        [case for cases, _ in found for case in cases], [gap for _, gaps in found for gap in gaps], output,
+        executor=executor, limit=limit, quick=quick, pictures=pictures, show=show,
+        beside=tuple(one for one in map(checked, runs) if one.rows), method=_METHOD,
+        remarks=lambda judged: [words for run in runs for words in gap_in_words(run, judged)],
+    )  # fmt: skip

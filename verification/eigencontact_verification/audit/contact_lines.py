@@ -1,0 +1,293 @@
+"""What a run of revolution stores, as lines: approach, contact radius, pressure, print, stress near the axis.
+
+The run's own error is added to that of the elements:
+
+- *approach*: cells leave open within half a cell h where the contact ends. The approach at a given load is stationary
+  in the contact radius a, so that this counts in second order: (h/2a)² of it. Where something is cut into cells, half
+  of a cell's change of the displacement by eigenstrain is added, the largest on the row (as for a print);
+- *contact radius*: the size of the correction for cells that the edge cuts;
+- *pressure*: one second difference between neighbouring cells, as values stand for means over cells; where cells cut a
+  boundary, of an inclusion, also half a cell's change of what differs from the homogeneous body. What yields has no
+  boundary that cells cut, and its error was seen to fall in second order (`campaign.plasticity`): there it is the
+  second difference of what differs, over a cell of the body;
+- *print*: where something is cut into cells, half of a cell's change, and not less than half of the largest on the row;
+- *stress*: the same along depth, of what differs from a homogeneous body under the stored pressure, not less than half
+  of the largest on the line, and the median of the pressure's under load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.audit.contact_case import ContactLine
+from eigencontact_verification.audit.homogeneous import homogeneous_stress
+from eigencontact_verification.audit.stored import read_step
+from eigencontact_verification.campaign.case import Profile
+from eigencontact_verification.fem.loaded_body import Tractions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from eigencontact_verification.audit.contact_scene import ContactScene
+    from eigencontact_verification.audit.stored import StoredRegion
+
+__all__ = ["StoredContact", "contact_lines", "read_contact"]
+
+FloatArray = NDArray[np.float64]
+
+#: Pressure is compared within this part of the contact radius; print and stress to these depths and distances, in it.
+_INNER, _AWAY, _SHALLOW, _DEEP = 0.8, 1.4, 0.15, 2.4
+#: Distance of points of stress from a boundary, in the contact radius, beside that of the run's cells.
+_MARGIN = 0.1
+#: Points on a line.
+_POINTS = 40
+#: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
+_WIDE = 0.6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StoredContact:
+    """Scalars and fields of a run over its steps.
+
+    Attributes
+    ----------
+    name, text : str
+        Of the scene; the scene.
+    load, approach, radius, correction : (steps,) float64
+        Load [N], approach, contact radius and its correction for cut cells [m].
+    straight : int
+        Steps, from the first, without tilt and shear.
+    x, y : (nx,), (ny,) float64
+        Middles of the cells of the surface [m].
+    pressure, residual, homogeneous : (steps, ny, nx) float64 or None
+        Pressure, displacement by eigenstrain, pressure of a homogeneous body.
+    cell, pitch : float
+        Edge of a cell of the surface, and the longest of a cell inside a body; 0 without.
+    """
+
+    name: str
+    text: str
+    load: FloatArray
+    approach: FloatArray
+    radius: FloatArray
+    correction: FloatArray
+    straight: int
+    x: FloatArray
+    y: FloatArray
+    pressure: FloatArray
+    residual: FloatArray | None
+    homogeneous: FloatArray | None
+    cell: float
+    pitch: float
+    middles: FloatArray
+
+    @property
+    def peak(self) -> int:
+        """Last step, from 0, under the largest load."""
+        return int(np.flatnonzero(self.load[: self.straight] == self.load[: self.straight].max())[-1])
+
+
+def read_contact(path: str | Path) -> StoredContact:
+    """Read what a run stores over its steps."""
+    from eigencontact.results.reader import open_results
+    from eigencontact_verification.audit.shapes import NotJudged
+
+    with open_results(path) as data:
+        found: dict[str, Any] = {
+            str(name): np.asarray(field.values, dtype=float)
+            for name, field in data.variables.items()
+            if field.attrs.get("role") in ("scalar", "field")
+        }
+        if "pressure" not in found:
+            raise NotJudged("it has no contact")
+        x, y = (np.asarray(data[axis].values, dtype=float) for axis in "xy")
+        size = np.asarray(str(data.attrs["cell_size"]).strip("[]").split(), dtype=float)
+        pitch, middles = 0.0, np.zeros(0)
+        for body in (1, 2):
+            if f"cells_{body}_z" in data.variables:
+                lines = [np.asarray(data[f"cells_{body}_{axis}"].values, dtype=float) for axis in "xyz"]
+                pitch = max([pitch, *(float(np.diff(line).max()) for line in lines if line.size > 1)])
+                middles = lines[2]
+        text, name = str(data.attrs["scene"]), str(data.attrs["name"])
+    count = len(found["normal_load"])
+    scale = max(float(found["normal_load"].max()), 1e-300) * max(float(found["contact_radius"].max()), 1e-300)
+    bent = np.zeros(count, dtype=bool)
+    for key in ("moment_x", "moment_y"):
+        bent |= np.abs(found.get(key, np.zeros(count))) > 1e-4 * scale
+    for key in ("shear_x", "shear_y"):
+        if key in found:
+            bent |= np.abs(found[key]).reshape(count, -1).max(axis=1) > 0
+    counted = np.sqrt(found["contact_area_counted"] / np.pi)
+    return StoredContact(
+        name=name,
+        text=text,
+        load=found["normal_load"],
+        approach=found["approach"],
+        radius=found["contact_radius"],
+        correction=np.abs(counted - found["contact_radius"]),
+        straight=int(np.argmax(bent)) if np.any(bent) else count,
+        x=x,
+        y=y,
+        pressure=found["pressure"],
+        residual=found.get("residual_displacement_z"),
+        homogeneous=found.get("homogeneous_pressure"),
+        cell=float(size.max()),
+        pitch=pitch,
+        middles=middles,
+    )
+
+
+def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) -> tuple[ContactLine, ...]:
+    """Lines of all that is stored and can be compared."""
+    steps = range(stored.straight)
+    peak, last = stored.peak, stored.straight - 1
+    h = stored.pitch if scene.cells else 0.0
+    row = int(np.abs(stored.y).argmin())
+    r = np.hypot(stored.x, stored.y[row])
+    right = stored.x > 0
+    moved = np.zeros(len(steps))
+    if h and stored.residual is not None:
+        slope = np.gradient(stored.residual[:, row], stored.x, axis=1)
+        moved = 0.5 * h * np.abs(slope).max(axis=1)[: len(steps)]
+    a, d = stored.radius[: len(steps)], stored.approach[: len(steps)]
+    share = np.where(a > 0, stored.cell / np.where(a > 0, 2 * a, 1.0), 0.0) ** 2
+    number = np.arange(1.0, len(steps) + 1)
+    lines = [
+        _line("approach", "approach", number, d, share * np.abs(d) + moved, tuple(steps)),
+    ]
+    wide = np.flatnonzero(a > _WIDE * a.max())
+    parts = a[wide] / a.max(), stored.correction[wide] / a.max()
+    lines.append(_line("contact radius", "radius", number[wide], *parts, tuple(int(k) for k in wide)))
+    inside = right & (r < _INNER * a[peak])
+    p = stored.pressure[peak, row]
+    own = _bend(p)
+    if h and stored.homogeneous is not None:
+        own = own + _change(p - stored.homogeneous[peak, row], stored.x, h, cut=scene.cut)
+    bend = float(np.median(own[inside]))
+    where = f"pressure, step {peak + 1}"
+    lines.append(_surface(where, "pressure", stored, row, inside, -p, own, peak))
+    if stored.load[last] == 0.0 and stored.residual is not None:
+        u = stored.residual[last, row]
+        near = right & (r < _AWAY * a.max())
+        own = 0.5 * h * np.abs(np.gradient(u, stored.x))
+        lines.append(
+            _surface(
+                f"print, step {last + 1}", "print", stored, row, near, u, np.maximum(own, 0.5 * own[near].max()), last
+            )
+        )
+    for step in dict.fromkeys((peak, last)):
+        kept = read_step(path, step + 1)
+        region = next((found for one in kept.regions if one.body == scene.number if (found := _column(one))), None)
+        if region is not None:
+            name = f"stress on the axis, step {step + 1}"
+            under = bend if stored.load[step] > 0 else 0.0
+            line = _stress(name, *region, stored, scene, float(a.max()), h, under, step)
+            lines += [line] if line is not None else []
+    return tuple(lines)
+
+
+def _homogeneous(stored: StoredContact, scene: ContactScene, points: FloatArray, step: int) -> FloatArray:
+    """Stress (n, 6) of a homogeneous half-space under the stored pressure of a step."""
+    x, y = (line[0] + (np.arange(line.size + 1) - 0.5) * np.diff(line)[0] for line in (stored.x, stored.y))
+    pressure = stored.pressure[step]
+    values = np.stack([0 * pressure, 0 * pressure, pressure])
+    below = np.where(points[:, 2:] > 0, points, points + np.array([0.0, 0.0, 0.1 * stored.cell]))
+    return homogeneous_stress(Tractions(x=x, y=y, values=values), below, scene.poisson_ratio)
+
+
+def _change(values: FloatArray, along: FloatArray, h: float, *, cut: bool) -> FloatArray:
+    """Change over half a cell h where cells cut a boundary, else the second difference over a cell."""
+    slope = np.gradient(values, along, axis=0)
+    return np.asarray(0.5 * h * np.abs(slope) if cut else h * h * np.abs(np.gradient(slope, along, axis=0)))
+
+
+def _bend(p: FloatArray) -> FloatArray:
+    """Second difference, the larger of three neighbours."""
+    second = np.abs(np.diff(np.pad(p, 1, mode="edge"), 2))
+    return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
+
+
+def _line(
+    name: str, kind: str, number: FloatArray, values: FloatArray, own: FloatArray, moments: tuple[int, ...]
+) -> ContactLine:
+    points = np.zeros((len(number), 3))
+    away = kind == "approach"  # a radius has no part in the field of displacement
+    profile = Profile(
+        name=name, quantity="displacement" if away else "strain", points=points, along=number, label="step [1]",
+        components=("u_z" if away else "a",), unit="m" if away else "largest a",
+    )  # fmt: skip
+    return ContactLine(profile=profile, kind=kind, moments=moments, values=values[:, None], own=own[:, None])
+
+
+def _surface(
+    name: str, kind: str, stored: StoredContact, row: int, which: NDArray[np.bool_], values: FloatArray,
+    own: FloatArray, step: int,
+) -> ContactLine:  # fmt: skip
+    chosen = _thinned(np.flatnonzero(which))
+    x = stored.x[chosen]
+    points = np.stack([x, np.full_like(x, stored.y[row]), 0 * x], axis=1)
+    stress = kind == "pressure"
+    profile = Profile(
+        name=name, quantity="stress" if stress else "displacement", points=points, along=x, label="x [m]",
+        components=("s_zz" if stress else "u_z",), unit="Pa" if stress else "m",
+    )  # fmt: skip
+    return ContactLine(profile=profile, kind=kind, moments=(step,), values=values[chosen, None], own=own[chosen, None])
+
+
+def _thinned(index: NDArray[np.int64]) -> NDArray[np.int64]:
+    if index.size <= _POINTS:
+        return index
+    return np.asarray(index[np.unique(np.linspace(0, index.size - 1, _POINTS).round().astype(int))])
+
+
+def _column(region: StoredRegion) -> tuple[FloatArray, FloatArray] | None:
+    """Points (n, 3) and stress (n, 6) of the line of a region that goes down nearest to the axis."""
+    if region.axes == ("point",):
+        if np.ptp(region.points[:, :2], axis=0).max() > 0 or np.hypot(*region.points[0, :2]) > 0:
+            return None
+        return region.points, region.stress
+    if region.axes in {("z", "x"), ("z", "y")}:
+        k = int(np.hypot(region.points[0, :, 0], region.points[0, :, 1]).argmin())
+        return region.points[:, k], region.stress[:, k]
+    return None
+
+
+def _stress(
+    name: str, points: FloatArray, stress: FloatArray, stored: StoredContact, scene: ContactScene, a: float, h: float,
+    under: float, step: int,
+) -> ContactLine | None:  # fmt: skip
+    z = points[:, 2]
+    if np.hypot(*points[0, :2]) > 0.25 * a:
+        return None
+    good = (z > max(_SHALLOW * a, 2 * stored.cell)) & (z < _DEEP * a)
+    depths = np.cumsum([layer["thickness"] for layer in scene.layers]).tolist()
+    for region in scene.regions:
+        if region["kind"] == "ellipsoid":
+            depths += [region["depth"] - region["height"], region["depth"] + region["height"]]
+        else:
+            depths += [region["top"], region["bottom"]]
+    for depth in depths:
+        good &= np.abs(z - depth) > max(_MARGIN * a, 1.5 * h)
+    if h and stored.middles.size:  # in the middle of a cell its uniform strain is what it stands for
+        inside = (z > stored.middles[0] - 0.6 * h) & (z < stored.middles[-1] + 0.6 * h)
+        nearest = np.abs(z[:, None] - stored.middles).min(axis=1) < 0.1 * h
+        good &= nearest | ~inside if np.sum(good & nearest) >= 5 else True
+    chosen = _thinned(np.flatnonzero(good))
+    if chosen.size < 5:
+        return None
+    columns = [0, 2]
+    values = stress[:, columns]
+    own = np.full_like(values, under)
+    if h:
+        caused = values - _homogeneous(stored, scene, points, step)[:, columns]
+        own += _change(caused, z, h, cut=scene.cut)
+        own = np.maximum(own, 0.5 * own[chosen].max(axis=0))
+    profile = Profile(
+        name=name, quantity="stress", points=points[chosen], along=z[chosen], label="z [m]",
+        components=("s_xx", "s_zz"), unit="Pa",
+    )  # fmt: skip
+    return ContactLine(profile=profile, kind="stress", moments=(step,), values=values[chosen], own=own[chosen])

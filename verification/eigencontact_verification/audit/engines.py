@@ -1,0 +1,146 @@
+"""Which finite elements solve a body, and what they are asked: of revolution where it is, else of three dimensions.
+
+Where a homogeneous half-space carries the tractions, its field is known in closed form (`homogeneous`). Elements are
+then asked what inclusions, damage and eigenstrain change of it: the field with them less the field without on the same
+mesh, so that the error of the load drops out; of eigenstrain alone the field without load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact_verification.campaign.case import Level, Outer
+from eigencontact_verification.fem.loaded_body import LoadedBody
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["RATIO", "Engine", "asked", "budget_for", "engine_for", "is_split", "solve_body", "without_load"]
+
+FloatArray = NDArray[np.float64]
+Engine = Literal["revolution", "solid"]
+
+#: Element size of a level over that of the next finer one.
+RATIO: dict[Engine, float] = {"revolution": 2.0, "solid": 1.5}
+_MODULES: dict[Engine, str] = {
+    "revolution": "eigencontact_verification.fem.loaded_revolution",
+    "solid": "eigencontact_verification.fem.loaded_solid",
+}
+#: Unknowns of the fine mesh in three dimensions: quick (a quarter has 27 elements each way), and the most; a million
+#: take some 4 GB.
+_BUDGETS = (510_000, 1_200_000)
+#: Size of the block in sizes of what loads it: of a homogeneous body, with regions or cells, with layers. The outer
+#: faces know the point forces of a homogeneous half-space, which is all there is far from the first. With 8 the
+#: displacement of 'coated-sphere' and of the print of 'plastic-hertz' is off by 0.15 to 0.4 % of its largest value
+#: whatever the outer faces are; with 16 the print by 0.07 %, with 32 the coated surface by 0.01 %.
+_REACHES = (8.0, 16.0, 32.0)
+#: What is left of all contrasts where a body stands for the matrix alone: its symmetry, and so its mesh, stay the same.
+_TRACE = 1e-9
+
+
+def engine_for(bodies: Sequence[LoadedBody]) -> Engine:
+    """One engine for all bodies of a case, because its three meshes have one ratio.
+
+    Of revolution are inclusions on an axis, whose boundary the mesh then follows. Tractions and what cells remember are
+    of revolution within the steps of their square cells at best, which the elements would have to leave out: where they
+    are all there is, and where a layer keeps them from being split off, they take three dimensions.
+    """
+    if any(body.cells or not body.regions or (body.tractions and not is_split(body)) for body in bodies):
+        return "solid"
+    of_revolution = import_module(_MODULES["revolution"]).of_revolution
+    return "revolution" if all(of_revolution(body) is not None for body in bodies) else "solid"
+
+
+def is_split(body: LoadedBody) -> bool:
+    """Whether the elements are asked for the change of a field that is known."""
+    return bool(body.tractions is not None and (body.regions or body.cells) and not body.layers)
+
+
+def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
+    """Bodies that the elements solve, each with its sign in the sum."""
+    if not is_split(body):
+        return [] if without_load(body) else [(1.0, body)]
+    stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
+    if not stiff and all(cells.kept is None for cells in body.cells):
+        unloaded = replace(body, tractions=None)
+        return [] if without_load(unloaded) else [(1.0, unloaded)]
+    return [(1.0, body), (-1.0, _matrix(body))]
+
+
+def _matrix(body: LoadedBody) -> LoadedBody:
+    """The body without what its regions and cells change, but for a trace."""
+    regions = tuple(
+        replace(
+            region,
+            eigenstrain=_TRACE * region.eigenstrain,
+            young_modulus=None if region.young_modulus is None else body.young_modulus * (1.0 + _TRACE),
+            poisson_ratio=None if region.poisson_ratio is None else body.poisson_ratio,
+        )
+        for region in body.regions
+    )
+    cells = tuple(
+        replace(
+            one,
+            eigenstrain=_TRACE * one.eigenstrain,
+            kept=None if one.kept is None else 1.0 - _TRACE * (1.0 - one.kept),
+        )
+        for one in body.cells
+    )
+    return replace(body, regions=regions, cells=cells)
+
+
+def budget_for(engine: Engine, bodies: Sequence[LoadedBody], watched: Sequence[FloatArray], *, quick: bool) -> int:
+    """Unknowns that the fine mesh may have.
+
+    Raises
+    ------
+    ValueError
+        The interfaces of a body ask for more than a solution within 6 GB has.
+    """
+    if engine == "revolution":
+        return 0
+    from eigencontact_verification.fem.loaded_mesh import family_grid, reach_of
+    from eigencontact_verification.fem.loaded_symmetry import centred
+
+    chosen = _BUDGETS[0] if quick else _BUDGETS[1]
+    for body, points in zip(bodies, watched, strict=True):
+        for _, one in asked(body):
+            centre = centred(one)
+            far = float(np.abs(points - centre.origin).max(initial=0.0))
+            reach = max(reach_of(centre.body, _reaches(one)), 1.25 * far)
+            for budget in (chosen, _BUDGETS[1]):
+                try:
+                    family_grid(centre.body, centre.symmetry, reach, level=0, budget=budget)
+                except ValueError:
+                    if budget == _BUDGETS[1]:
+                        raise
+                else:
+                    chosen = budget
+                    break
+    return chosen
+
+
+def _reaches(body: LoadedBody) -> float:
+    return _REACHES[2 if body.layers else 1 if body.regions or body.cells else 0]
+
+
+def solve_body(
+    engine: Engine, body: LoadedBody, *, level: Level, outer: Outer, watched: FloatArray, budget: int
+) -> Any:
+    """Solution with ``displacement`` and ``stress`` at points."""
+    settings: dict[str, Any] = {"level": level, "outer": outer, "watched": watched}
+    if engine == "solid":
+        settings |= {"budget": budget, "reaches": _reaches(body)}
+    return import_module(_MODULES[engine]).solve_loaded(body, **settings)
+
+
+def without_load(body: LoadedBody) -> bool:
+    """Whether nothing deforms the body."""
+    strained = any(np.any(region.eigenstrain) for region in body.regions)
+    remembered = any(np.any(cells.eigenstrain) for cells in body.cells)
+    return not (strained or remembered or (body.tractions is not None and np.any(body.tractions.values)))

@@ -1,0 +1,133 @@
+"""The audit of many runs in one table: what solved, what it took, how the verdicts fell, and why not otherwise."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from eigencontact_verification.audit.cases import AuditCase
+from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.campaign.judge import WORDS, JudgedCase, Row
+
+__all__ = ["ENOUGH", "SceneAudit", "line_of", "markdown_of"]
+
+#: Part of the verdicts of a scene that may be inconclusive where the scene is said to agree.
+ENOUGH = 0.2
+_WAYS = {"revolution": "of revolution", "solid": "three dimensions"}
+_HEAD = (
+    "scene", "step", "elements", "unknowns", "time of all solves [s]", "longest [s]", "peak memory [GB]", "agree",
+    "inconclusive", "disagree", "largest difference in u", "in stress", "says", "why",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SceneAudit:
+    """Audit of one run.
+
+    Attributes
+    ----------
+    name : str
+    step : int
+    judged : tuple of JudgedCase
+        Checks included.
+    gaps : tuple of Gap
+    """
+
+    name: str
+    step: int
+    judged: tuple[JudgedCase, ...]
+    gaps: tuple[Gap, ...]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Verdicts by finite elements."""
+        return tuple(row for one in self.judged for row in one.rows if row.quantity != "check")
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Verdicts by word."""
+        found = Counter(row.word for row in self.rows)
+        return {word: found.get(word, 0) for word in WORDS}
+
+    @property
+    def word(self) -> str:
+        """Of the scene: it agrees where nothing disagrees or failed and few verdicts are inconclusive."""
+        if any(row.word == "disagrees" for one in self.judged for row in one.rows):
+            return "disagrees"
+        counts = self.counts
+        if not self.rows or counts["failed"] or counts["inconclusive"] > ENOUGH * len(self.rows):
+            return "inconclusive"
+        return "agrees"
+
+    @property
+    def reason(self) -> str:
+        """Why not all agrees: the commonest reasons, or why nothing could be judged."""
+        if not self.rows:
+            return next((gap.reason for gap in self.gaps), "nothing is stored that could be judged")
+        worst = [row for row in self.rows if row.word == self.word and self.word != "agrees"]
+        worst += [row for one in self.judged for row in one.rows if row.quantity == "check" and row.word != "agrees"]
+        if worst and self.word == "disagrees":
+            row = max(worst, key=lambda one: one.ratio or 0.0)
+            return f"{row.profile}, {row.component}: {row.reason}"
+        other = Counter(row.reason for row in self.rows if row.word != "agrees")
+        return "; ".join(f"{reason} ({count})" for reason, count in other.most_common(2))
+
+
+def _largest(rows: Iterable[Row], quantity: str) -> str:
+    found = [row.difference for row in rows if row.quantity == quantity and row.difference is not None]
+    return f"{100 * max(found):.2g} %" if found else "–"
+
+
+def _cells(one: SceneAudit) -> tuple[str, ...]:
+    outcomes = [
+        outcome for found in one.judged for task, outcome in found.outcomes
+        if task.level is not None and outcome.seconds is not None
+    ]  # fmt: skip
+    engines = dict.fromkeys(found.case.engine for found in one.judged if isinstance(found.case, AuditCase))
+    seconds = [outcome.seconds or 0.0 for outcome in outcomes]
+    memory = [outcome.memory for outcome in outcomes if outcome.memory]
+    unknowns = [outcome.unknowns for outcome in outcomes if outcome.unknowns]
+    counts = one.counts
+    return (
+        one.name, str(one.step), " and ".join(_WAYS[engine] for engine in engines) or "–",
+        f"{max(unknowns):,}".replace(",", " ") if unknowns else "–",
+        f"{sum(seconds):.0f}" if seconds else "–", f"{max(seconds):.1f}" if seconds else "–",
+        f"{max(memory) / 1e9:.2f}" if memory else "–",
+        str(counts["agrees"]), str(counts["inconclusive"]), str(counts["disagrees"] + counts["failed"]),
+        _largest(one.rows, "displacement"), _largest(one.rows, "stress"), one.word, one.reason or "–",
+    )  # fmt: skip
+
+
+def line_of(one: SceneAudit) -> dict[str, Any]:
+    """What the table says of a run, for JSON: an interrupted table goes on from it."""
+    checks = [row for found in one.judged for row in found.rows if row.quantity == "check"]
+    return {
+        "word": one.word,
+        "counts": one.counts,
+        "checks": [sum(row.word == "agrees" for row in checks), len(checks)],
+        "cells": list(_cells(one)),
+    }
+
+
+def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
+    """Sentences and the table, for a page, of what `line_of` says of runs."""
+    from eigencontact_verification.benchmarks.machine import describe, facts
+
+    words = Counter(line["word"] for line in lines)
+    verdicts: Counter[str] = Counter()
+    for line in lines:
+        verdicts.update(line["counts"])
+    hold, checks = (sum(line["checks"][k] for line in lines) for k in (0, 1))
+    total = sum(verdicts.values())
+    said = (
+        f"{len(lines)} scenes: {words['agrees']} agree, {words['inconclusive']} are inconclusive, "
+        f"{words['disagrees']} disagree. {total} verdicts: {verdicts['agrees']} agree, {verdicts['inconclusive']} are "
+        f"inconclusive, {verdicts['disagrees']} disagree, {verdicts['failed']} failed. {checks} checks without "
+        f"elements: {hold} hold."
+    )
+    rows = ["| " + " | ".join(_HEAD) + " |", "|" + "---|" * len(_HEAD)]
+    rows += ["| " + " | ".join(cell.replace("|", "\\|") for cell in line["cells"]) + " |" for line in lines]
+    return "\n\n".join([said, "\n".join(rows), f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."])
