@@ -1,0 +1,251 @@
+"""Report of a campaign: the map, every verdict, and what both sides cost; JSON, Markdown and one HTML page."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eigencontact_verification.campaign.brief import MARKS
+from eigencontact_verification.maps.answer import answers, totals
+from eigencontact_verification.maps.figure import axes_of_map, draw_map, label_of, levels_of, percent, quantities_of
+from eigencontact_verification.studies.run import source_in_words
+from eigencontact_verification.studies.study import plain
+
+if TYPE_CHECKING:
+    from eigencontact_verification.maps.campaign import Campaign
+    from eigencontact_verification.maps.finding import Judged
+
+__all__ = ["MapReport", "as_section", "write_map"]
+
+_METHOD = (
+    "Errors are largest differences on what is compared, as parts of the scale of the quantity; after ± stands the "
+    "reference's own uncertainty, from three refinements. A point agrees where error and uncertainty together are "
+    "within the tolerance, disagrees where the error is beyond it even less the uncertainty, and is inconclusive "
+    "between, which is no agreement. Disagreement outside of what is claimed is a finding; inside it is a fault."
+)
+_TRADE_METHOD = (
+    "Times are wall times when each was computed, those of the reference of its finest solution and of all solutions "
+    "that its own error needs; memory is the peak of the process, which of several runs in one is that of the largest."
+)
+_STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; }
+table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }
+th { border-bottom: 2px solid #888; }
+.agrees { color: #005a8c; } .inconclusive { color: #7a5200; } .failed, .disagrees { color: #b33c00; font-weight: 600; }
+img { max-width: 100%; }
+"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MapReport:
+    """What a campaign found.
+
+    Attributes
+    ----------
+    campaign : Campaign
+    found : tuple of Judged
+    coarse : bool
+        Whether it was a first look.
+    seconds : float
+        Wall time.
+    """
+
+    campaign: Campaign
+    found: tuple[Judged, ...]
+    coarse: bool = False
+    seconds: float = 0.0
+
+    @property
+    def exit_code(self) -> int:
+        """0 unless something disagrees, or has no numbers, where agreement is claimed; or has none anywhere."""
+        broken = any(one.breaks_claim for one in self.found)
+        return 1 if broken or all(one.word == "failed" for one in self.found) else 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, for JSON."""
+        from eigencontact_verification.benchmarks.machine import facts
+
+        return {
+            "campaign": self.campaign.name, "title": self.campaign.title, "judge": self.campaign.judge,
+            "made": datetime.now(UTC).isoformat(timespec="seconds"), "machine": facts(), "coarse": self.coarse,
+            "seconds": self.seconds, "tolerance": self.campaign.tolerance, "expect": self.campaign.expect,
+            "summary": totals(self.campaign, self.found), "answers": answers(self.campaign, self.found),
+            "exit_code": self.exit_code,
+            "points": [
+                {
+                    "label": one.point.label, "values": dict(one.point.values),
+                    "verdict": one.word, "findings": [asdict(finding) for finding in one.findings],
+                    "model_seconds": one.point.model.seconds, "model_memory_bytes": one.point.model.memory,
+                    "reference_seconds": one.reference_seconds, "reference_seconds_all": one.all_seconds,
+                    "reference_memory_bytes": one.reference_memory,
+                    "not_judged": list(one.gaps),
+                    "warnings": [said["code"] for said in (one.point.model.summary or {}).get("warnings", ())],
+                }
+                for one in self.found
+            ],
+        }  # fmt: skip
+
+
+# --- tables -----------------------------------------------------------------------------------------------------------
+
+_HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "tolerance", "why")
+_TRADE = ("point", "largest error", "model", "reference", "with its own error", "memory: model", "reference")
+
+
+def _rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+    for one in found:
+        for finding in one.findings:
+            yield (
+                one.point.label, "yes" if finding.claimed else "no", finding.quantity,
+                f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
+                percent(finding.tolerance), finding.reason,
+            )  # fmt: skip
+
+
+def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+    for one in found:
+        model = one.point.model
+        yield (
+            one.point.label, percent(one.error), _time(model.seconds), _time(one.reference_seconds),
+            _time(one.all_seconds), _memory(model.memory), _memory(one.reference_memory),
+        )  # fmt: skip
+
+
+def _time(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2g} s" if value < 100 else f"{value:.0f} s"
+
+
+def _memory(value: float | None) -> str:
+    return "–" if value is None else f"{value / 1e9:.2f} GB"
+
+
+def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = (
+        [cell.replace("|", "\\|").replace("\n", " ") for cell in line] for line in (head, ["---"] * len(head), *rows)
+    )
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _maps(report: MapReport) -> list[str]:
+    """Map of each quantity as a table; none where there are not two parameters."""
+    x, y, others = axes_of_map(report.campaign, report.found)
+    if y is None or others:
+        return []
+    across, up = levels_of(report.found, x), levels_of(report.found, y)
+    rows_and_columns = f"Rows are {label_of(report.campaign, y)}, columns {label_of(report.campaign, x)}"
+    parts = [f"{rows_and_columns}; what stands in parentheses is not claimed."]
+    for name in quantities_of(report.campaign, report.found):
+        cells = {}
+        for one in report.found:
+            for finding in one.findings:
+                if finding.quantity == name:
+                    words = f"{MARKS[finding.word]} {percent(finding.error)} ± {percent(finding.uncertainty)}"
+                    key = one.point.values[y], one.point.values[x]
+                    cells[key] = words if finding.claimed else f"({words})"
+        rows = [[plain(row), *(cells.get((row, column), "–") for column in across)] for row in reversed(up)]
+        parts.append(_markdown_table([name, *map(plain, across)], rows))
+    return parts
+
+
+def _gaps(report: MapReport) -> list[str]:
+    """What cannot be judged, each reason once, with the number of points that have it."""
+    told = [gap for one in report.found for gap in dict.fromkeys(one.gaps)]
+    return [f"{gap} ({told.count(gap)} of {len(report.found)} points)" for gap in dict.fromkeys(told)]
+
+
+def _told(report: MapReport) -> list[str]:
+    campaign = report.campaign
+    words = [totals(campaign, report.found)]
+    if campaign.trend:
+        words.append(campaign.trend)
+    words += [f"After {source_in_words(one)}." for one in campaign.sources]
+    return words
+
+
+def _made() -> str:
+    from eigencontact_verification.benchmarks.machine import describe, facts
+
+    return f"Computed {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."
+
+
+def as_section(report: MapReport, *, trade: bool = False) -> str:
+    """Markdown between the markers of a page: sentences, what agrees from where on, one table; not the whole report."""
+    campaign = report.campaign
+    parts = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
+    parts += _told(report)
+    said = answers(campaign, report.found)
+    if said:
+        parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    if trade:
+        parts += [_markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
+    else:
+        parts += _maps(report) or [_markdown_table(_HEAD[:-1], (row[:-1] for row in _rows(report.found)))]
+    return "\n\n".join([*parts, _made()]) + "\n"
+
+
+def _markdown(report: MapReport) -> str:
+    parts = [f"# {report.campaign.title}", *_told(report), _METHOD, "![map](map.png)"]
+    said = answers(report.campaign, report.found)
+    if said:
+        parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    parts += ["## Verdicts", _markdown_table(_HEAD, _rows(report.found))]
+    if gaps := _gaps(report):
+        parts += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
+    parts += ["## What both cost", _markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD, _made()]
+    return "\n\n".join(parts) + "\n"
+
+
+def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    def cell(text: str) -> str:
+        word = text.partition(" ")[2]
+        return f"<td{f' class={word!r}' if word in MARKS else ''}>{html.escape(text)}</td>"
+
+    top = "".join(f"<th>{html.escape(text)}</th>" for text in head)
+    body = "".join("<tr>" + "".join(map(cell, row)) + "</tr>\n" for row in rows)
+    return f"<table><thead><tr>{top}</tr></thead><tbody>\n{body}</tbody></table>\n"
+
+
+def _html(report: MapReport, picture: Path | None) -> str:
+    title = html.escape(report.campaign.title)
+    parts = [
+        f"<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>{title}</title>",
+        f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body><h1>{title}</h1>",
+        *(f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)),
+    ]
+    if picture is not None:
+        data = base64.b64encode(picture.read_bytes()).decode("ascii")
+        parts.append(f"<img alt='map of {title}' src='data:image/png;base64,{data}'>")
+    said = answers(report.campaign, report.found)
+    if said:
+        items = "".join(f"<li>{html.escape(line)}</li>" for line in said[1:])
+        parts.append(f"<p>{html.escape(said[0])}</p><ul>{items}</ul>")
+    parts.append(f"<h2>Verdicts</h2>{_html_table(_HEAD, _rows(report.found))}")
+    if gaps := _gaps(report):
+        parts.append(f"<h2>Not judged</h2><ul>{''.join(f'<li>{html.escape(gap)}</li>' for gap in gaps)}</ul>")
+    parts += [              f"<h2>What both cost</h2>{_html_table(_TRADE, _trade_rows(report.found))}",
+              f"<p>{html.escape(_TRADE_METHOD)}</p><p>{html.escape(_made())}</p></body></html>\n"]  # fmt: skip
+    return "".join(parts)
+
+
+def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
+    """Write map.png, report.json, report.md and report.html; files of an earlier report are replaced."""
+    from eigencontact.viz.style import paper_style, save
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
+    picture = folder / "map.png"
+    with paper_style():
+        save(draw_map(report.campaign, report.found), picture)
+    files["json"].write_text(
+        json.dumps(report.to_dict(), indent=2, ensure_ascii=False, default=plain) + "\n", encoding="utf-8"
+    )
+    files["markdown"].write_text(_markdown(report), encoding="utf-8")
+    files["html"].write_text(_html(report, picture), encoding="utf-8")
+    return {"map": picture, **files}
