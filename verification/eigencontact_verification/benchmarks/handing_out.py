@@ -1,45 +1,178 @@
-"""What a cluster costs beyond the runs: variants that are refused before they run, on workers of this machine.
+"""What a sweep on a cluster costs beyond its runs: variants refused before they run, on workers of this machine.
 
-``python -m eigencontact_verification.benchmarks.handing_out [VARIANTS [WORKERS]]`` prints the figures.
+``python -m eigencontact_verification.benchmarks.handing_out [--variants 2000 20000] [--workers 2] [--markdown FILE]``
+prints the costs at two numbers of variants, and what the straight line through both says of 10⁵.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
 import pickle
-import sys
 import tempfile
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
-__all__ = ["main"]
+if TYPE_CHECKING:
+    from eigencontact.sweeps.axes import Axis
+    from eigencontact.sweeps.runner import Outcome
+    from eigencontact.sweeps.variants import Variant
 
-#: Variants at the beginning that are not counted: workers import what they need.
+__all__ = ["Cost", "main", "measure", "written"]
+
+#: Variants at the beginning that are not timed: workers import what they need.
 _FIRST = 100
+#: Number of variants that is extrapolated to.
+_MANY = 100_000
+#: A run that leaves what a variant leaves, in a moment.
+_SMALL = ["stress=[]", "grid.cells=32", 'grid.size="30 um"', "output.pictures=false", "output.vtk=false"]
 
 
-def main(count: int = 2000, workers: int = 2) -> None:
-    """Print cost of each variant, in time of a worker."""
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """Cost of a number of variants: what is measured, in which unit, and how much of it."""
+
+    what: str
+    unit: str
+    values: dict[int, float]
+
+    def at(self, count: int) -> float:
+        """Value at a number of variants, by the straight line through the smallest and the largest that were measured.
+
+        Examples
+        --------
+        >>> Cost(what="time", unit="s", values={10: 3.0, 30: 7.0}).at(100)
+        21.0
+        """
+        low, high = min(self.values), max(self.values)
+        slope = (self.values[high] - self.values[low]) / (high - low)
+        return self.values[low] + slope * (count - low)
+
+
+def measure(counts: Sequence[int], workers: int) -> list[Cost]:
+    """Costs of sweeps of these numbers of variants; each number is a sweep of its own."""
+    from eigencontact.app import load_scene, run
+
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "one"
+        summary = json.dumps(run(load_scene("hertz", _SMALL), place).summary, default=str)
+        files = [path for path in place.rglob("*") if path.is_file()]
+        stored, number = sum(path.stat().st_size for path in files), len(files) + 1  # its mark beside them
+    _of_gathering(2, summary)  # imports what is needed
+    found: dict[tuple[str, str], dict[int, float]] = {}
+    for count in counts:
+        costs = {**_of_handing(count, workers), **_of_gathering(count, summary)}
+        costs["stored in folders of variants", "MB"] = 1e-6 * stored * count
+        costs["files in folders of variants", "1"] = float(number * count)
+        for name, value in costs.items():
+            found.setdefault(name, {})[count] = value
+    return [Cost(what=what, unit=unit, values=values) for (what, unit), values in found.items()]
+
+
+def _variants(count: int) -> tuple[list[Axis], list[Variant], float]:
+    """Axes and variants, and the time of making them [s]."""
     from eigencontact.app import load_scene
-    from eigencontact.engines.cluster import Cluster
     from eigencontact.sweeps.axes import axes_of
-    from eigencontact.sweeps.runner import outcomes
     from eigencontact.sweeps.variants import variants_of
 
-    axes = axes_of({"steps.normal-load": {"from": 0.1, "to": 1.0, "count": count + _FIRST}})
+    axes = axes_of({"steps.normal-load": {"from": 0.1, "to": 1.0, "count": count}})
     scene, began = load_scene("hertz"), perf_counter()
-    variants = variants_of(scene, axes, pairs=False, pictures=False)
-    print(f"made: {1e3 * (perf_counter() - began) / len(variants):.2f} ms, {len(pickle.dumps(variants[0]))} bytes")
-    trivial, within = [replace(one, refused="trivial") for one in variants], 0.0
+    made = variants_of(scene, axes, pairs=False, pictures=False)
+    return axes, made, perf_counter() - began
+
+
+def _of_handing(count: int, workers: int) -> dict[tuple[str, str], float]:
+    """Costs of handing variants out that do nothing, and of bringing back that they did."""
+    from eigencontact.core.memory import resident_bytes
+    from eigencontact.engines.cluster import Cluster
+    from eigencontact.sweeps.runner import outcomes
+
+    _, variants, seconds = _variants(count + _FIRST)
+    trivial, within, back = [replace(one, refused="trivial") for one in variants], 0.0, list[object]()
+    began, held = perf_counter(), 0.0
     with tempfile.TemporaryDirectory() as folder:
         for done, outcome in enumerate(outcomes(trivial, Path(folder), engine=Cluster(f"local:{workers}")), 1):
             if done == _FIRST:
-                began, within = perf_counter(), 0.0
+                began, within, held = perf_counter(), 0.0, resident_bytes()
             within += outcome.seconds
-        wall = perf_counter() - began
-    print(f"{count} variants in {wall:.3g} s: {count / wall:.3g} a second")
-    print(f"beyond the run: {1e3 * (wall * workers - within) / count:.3g} ms of a worker")
+            back.append(outcome)
+        wall, held = perf_counter() - began, resident_bytes() - held
+    return {
+        ("variants made by the command", "s"): seconds * count / len(variants),
+        ("handed out and brought back", "s"): wall,
+        ("the same, time of workers beyond the runs", "s"): wall * workers - within,
+        ("memory of scheduler and command meanwhile, more", "MB"): 1e-6 * held,
+        ("sent to workers, pickled", "MB"): 1e-6 * count * len(pickle.dumps(variants[0])),
+    }
+
+
+def _of_gathering(count: int, summary: str) -> dict[tuple[str, str], float]:
+    """Costs of the dataset and the table of all numbers, each variant with those of a real run."""
+    from eigencontact.core.memory import resident_bytes
+    from eigencontact.sweeps.gather import as_csv, gathered
+    from eigencontact.sweeps.runner import Outcome
+    from eigencontact.sweeps.sweep import _as_netcdf
+
+    axes, variants, _ = _variants(count)
+    held = resident_bytes()
+    found: list[Outcome] = [Outcome(one.place, json.loads(summary), {}, "", 0.0) for one in variants]
+    held, back = resident_bytes() - held, len(pickle.dumps(found[0]))
+    began = perf_counter()
+    dataset = gathered(axes, variants, found, "cost", pairs=False)
+    brought = perf_counter() - began
+    table = as_csv(axes, variants, found)
+    stored = _as_netcdf(dataset)
+    return {
+        ("brought back from workers, pickled", "MB"): 1e-6 * count * back,
+        ("held by the command until the end", "MB"): 1e-6 * held,
+        ("gathered into one dataset", "s"): brought,
+        ("dataset and table written", "s"): perf_counter() - began - brought,
+        ("sweep.nc and sweep.csv", "MB"): 1e-6 * (len(stored) + len(table.encode())),
+    }
+
+
+def written(costs: Sequence[Cost], workers: int) -> str:
+    """Costs as a table of Markdown, with the machine."""
+    from eigencontact_verification.benchmarks.machine import describe, facts
+
+    counts = sorted(costs[0].values)
+    head = [
+        "",
+        *(f"{count} variants" for count in counts),
+        f"one more, from {counts[0]} to {counts[-1]}",
+        "10⁵, by the line",
+    ]
+    rows = [f"| {' | '.join(head)} |", f"|---|{'---:|' * (len(head) - 1)}"]
+    for one in costs:
+        unit = "" if one.unit == "1" else f" {one.unit}"
+        slope = (one.values[counts[-1]] - one.values[counts[0]]) / (counts[-1] - counts[0])
+        more = f"{slope:.3g}" if one.unit == "1" else f"{1e3 * slope:.3g} {'ms' if one.unit == 's' else 'kB'}"
+        shown = [*(f"{one.values[count]:.3g}{unit}" for count in counts), more, f"{one.at(_MANY):.3g}{unit}"]
+        rows.append(f"| {one.what} | {' | '.join(shown)} |")
+    return "\n".join([*rows, "", f"On {workers} workers of one machine. Measured {describe(facts())}."])
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, print, and write where wanted."""
+    from eigencontact_verification.benchmarks.table import check_section, replace_section
+
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--variants", type=int, nargs=2, default=(2000, 20000), help="two numbers of variants")
+    parser.add_argument("--workers", type=int, default=2, help="processes of this machine")
+    parser.add_argument("--markdown", type=Path, help="file with the markers of benchmark:handing-out")
+    given = parser.parse_args(arguments)
+    if given.variants[0] == given.variants[1] or min(given.variants) < 1:
+        parser.error(f"--variants must be two different positive numbers (got {given.variants})")
+    if given.markdown is not None:
+        check_section(given.markdown, "handing-out")
+    text = written(measure(given.variants, given.workers), given.workers)
+    print(text)
+    if given.markdown is not None:
+        replace_section(given.markdown, "handing-out", text)
 
 
 if __name__ == "__main__":
-    main(*(int(word) for word in sys.argv[1:]))
+    main()
