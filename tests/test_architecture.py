@@ -22,6 +22,7 @@ FORBIDDEN = [
     ("eigencontact/convolution/layout.py", "import eigencontact_plugins", "verification > plugins > framework"),
     ("eigencontact_plugins/probe.py", "import eigencontact.core.grid", "plugins see only eigencontact.plugin"),
     ("eigencontact_verification/oracles/hertz.py", "import eigencontact_plugins.probe", "oracles share no code"),
+    ("eigencontact_verification/audit/shapes.py", "import eigencontact.solvers.normal", "an audit reads results"),
     ("eigencontact/planning/plan.py", "import pluggy", "pluggy only in hooks"),
     ("eigencontact/execution/driver.py", "import matplotlib", "plotting libraries only in viz"),
 ]

@@ -26,6 +26,7 @@ def pretend_installed(package, site):
     return package.folder / "src"
 
 
+@pytest.mark.slow
 def test_every_kind_passes_its_tests_as_written(tmp_path):
     packages = [write_package(f"my-{kind}", kind=kind, folder=tmp_path / kind) for kind in TEMPLATES]
     site = tmp_path / "site"

@@ -149,7 +149,7 @@ MANY = {**WAY, "sliding-distance": 1e4 / 200}
 @pytest.mark.parametrize(
     "steps",
     [
-        pytest.param([WAY], id="one increment"),
+        pytest.param([WAY], id="one increment", marks=pytest.mark.slow),
         pytest.param([{"cycle": [MANY], "repeat": 200}], id="jumps over cycles", marks=pytest.mark.slow),
     ],
 )

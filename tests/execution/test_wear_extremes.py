@@ -54,6 +54,7 @@ def test_absurd_wear_is_refused():
         ec.run(fretting(1e30, 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coefficient", [1e-9, 1e-6])
 def test_strong_wear_ends_at_the_limit_of_gentle_wear(coefficient):
     """Partial slip comes to rest: the place is the same where one cycle would wear a thousand times as deep.
@@ -70,6 +71,7 @@ def test_strong_wear_ends_at_the_limit_of_gentle_wear(coefficient):
     assert gentle["contact_radius"] == close(gentle["stick_radius"], rel=0.15)  # no pressure is left outside
 
 
+@pytest.mark.slow
 def test_wear_that_empties_the_stick_zone():
     """The stick circle shrinks as the contact flattens; in the end everything slips, and wears on."""
     found = ends(ec.run(fretting(cycles=400, amplitude=0.075, margin=3.0)))
@@ -107,6 +109,7 @@ def test_mirrored_and_turned_scenes_agree():
     np.testing.assert_allclose(third.dataset["worn_depth"].values[-1], depth[:, ::-1], rtol=0, atol=scale)
 
 
+@pytest.mark.slow
 def test_an_error_that_is_planted_into_the_jumps_is_seen(monkeypatch):
     """Jumps by three halves of the rate: cycles that are solved tell, the stated error grows, and the jumps shrink."""
     sound = ec.run(fretting(cycles=40)).summary

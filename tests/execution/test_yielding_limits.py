@@ -38,6 +38,7 @@ def run(material, steps=(LOAD,), cells=(10, 10), pitch="2 um", body=STEEL, **mor
 # ---------------------------------------------------------------- symmetry
 
 
+@pytest.mark.slow
 def test_a_quarter_turn_changes_nothing():
     """(x, y) -> (-y, x), on cells that are not square, with friction: all fields to 1e-10 of their size.
 

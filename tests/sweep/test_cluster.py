@@ -16,8 +16,10 @@ import pytest
 from eigencontact.core.memory import machine_bytes
 from eigencontact.engines import cluster as engine_of_cluster
 from eigencontact.engines.cluster import Cluster, cluster_of
+from eigencontact.engines.versions import unlike, versions
 from eigencontact.errors import ClusterError, SceneError
 from eigencontact.sweeps.sweep import sweep
+from hooks.test_plugin_files import BOWL
 
 SCENE = {
     "name": "ball",
@@ -47,6 +49,25 @@ def test_options_that_contradict():
     pytest.importorskip("distributed")
     with pytest.raises(SceneError, match="workers must be without cluster"):
         sweep(SCENE, VARY, cluster="local:2", workers=2)
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        ({"eigencontact": "1.0", "bowls": "2.0", "more": "3.0"}, ""),
+        ({"eigencontact": "1.0"}, "must have bowls 2.0 (got none); install it"),
+        ({"eigencontact": "0.9", "bowls": "2.1"}, "must have eigencontact 1.0, bowls 2.0 (got 0.9, 2.1); install it"),
+        ({}, "must have eigencontact 1.0, bowls 2.0 (got none, none); install it"),
+    ],
+)
+def test_versions_that_are_not_ours(found, words):
+    assert unlike({"eigencontact": "1.0", "bowls": "2.0"}, found) == words
+
+
+def test_versions_are_those_of_packages_with_plugins(install):
+    before = versions()
+    install("", name="eigencontact-stranger", version="1.2.3")
+    assert versions() == {**before, "eigencontact-stranger": "1.2.3"}
 
 
 def free_port():
@@ -180,3 +201,44 @@ def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path
         monkeypatch.setattr(Path, "touch", lambda _: None)
         with pytest.raises(ClusterError, match=f"must see the folder {tmp_path}"):
             sweep(SCENE, VARY, tmp_path, cluster=address)
+
+
+@pytest.mark.slow
+def test_a_worker_without_a_package_of_plugins_is_refused(install):
+    pytest.importorskip("distributed")
+    install("", name="eigencontact-stranger", version="1.2.3")
+    port = free_port()
+    words = r"worker tcp://\S+ must have eigencontact-stranger 1.2.3 \(got none\); install it"
+    with scheduler(port), worker(port), pytest.raises(ClusterError, match=words):
+        sweep(SCENE, VARY, cluster=f"tcp://127.0.0.1:{port}")
+
+
+@pytest.mark.slow
+def test_plugin_files_reach_workers_that_do_not_see_them(tmp_path):
+    """The file is moved away before a worker is asked for anything, and back for the command itself."""
+    pytest.importorskip("distributed")
+    path, away = tmp_path / "bowl.py", tmp_path / "elsewhere.py"
+    path.write_text(BOWL, encoding="utf-8")
+    scene = {**SCENE, "plugins": [str(path)], "geometry": {"type": "bowl", "bend": "100 um"}}
+    alone = sweep(scene, VARY, fields=["pressure"])
+
+    def told(outcome, done, total):
+        if done == total:
+            away.rename(path)
+
+    engine = Cluster("local:2", say=lambda _: path.rename(away))
+    found = sweep(scene, VARY, tmp_path / "out", fields=["pressure"], cluster=engine, told=told)
+    assert not found.failed
+    same_to_the_bit(found, alone)
+
+
+@pytest.mark.slow
+def test_a_task_that_cannot_be_sent_costs_no_other():
+    pytest.importorskip("distributed")
+    with Cluster("local:1") as engine:
+        found = list(engine.map(max, [3, (one for one in range(2))], lambda _: 5))
+        alone = list(engine.map(max, [(one for one in range(2))], lambda _: 5))
+    assert found[0] == (3, 5)
+    assert found[1][1].reason.startswith("cannot be sent to a worker: ")
+    assert len(found) == 2
+    assert len(alone) == 1

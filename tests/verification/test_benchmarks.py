@@ -510,6 +510,20 @@ def test_a_command_that_fails_is_no_measurement(monkeypatch):
         start.measure(start._CODE, Task(benchmark="start", code="eigencontact", n=1, case="help"))
 
 
+def test_the_largest_contact_of_a_memory_fits_in_it_and_the_next_does_not():
+    import eigencontact as ec
+    from eigencontact.core.memory import resident_bytes
+    from eigencontact_verification.benchmarks.largest import largest
+
+    memory = resident_bytes() + 3e8
+    cells, plan = largest("hertz", ["stress=[]", "output.pictures=false"], memory)
+    assert plan.cost.peak <= memory - resident_bytes() + 5e7  # what planning itself leaves in this process
+    beyond = ec.plan(ec.load_scene("hertz", ["stress=[]", f"grid.cells-per-contact-radius={int(1.2 * cells)}"]))
+    assert beyond.cost.peak > 0.9 * 3e8
+    with pytest.raises(ValueError, match="memory must hold 8 cells"):
+        largest("hertz", ["stress=[]"], resident_bytes())
+
+
 def test_nothing_measured_is_a_failure(fake, capsys):
     assert main(["hertz", "--codes", f"{fake}:ABSENT", "--sizes", "32"]) == 1
     assert "skipped, absent" in capsys.readouterr().out

@@ -12,8 +12,10 @@ import analytic_cases
 import eigencontact.cli
 import eigencontact_verification.campaign as package
 from eigencontact_verification.campaign import cases
-from eigencontact_verification.campaign.command import _Bar, _chosen, campaign
+from eigencontact_verification.campaign.command import _chosen
+from eigencontact_verification.campaign.progress import Bar
 from eigencontact_verification.campaign.run import tasks_of
+from eigencontact_verification.campaign.whole import campaign
 from eigencontact_verification.campaign.worker import Outcome, perform
 
 HEAVY = ("skfem", "scipy", "matplotlib", "pyvista", "numba", "pyamg", "eigencontact_verification.fem")
@@ -94,9 +96,9 @@ def test_what_has_no_quick_case_is_told_why_and_what_all_costs():
 def test_lines_without_a_terminal_are_seldom(monkeypatch, capsys):
     """One at the beginning, then one where ten seconds have passed; failures at once."""
     now = [0.0]
-    monkeypatch.setattr("eigencontact_verification.campaign.command.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("eigencontact_verification.campaign.progress.time.monotonic", lambda: now[0])
     tasks = tasks_of(cases.cases_of("layer")[0])
-    with _Bar(show=True) as bar:
+    with Bar(show=True) as bar:
         bar.started(tasks)
         for task, seconds, status in zip(tasks, (4.0, 9.0, 14.0, 20.0, 130.0), ("done",) * 4 + ("time",), strict=True):
             now[0] = seconds

@@ -150,11 +150,13 @@ def coated():
     return solved(coarser(layers.layered_case(((0.5, 4.0, 0.3),), name="faults"), 1.5))
 
 
+@pytest.mark.slow
 def test_sound_code_agrees(misfit, coated):
     assert judge(misfit).word == "agrees"
     assert judge(coated).word == "agrees"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("path", "factor"),
     [
@@ -166,6 +168,7 @@ def test_a_wrong_sphere_disagrees(misfit, path, factor):
     assert judged_again(misfit, parts(misfit.case, path, factor)).word == "disagrees"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("path", "factor"),
     [

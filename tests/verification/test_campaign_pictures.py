@@ -10,7 +10,6 @@ import pytest
 from analytic_cases import analytic
 from close import close
 from eigencontact_verification.campaign import cases
-from eigencontact_verification.campaign.command import _pictures
 from eigencontact_verification.campaign.figures import draw, gaps_of
 from eigencontact_verification.campaign.inclusions import inclusion_case, shape_of, unit_length
 from eigencontact_verification.campaign.judge import JudgedCase, judge
@@ -18,6 +17,7 @@ from eigencontact_verification.campaign.lines import STRESSES
 from eigencontact_verification.campaign.pictures import fields, section, space
 from eigencontact_verification.campaign.run import Solved, tasks_of
 from eigencontact_verification.campaign.tractions import rectangle_case
+from eigencontact_verification.campaign.whole import _pictures
 from eigencontact_verification.campaign.worker import perform
 
 CUBE = {"key": "cuboid", "center": [0.0, 0.0, 1.5], "edges": [1.0, 1.0, 1.0]}
