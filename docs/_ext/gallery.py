@@ -1,6 +1,7 @@
 """Pages of the bundled scenes, each made by running it: its pictures, its words, its TOML and how long it took.
 
-A run is kept under the hash of the scene and of the code, so that a page is never older than what it shows.
+A run is kept under the hash of the scene and of the code, so that a page is never older than what it shows. Runs go two
+at a time.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import subprocess
 import time
 import tomllib
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,8 @@ GROUPS = {
     "wear": "Wear",
 }
 THUMBNAIL = 480
+#: Runs at a time.
+BESIDE = 2
 #: Names of pictures begin so; what shows a region below the surface says more than a map of the pressure.
 TELLING = ("worn", "damage", "section", "shear.", "uplift.", "pressure.")
 
@@ -39,7 +43,7 @@ TELLING = ("worn", "damage", "section", "shear.", "uplift.", "pressure.")
 def write_gallery(docs: Path, chosen: list[str]) -> None:
     """Pages of all bundled scenes, or of those chosen, and their index in ``docs/gallery``."""
     names = chosen or list(bundled_names())
-    runs = dict(_runs(names, docs / "_cache" / "gallery"))
+    runs = _runs(names, docs / "_cache" / "gallery")
     pages, pictures = docs / "gallery", docs / "gallery" / "pictures"
     shutil.rmtree(pictures, ignore_errors=True)
     groups: dict[str, list[str]] = {key: [] for key in GROUPS}
@@ -60,17 +64,23 @@ def write(path: Path, text: str) -> None:
         path.write_text(text, "utf-8")
 
 
-def _runs(names: list[str], cache: Path) -> Any:
-    kept = set()
-    for name in status_iterator(names, "bundled scenes ... ", "darkgreen", len(names)):
-        key = hashlib.sha256(f"{code_hash()} {bundled_text(name)}".encode()).hexdigest()[:24]
-        folder = cache / f"{name}-{key}"
-        kept.add(folder)
-        if not (folder / "run.json").exists():
-            _run(name, folder)
-        yield name, folder
-    for stale in set(cache.iterdir()) - kept:
+def _runs(names: list[str], cache: Path) -> dict[str, Path]:
+    """Folders of the runs, by scene; those that are not kept are made."""
+    cache.mkdir(parents=True, exist_ok=True)
+    folders = {name: cache / f"{name}-{_key(name)}" for name in names}
+    wanted = {name: folder for name, folder in folders.items() if not (folder / "run.json").exists()}
+    with ThreadPoolExecutor(BESIDE) as pool:
+        for _ in status_iterator(
+            pool.map(_run, wanted, wanted.values()), "bundled scenes ... ", "darkgreen", len(wanted)
+        ):
+            pass
+    for stale in set(cache.iterdir()) - set(folders.values()):
         shutil.rmtree(stale)
+    return folders
+
+
+def _key(name: str) -> str:
+    return hashlib.sha256(f"{code_hash()} {bundled_text(name)}".encode()).hexdigest()[:24]
 
 
 def _run(name: str, folder: Path) -> None:
@@ -133,8 +143,10 @@ def _page(name: str, scene: Mapping[str, Any], folder: Path) -> str:
     lines = [
         f"# {_words(scene.get('title', name))}",
         _words(scene.get("description", "")),
-        (f"`eigencontact run {name}` took {run['seconds']:.1f} s here, pictures included. "
-        f"`eigencontact gallery show {name} > my.toml` copies the scene to start from."),
+        (
+            f"`eigencontact run {name}` took {run['seconds']:.1f} s here, pictures included, beside another run. "
+            f"`eigencontact gallery show {name} > my.toml` copies the scene to start from."
+        ),
         *shown[:1],
         "```toml\n" + bundled_text(name).strip() + "\n```",
         "What the terminal says:",
@@ -147,8 +159,10 @@ def _page(name: str, scene: Mapping[str, Any], folder: Path) -> str:
 def _index(groups: Mapping[str, list[str]], runs: Mapping[str, Path]) -> str:
     lines = [
         "# Gallery",
-        ("Every bundled scene, run by the code that these pages describe. Each is a file to start from: "
-        "`eigencontact gallery show NAME > my.toml`."),
+        (
+            "Every bundled scene, run by the code that these pages describe. Each is a file to start from: "
+            "`eigencontact gallery show NAME > my.toml`."
+        ),
     ]
     for key, names in groups.items():
         if not names:
