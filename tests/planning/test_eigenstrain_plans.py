@@ -150,22 +150,17 @@ print(json.dumps([summary[key] for key in keys]))
 """
 
 
-@pytest.mark.alone
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sphere-near-surface", "buried-cuboid", "prestressed-bars", "peened-layer"])
-def test_predicted_memory_and_time_are_within_a_factor_of_two(name, capsys):
-    """Median of three fresh processes; the prediction is made before the run, on the same machine."""
-    ratios = []
-    for _ in range(3):
-        done = subprocess.run(
-            [sys.executable, "-c", MEASURE, name], capture_output=True, text=True, check=True, timeout=300
-        )
-        memory, peak, seconds, spent = json.loads(done.stdout)
-        ratios.append((memory / peak, seconds / spent))
-    memory, seconds = np.median(ratios, axis=0)
+def test_predicted_memory_is_within_a_factor_of_two(name, capsys):
+    """A fresh process. Time is a matter of what else the machine does: the benchmark 'predictions' compares it."""
+    done = subprocess.run(
+        [sys.executable, "-c", MEASURE, name], capture_output=True, text=True, check=True, timeout=300
+    )
+    memory, peak, seconds, spent = json.loads(done.stdout)
     with capsys.disabled():
-        print(f"\npredicted / measured: memory {memory:.2f}, time {seconds:.2f} {name}")
-    assert 0.5 <= memory <= 2.0
-    assert 0.5 <= seconds <= 2.0
+        print(f"\npredicted / measured: memory {memory / peak:.2f}, time {seconds / spent:.2f} {name}")
+    assert 0.5 <= memory / peak <= 2.0
 
 
 # ---------------------------------------------------------------- outlines

@@ -6,7 +6,6 @@ import subprocess
 import sys
 from collections import Counter
 
-import numpy as np
 import pytest
 
 import eigencontact as ec
@@ -146,28 +145,23 @@ print(json.dumps([summary[key] for key in keys]))
 GRID = "grid={cells=%d, size=[2.2e-5, 2.2e-5]}"
 
 
-@pytest.mark.alone
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [[], [GRID % 256, "stress=[]"], [GRID % 1024, "stress=[]"], [GRID % 256, "numerics.precision=single"]],
     ids=["hertz", "256, no stress", "1024, no stress", "256, single"],
 )
-def test_predicted_memory_and_time_are_within_a_factor_of_two(changes, capsys):
-    """Median of three fresh processes; the prediction is made before the run, on the same machine."""
-    ratios = []
-    for _ in range(3):
-        done = subprocess.run(
-            [sys.executable, "-c", MEASURE, json.dumps(changes)],
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=300,
-            env=os.environ.copy(),
-        )
-        memory, peak, seconds, spent = json.loads(done.stdout)
-        ratios.append((memory / peak, seconds / spent))
-    memory, seconds = np.median(ratios, axis=0)
+def test_predicted_memory_is_within_a_factor_of_two(changes, capsys):
+    """A fresh process. Time is a matter of what else the machine does: the benchmark 'predictions' compares it."""
+    done = subprocess.run(
+        [sys.executable, "-c", MEASURE, json.dumps(changes)],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=300,
+        env=os.environ.copy(),
+    )
+    memory, peak, seconds, spent = json.loads(done.stdout)
     with capsys.disabled():
-        print(f"\npredicted / measured: memory {memory:.2f}, time {seconds:.2f} {changes}")
-    assert 0.5 <= memory <= 2.0
-    assert 0.5 <= seconds <= 2.0
+        print(f"\npredicted / measured: memory {memory / peak:.2f}, time {seconds / spent:.2f} {changes}")
+    assert 0.5 <= memory / peak <= 2.0
