@@ -45,7 +45,9 @@ def test_the_extra_is_named(monkeypatch):
 
 def test_options_that_contradict():
     with pytest.raises(ClusterError, match="memory must be with --cluster"):
-        cluster_of(None, 4.0, say=print)
+        cluster_of(None, 4.0, None, say=print)
+    with pytest.raises(ClusterError, match="threads must be with --cluster"):
+        cluster_of(None, None, 4, say=print)
     pytest.importorskip("distributed")
     with pytest.raises(SceneError, match="workers must be without cluster"):
         sweep(SCENE, VARY, cluster="local:2", workers=2)
@@ -198,6 +200,9 @@ def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path
         address = engine._client.scheduler.address
         with pytest.raises(ClusterError, match="memory of a task must be that of a worker"):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, memory=2.0 * machine_bytes()))
+        with pytest.raises(ClusterError, match=r"threads of a task must be those of a worker at most \(got 4096, "):
+            sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, threads=4096))
+        assert not sweep(SCENE, VARY, tmp_path / "enough", cluster=Cluster(address, threads=1)).failed
         monkeypatch.setattr(Path, "touch", lambda _: None)
         with pytest.raises(ClusterError, match=f"must see the folder {tmp_path}"):
             sweep(SCENE, VARY, tmp_path, cluster=address)

@@ -50,6 +50,8 @@ class Cluster:
         ``tcp://host:8786``, or the file that it wrote with ``--scheduler-file``.
     memory : float, optional
         What a task needs [bytes]; workers that have less get none.
+    threads : int, optional
+        What a task needs; workers that have fewer get none, and one that gets a task gives it all its threads.
     say : callable, optional
         Told in one line which workers there are, and where the dashboard is.
 
@@ -65,7 +67,10 @@ class Cluster:
     eigencontact.errors.ClusterError: cluster must be local:N, N from 1 to 1024 (got 'local:none')
     """
 
-    def __init__(self, address: str, *, memory: float | None = None, say: Callable[[str], None] | None = None) -> None:
+    def __init__(
+        self, address: str, *, memory: float | None = None, threads: int | None = None,
+        say: Callable[[str], None] | None = None,
+    ) -> None:  # fmt: skip
         local = re.fullmatch(r"local:(\d{1,4})", address)
         self._local = int(local[1]) if local else 0
         if address.startswith("local") and not 1 <= self._local <= 1024:
@@ -77,7 +82,8 @@ class Cluster:
         except ImportError:
             words = "cluster must have dask.distributed (not installed); install eigencontact[cluster]"
             raise ClusterError(words) from None
-        self._address, self._memory, self._say = address, memory, say
+        self._address, self._say = address, say
+        self._memory, self._threads = memory or 0.0, threads or 0
         self._client: Any = None
         self._open = ExitStack()
         #: Where results are written; workers must see it.
@@ -163,9 +169,9 @@ class Cluster:
         from distributed import as_completed
         from distributed.protocol.pickle import dumps
 
-        from eigencontact.engines.dask_worker import MEMORY, ONE, perform
+        from eigencontact.engines.dask_worker import MEMORY, ONE, THREADS, perform
 
-        needs = {ONE: 1} | ({} if self._memory is None else {MEMORY: self._memory})
+        needs = {ONE: 1, MEMORY: self._memory, THREADS: self._threads}
         waiting, running, done = deque(tasks), dict[Any, Task](), as_completed()
         room, counted = 1, -_COUNT
         finished = 0
@@ -226,26 +232,36 @@ class Cluster:
                 raise ClusterError(f"worker {worker} {words}")
             if not told["sees"] and seen is not None:
                 raise ClusterError(f"worker {worker} must see the folder {seen.parent}; give one that all share")
-        limits = self._client.run(_limit)
-        memory = max(limits.values())
-        if self._memory is not None and self._memory > memory:
+        limits: dict[str, float] = self._client.run(_limit)
+        held: dict[str, int] = self._client.nthreads()
+        memory, threads = max(limits.values()), max(held.values())
+        if self._memory > memory:
             got = f"{self._memory / 1e9:.3g} GB, the largest worker {memory / 1e9:.3g} GB"
             raise ClusterError(f"memory of a task must be that of a worker at most (got {got})")
+        if self._threads > threads:
+            got = f"{self._threads}, the largest worker {threads}"
+            raise ClusterError(f"threads of a task must be those of a worker at most (got {got})")
+        if not any(limits[worker] >= self._memory and held.get(worker, 0) >= self._threads for worker in limits):
+            got = f"{self._memory / 1e9:.3g} GB and {self._threads} threads"
+            raise ClusterError(f"a worker must have the memory and the threads of a task (none has {got})")
         if self._say is not None:
-            threads = sum(self._client.nthreads().values())
             self._say(
-                f"cluster {self._address}: {len(facts)} workers, {threads} threads, {memory / 1e9:.3g} GB each; "
-                f"dashboard: {self._client.dashboard_link}"
+                f"cluster {self._address}: {len(facts)} workers, {sum(held.values())} threads, "
+                f"{memory / 1e9:.3g} GB each; dashboard: {self._client.dashboard_link}"
             )
 
 
-def cluster_of(address: str | None, gigabytes: float | None, *, say: Callable[[str], None]) -> Cluster | None:
-    """Cluster of the options ``--cluster`` and ``--memory``; None without the first."""
+def cluster_of(
+    address: str | None, gigabytes: float | None, threads: int | None, *, say: Callable[[str], None]
+) -> Cluster | None:
+    """Cluster of the options ``--cluster``, ``--memory`` and ``--threads``; None without the first."""
     if address is None:
         if gigabytes is not None:
             raise ClusterError(f"memory must be with --cluster, whose workers it chooses (got {gigabytes:g} GB)")
+        if threads is not None:
+            raise ClusterError(f"threads must be with --cluster, whose workers they choose (got {threads})")
         return None
-    return Cluster(address, memory=None if gigabytes is None else 1e9 * gigabytes, say=say)
+    return Cluster(address, memory=None if gigabytes is None else 1e9 * gigabytes, threads=threads, say=say)
 
 
 def _asking(seen: str | None) -> Callable[[], dict[str, Any]]:

@@ -14,10 +14,10 @@ from eigencontact.engines.engine import Share
 from eigencontact.engines.versions import unlike, versions
 from eigencontact.errors import ClusterError
 
-__all__ = ["MEMORY", "ONE", "Beginning", "perform"]
+__all__ = ["MEMORY", "ONE", "THREADS", "Beginning", "perform"]
 
-#: Resources of dask: one task of ours at a time in each worker, and the memory that it may take [bytes].
-ONE, MEMORY = "eigencontact", "eigencontact-memory"
+#: Resources of dask: one task of ours at a time in each worker, and the memory [bytes] and threads that it may take.
+ONE, MEMORY, THREADS = "eigencontact", "eigencontact-memory", "eigencontact-threads"
 
 
 class Beginning(WorkerPlugin):  # type: ignore[misc]
@@ -42,8 +42,9 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         if self._seen is not None and not self._seen.is_file():
             raise ClusterError(f"worker {worker.address} must see the folder {self._seen.parent}")
         memory = float(worker.memory_manager.memory_limit or machine_bytes())
-        self.held = self._begin(Share(worker.state.nthreads, memory))
-        await worker.set_resources(**{ONE: 1, MEMORY: memory})
+        threads = worker.state.nthreads
+        self.held = self._begin(Share(threads, memory))
+        await worker.set_resources(**{ONE: 1, MEMORY: memory, THREADS: threads})
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002 - as dask calls it
         """Give up what was shared."""

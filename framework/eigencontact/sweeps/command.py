@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from eigencontact import completion
+from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
 
 __all__ = ["sweep"]
 
@@ -37,13 +38,9 @@ def sweep(
     ] = None,
     shared_grid: Annotated[bool, typer.Option("--shared-grid", help="One window for all variants.")] = False,
     workers: Annotated[int, typer.Option("--workers", help="Processes that share the variants.")] = 1,
-    cluster: Annotated[
-        str | None,
-        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
-    ] = None,
-    memory: Annotated[
-        float | None, typer.Option("--memory", metavar="GB", min=0.1, help="Of a variant, on a cluster.")
-    ] = None,
+    cluster: ClusterAddress = None,
+    memory: TaskMemory = None,
+    threads: TaskThreads = None,
     pictures: Annotated[bool, typer.Option("--pictures", help="Also draw the pictures of each variant.")] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default ./SCENE-sweep.")
@@ -57,7 +54,8 @@ def sweep(
     from eigencontact.errors import EigencontactError
 
     try:
-        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=(cluster, memory), told={
+        on = cluster, memory, threads
+        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=on, told={
             "pairs": pairs, "fields": field or [], "scalars": scalar or [], "pictures": pictures,
             "grid": "shared" if shared_grid else "own",
         })  # fmt: skip
@@ -71,7 +69,7 @@ def sweep(
 
 def _run(
     scene: str, vary: list[str], changes: list[str], output: Path | None, *, as_json: bool, workers: int,
-    on: tuple[str | None, float | None], told: dict[str, Any],
+    on: tuple[str | None, float | None, int | None], told: dict[str, Any],
 ) -> None:  # fmt: skip
     import json
 

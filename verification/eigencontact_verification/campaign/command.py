@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol
 
 import typer
 
+from eigencontact.engines.options import ClusterAddress, TaskThreads
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -88,10 +90,8 @@ def verify(
             help="A task that needs more is ended and reported (6); on a cluster, what a worker must have.",
         ),
     ] = None,
-    cluster: Annotated[
-        str | None,
-        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
-    ] = None,
+    cluster: ClusterAddress = None,
+    threads: TaskThreads = None,
     pictures: Annotated[
         bool, typer.Option("--pictures", help="Also write mesh and field of one case a kernel (VTU, PNG).")
     ] = False,
@@ -149,7 +149,7 @@ def verify(
         own_shapes, own_laws = _of_files(files_given)
         if not (names or laws):
             names, laws = own_shapes, own_laws
-        executor = _executor(workers, memory, cluster, files_given)
+        executor = _executor(workers, (cluster, memory, threads), files_given)
         options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
         options["show"] = not (quiet or as_json)
         chosen: tuple[Case, ...] = ()
@@ -237,20 +237,20 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
     return shapes, laws
 
 
-def _executor(workers: int | None, memory: float | None, cluster: str | None, plugins: Sequence[str]) -> Executor:
-    from eigencontact_verification.campaign.run import Limits, in_processes
-
-    if cluster is None:
-        limits = Limits() if memory is None else Limits(memory=memory * 1e9)
-        return partial(in_processes, workers=workers or _cores(), limits=limits, plugins=plugins)
-    if workers is not None:
-        raise ValueError(f"--workers must be without --cluster, which has its own (got {workers}); leave it out")
+def _executor(workers: int | None, on: tuple[str | None, float | None, int | None], plugins: Sequence[str]) -> Executor:
     from eigencontact.engines.cluster import cluster_of
     from eigencontact_verification.campaign.cluster import on_cluster
+    from eigencontact_verification.campaign.run import Limits, in_processes
 
-    engine = cluster_of(cluster, memory, say=lambda words: typer.echo(words, err=True))
-    assert engine is not None
-    return partial(on_cluster, engine=engine, plugins=plugins)
+    address, memory, threads = on
+    if address is not None and workers is not None:
+        raise ValueError(f"--workers must be without --cluster, which has its own (got {workers}); leave it out")
+    say = partial(typer.echo, err=True)
+    engine = cluster_of(address, None if address is None else memory, threads, say=say)
+    if engine is not None:
+        return partial(on_cluster, engine=engine, plugins=plugins)
+    limits = Limits() if memory is None else Limits(memory=memory * 1e9)
+    return partial(in_processes, workers=workers or _cores(), limits=limits, plugins=plugins)
 
 
 def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from eigencontact.engines.options import ClusterAddress, TaskThreads
+
 if TYPE_CHECKING:
     from eigencontact_verification.maps.report import MapReport
 
@@ -27,14 +29,12 @@ def campaign(
     ),
     coarse: Annotated[bool, typer.Option("--coarse", help="Fewer points and cells, for a first look.")] = False,
     workers: Annotated[int, typer.Option("--workers", min=1, help="Processes at a time.")] = 1,
-    cluster: Annotated[
-        str | None,
-        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
-    ] = None,
+    cluster: ClusterAddress = None,
     memory: Annotated[
         float | None,
         typer.Option("--memory", metavar="GB", min=0.1, help="Of a solution by elements (6); on a cluster, of all."),
     ] = None,
+    threads: TaskThreads = None,
     markdown: Annotated[
         Path | None,
         typer.Option(
@@ -69,8 +69,9 @@ def campaign(
         elif show:
             _show(name)
         else:
-            report = _run(name, output, coarse=coarse, workers=workers, on=(cluster, memory), markdown=markdown,
-                          trade=trade, as_json=as_json)  # fmt: skip
+            on = cluster, memory, threads
+            report = _run(name, output, coarse=coarse, workers=workers, on=on, markdown=markdown, trade=trade,
+                          as_json=as_json)  # fmt: skip
             raise typer.Exit(report.exit_code)
     except EigencontactError as problem:
         _leave(str(problem), problem.exit_code)
@@ -119,8 +120,8 @@ def _show(name: str) -> None:
 
 
 def _run(
-    name: str, output: Path, *, coarse: bool, workers: int, on: tuple[str | None, float | None], markdown: Path | None,
-    trade: bool, as_json: bool,
+    name: str, output: Path, *, coarse: bool, workers: int, on: tuple[str | None, float | None, int | None],
+    markdown: Path | None, trade: bool, as_json: bool,
 ) -> MapReport:  # fmt: skip
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
@@ -130,10 +131,10 @@ def _run(
     from eigencontact_verification.maps.report import as_section, write_map
 
     item = find(name)
-    address, gigabytes = on
+    address, gigabytes, threads = on
     needed = None if gigabytes is None else 1e9 * gigabytes
     say = partial(typer.echo, err=True)
-    cluster = None if address is None else cluster_of(address, gigabytes, say=say)
+    cluster = cluster_of(address, None if address is None else gigabytes, threads, say=say)
     if cluster is not None and workers != 1:
         raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
     try:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
@@ -28,13 +30,9 @@ def study(
     ),
     coarse: Annotated[bool, typer.Option("--coarse", help="Fewer variants and cells, for a first look.")] = False,
     workers: Annotated[int, typer.Option("--workers", min=1, help="Processes that share the variants.")] = 1,
-    cluster: Annotated[
-        str | None,
-        typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
-    ] = None,
-    memory: Annotated[
-        float | None, typer.Option("--memory", metavar="GB", min=0.1, help="Of a variant, on a cluster.")
-    ] = None,
+    cluster: ClusterAddress = None,
+    memory: TaskMemory = None,
+    threads: TaskThreads = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
     form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
@@ -54,7 +52,7 @@ def study(
         elif show:
             _show(name)
         else:
-            _run(name, output, coarse=coarse, workers=workers, on=(cluster, memory), as_json=as_json)
+            _run(name, output, coarse=coarse, workers=workers, on=(cluster, memory, threads), as_json=as_json)
     except EigencontactError as problem:
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(problem.exit_code) from None
@@ -108,7 +106,13 @@ def _show(name: str) -> None:
 
 
 def _run(
-    name: str, output: Path, *, coarse: bool, workers: int, on: tuple[str | None, float | None], as_json: bool
+    name: str,
+    output: Path,
+    *,
+    coarse: bool,
+    workers: int,
+    on: tuple[str | None, float | None, int | None],
+    as_json: bool,
 ) -> None:
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError

@@ -1,0 +1,22 @@
+"""Options of commands whose tasks a cluster may perform; imports little, because the help of commands loads it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+__all__ = ["ClusterAddress", "TaskMemory", "TaskThreads"]
+
+ClusterAddress = Annotated[
+    str | None,
+    typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
+]
+TaskMemory = Annotated[
+    float | None,
+    typer.Option("--memory", metavar="GB", min=0.1, help="Of a task, on a cluster: workers that have less get none."),
+]
+TaskThreads = Annotated[
+    int | None,
+    typer.Option("--threads", metavar="N", min=1, help="Of a task, on a cluster: workers that have fewer get none."),
+]
