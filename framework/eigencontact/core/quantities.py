@@ -122,6 +122,9 @@ class Quantity:
     long_name: str
 
 
+#: Of displacements that the contact feels; see `eigencontact.solvers.mean_surface`.
+_AS_MEANS = "; by inhomogeneities the mean over each cell, along the tractions of a contact"
+
 QUANTITIES: dict[str, Quantity] = {
     "separation": Quantity("m", "initial separation of the surfaces"),
     "pressure": Quantity("Pa", "contact pressure, positive in compression"),
@@ -147,9 +150,15 @@ QUANTITIES: dict[str, Quantity] = {
     "worn_depth_2": Quantity("m", "depth that body 2 has lost"),
     "exposed_material": Quantity("1", "number of the material that the step met at the surface, 0 the substrate"),
     "contact_zone": Quantity("1", "0 out of contact, 1 slipping in this step, 2 sticking"),
-    "residual_displacement_z": Quantity("m", "surface displacement by eigenstrain into the bodies, both summed"),
-    "residual_displacement_x": Quantity("m", "surface displacement by eigenstrain along x, body 1 minus body 2"),
-    "residual_displacement_y": Quantity("m", "surface displacement by eigenstrain along y, body 1 minus body 2"),
+    "residual_displacement_z": Quantity(
+        "m", f"surface displacement by eigenstrain into the bodies, both summed{_AS_MEANS}"
+    ),
+    "residual_displacement_x": Quantity(
+        "m", f"surface displacement by eigenstrain along x, body 1 minus body 2{_AS_MEANS}"
+    ),
+    "residual_displacement_y": Quantity(
+        "m", f"surface displacement by eigenstrain along y, body 1 minus body 2{_AS_MEANS}"
+    ),
     "displacement": Quantity("m", "displacement against distant points of the body"),
     "strain": Quantity("1", "total strain, expansion positive"),
     "stress": Quantity("Pa", "sub-surface stress, positive in tension"),

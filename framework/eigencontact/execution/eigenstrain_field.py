@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +16,17 @@ from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.interiors.responding import places_solved, solved_route
 from eigencontact.execution.precision import Precision
 from eigencontact.execution.routes.prescribed import PrescribedField
-from eigencontact.execution.routes.route import HalfSpace, Route
+from eigencontact.execution.routes.route import CellRoute, HalfSpace, Route
 from eigencontact.execution.step import Step
+from eigencontact.execution.within_regions import rises, whole_cells
 from eigencontact.model.growth import lattice_of
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.scene.schema import StressRequest
+
+if TYPE_CHECKING:
+    from eigencontact.solvers.within_cells import WithinCells
 
 __all__ = ["EigenstrainField"]
 
@@ -68,9 +74,29 @@ class EigenstrainField:
         """Fields by quantity, ``(3 or 6, *lattice.shape)``."""
         found = {quantity: field.at(step.time) for quantity, field in self._prescribed.items()}
         for quantity, route in self._routes(step).items():
-            values = route.field(step.history[self._name].values)
+            eigenstrain = step.history[self._name].values
+            values = route.field(eigenstrain)
+            if quantity != "displacement" and self._within is not None:
+                values = values + self._within.difference(quantity, eigenstrain).reshape(values.shape)
             found[quantity] = found[quantity] + values if quantity in found else values
         return found
+
+    @cached_property
+    def _within(self) -> WithinCells | None:
+        """What makes the eigenstrain go on between the cells of a region; None where it need not."""
+        route = next(iter(self._solved.values()))
+        if not (route.steps and isinstance(route, CellRoute)) or rises(self._model, self._body):
+            return None
+        from eigencontact.solvers.within_cells import WithinCells
+
+        box, grid, points = route.box, self._model.grid, self._lattice.flat_points()
+        sources = [source for source in self._model.inhomogeneities if source.body == self._body]
+        region, material = whole_cells(box, sources, grid, points), route.half_space.material
+        if not region.any():
+            return None
+        return WithinCells(
+            box.cells(grid), region, points, poisson_ratio=material.poisson_ratio, shear_modulus=material.shear_modulus
+        )  # fmt: skip
 
     def _routes(self, step: Step) -> dict[str, Route]:
         """Routes from the cells that the step remembers: those of the scene, or more where a body's box has grown."""
@@ -80,6 +106,7 @@ class EigenstrainField:
         if not _same(known, self._cells):
             self._model = self._grown(step, known)
             self._cells = places_solved(self._model, self._body)
+            self.__dict__.pop("_within", None)
             self._solved = {
                 quantity: solved_route(self._model, self._body, quantity, self._lattice) for quantity in self._solved
             }

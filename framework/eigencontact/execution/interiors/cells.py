@@ -19,10 +19,10 @@ from eigencontact.execution.material_cells import MaterialCells
 from eigencontact.execution.precision import INNER, settled, volume_round_off
 from eigencontact.execution.routes.route import Pace
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.within_regions import is_empty
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model
-from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import HasCellAnswer, LinearLaw, VariesInSpace
 
 __all__ = ["Cells"]
@@ -81,7 +81,7 @@ class Cells(Responding):
     def _applications(self) -> float:
         """Of the operator, in one step, typically."""
         usual = _TOGETHER if self._kernels else _ALONE
-        return usual * (_EMPTY if any(map(_is_empty, self.sources)) else 1.0)
+        return usual * (_EMPTY if any(map(is_empty, self.sources)) else 1.0)
 
     def _seconds_of_laws(self) -> float:
         """Time of the answers of laws in a step that Newton's method finds from their `update`."""
@@ -220,9 +220,3 @@ class _OfCells:
 def _of_box(law: Any, places: tuple[FloatArray, FloatArray, FloatArray]) -> Any:
     """Elastic constants of a law in a box, by the centres of its cells."""
     return _OfCells(law, places) if isinstance(law, VariesInSpace) else law
-
-
-def _is_empty(source: Inhomogeneity) -> bool:
-    """Whether a region carries no stress at all."""
-    law = source.law  # the factors are bounded for every material; a rigid one has no stiffness to ask for
-    return isinstance(law, LinearLaw) and not isinstance(law, VariesInSpace) and not np.any(law.factors(1.0)[1])

@@ -36,6 +36,7 @@ class Planes(CellRoute):
 
     #: What tells its operator from others.
     way: ClassVar[str] = ""
+    steps: ClassVar[bool] = True
 
     def round_off(self) -> float | None:
         """Of its operator in single precision, by the largest value; None where it knows double alone."""
@@ -226,6 +227,7 @@ class Between(Planes):
     """Many scattered points: the field in the middles of cells about them, and on the surface, interpolated."""
 
     note = "what eigenstrain causes is linear between the middles of its cells"
+    steps = False
 
     @property
     def words(self) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import ceil, log2
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,9 +113,12 @@ class Route(ABC):
         Components that are wanted; all by default.
     note : str
         What must be known of the values, in words, or nothing.
+    steps : bool
+        Class attribute; whether stress and strain step where the eigenstrain does, from cell to cell.
     """
 
     note: str = ""
+    steps: ClassVar[bool] = False
 
     def __init__(
         self,

@@ -1,0 +1,135 @@
+"""Stress and strain between the middles of cells, where the eigenstrain goes on smoothly from one cell to the next.
+
+An eigenstrain that is uniform in each cell steps at their faces, and so do the fields at points between the middles.
+What it has too much there is a sawtooth along each axis n, with every cell another tooth. Its field hardly leaves the
+cell, and is that of layers whose eigenstrain δ varies across them alone,
+
+    σ = -Q δ,    ε = δ - M Q δ,    Q = C - C n (n C n)^-1 n C,
+
+with the stiffness C and the compliance M of the material around: Q is plane stress in the layer. Here δ is the
+eigenstrain of the cell less that on the straight line through its middle and the next.
+
+References
+----------
+G. W. Milton 2002, The Theory of Composites, section 9.2 (fields in laminates).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eigencontact.core.tensors import COMPONENTS
+from eigencontact.errors import require
+from eigencontact.solvers.cells import Cells
+
+__all__ = ["WithinCells"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+Cell = list[IntArray]
+
+# Part of a cell: a point so near to a face lies on it, and counts half to either side.
+_ON_FACE = 1e-9
+
+
+class WithinCells:
+    """Takes the sawtooth off at some points.
+
+    Parameters
+    ----------
+    cells : Cells
+        That carry the eigenstrain.
+    region : (nz, ny, nx) of int
+        Number of the region that a cell belongs to; the eigenstrain goes on between cells of the same. 0 is a cell in
+        which nothing is taken off.
+    points : three of (n,)
+        x, y, z [m].
+    poisson_ratio, shear_modulus : float
+        Of the material around; ν up to 0.5, G [Pa].
+    """
+
+    def __init__(
+        self,
+        cells: Cells,
+        region: NDArray[np.int_],
+        points: tuple[FloatArray, FloatArray, FloatArray],
+        *,
+        poisson_ratio: float,
+        shear_modulus: float,
+    ) -> None:
+        require(region.shape == cells.shape, "within cells", "region", region.shape, f"of shape {cells.shape}")
+        layers = [_layer(axis, poisson_ratio) for axis in range(3)]
+        self._operators = {
+            "stress": [2.0 * shear_modulus * stress for stress, _ in layers],
+            "strain": [-strain for _, strain in layers],
+        }
+        self._region, self._count = np.pad(region, 1), points[0].size
+        placed = [(at - first) / d for at, first, d in zip(points, cells.first, cells.pitch, strict=True)]
+        ends = np.array(cells.shape[::-1]) - 0.5 + _ON_FACE
+        inside = [(at > -0.5 - _ON_FACE) & (at < end) for at, end in zip(placed, ends, strict=True)]
+        self._near = np.flatnonzero(np.logical_and.reduce(inside))
+        self._places = [at[self._near] for at in placed]
+
+    def difference(self, quantity: str, eigenstrain: FloatArray) -> FloatArray:
+        """What is to be added to the field of an eigenstrain, ``(6, n)``.
+
+        Parameters
+        ----------
+        quantity : {"stress", "strain"}
+            Mandel stress [Pa] or total strain.
+        eigenstrain : (6, nz, ny, nx)
+            Mandel components [-].
+        """
+        out = np.zeros((6, self._count))
+        padded = np.pad(eigenstrain, ((0, 0), (1, 1), (1, 1), (1, 1)))
+        for where, weight, cell in self._sides():
+            for axis, operator in enumerate(self._operators[quantity]):
+                offset = self._places[axis][where] - cell[axis]
+                slope = self._slope(padded, cell, axis, np.where(offset > 0.0, 1, -1))
+                out[:, self._near[where]] -= operator @ (weight * offset * slope)
+        return out
+
+    def _sides(self) -> Iterator[tuple[IntArray, FloatArray, Cell]]:
+        """Points, their weights, and the cell (x, y, z) of a region that they lie in: on a face once for each side."""
+        lower = [np.ceil(at - 0.5 - _ON_FACE).astype(int) for at in self._places]
+        upper = [np.floor(at + 0.5 + _ON_FACE).astype(int) for at in self._places]
+        on_face = [low != high for low, high in zip(lower, upper, strict=True)]
+        weights = 0.5 ** np.sum(on_face, axis=0)
+        for side in product((False, True), repeat=3):
+            taken = np.logical_and.reduce([face | (not second) for second, face in zip(side, on_face, strict=True)])
+            cell = [high if second else low for second, low, high in zip(side, lower, upper, strict=True)]
+            where = np.flatnonzero(taken & (_at(self._region, cell) > 0))
+            yield where, weights[where], [index[where] for index in cell]
+
+    def _slope(self, padded: FloatArray, cell: Cell, axis: int, ahead: IntArray) -> FloatArray:
+        """Change of the eigenstrain ``(6, n)`` by a cell along an axis: to the next, or from the last of the region."""
+        number, own = _at(self._region, cell), _at(padded, cell)
+        found = np.zeros_like(own)
+        for way in (-ahead, ahead):
+            other = [index + way * (along == axis) for along, index in enumerate(cell)]
+            same = _at(self._region, other) == number
+            found = np.where(same, way * (_at(padded, other) - own), found)
+        return found
+
+
+def _at(padded: NDArray[Any], cell: Cell) -> NDArray[Any]:
+    """Values in cells (x, y, z) of a box that was padded by one cell."""
+    x, y, z = (index + 1 for index in cell)
+    return padded[..., z, y, x]
+
+
+def _layer(axis: int, poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
+    """Of an eigenstrain that varies along an axis alone: Q / 2G and 1 - M Q, ``(6, 6)``."""
+    flat = [k for k, name in enumerate(COMPONENTS) if "xyz"[axis] not in name]
+    stress, strain = np.zeros((6, 6)), np.eye(6)
+    stress[flat, flat] = 1.0
+    strain[flat, flat] = 0.0
+    stretches = [k for k in flat if k < 3]
+    stress[np.ix_(stretches, stretches)] += poisson_ratio / (1.0 - poisson_ratio)
+    strain[axis, stretches] = poisson_ratio / (1.0 - poisson_ratio)
+    return stress, strain
