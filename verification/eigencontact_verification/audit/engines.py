@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.campaign.case import Level, Outer
 from eigencontact_verification.fem.loaded_body import LoadedBody
+from eigencontact_verification.fem.loaded_parity import parities
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,7 +65,7 @@ def is_split(body: LoadedBody) -> bool:
 def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
     """Bodies that the elements solve, each with its sign in the sum."""
     if not is_split(body):
-        return [] if without_load(body) else [(1.0, body)]
+        return [] if without_load(body) else [(1.0, part) for part in parities(body)]
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
     if not stiff and all(cells.kept is None for cells in body.cells):
         unloaded = replace(body, tractions=None)

@@ -17,7 +17,7 @@ from eigencontact_verification.fem.assembly import point_state
 from eigencontact_verification.fem.loaded_body import LoadedBody
 from eigencontact_verification.fem.model import Model, Region
 
-__all__ = ["PROBES", "TOLERANCE", "Centred", "boxes_of", "centred"]
+__all__ = ["PROBES", "TOLERANCE", "Centred", "boxes_of", "centred", "reflected"]
 
 FloatArray = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ def boxes_of(body: LoadedBody, least: float = 0.0) -> Iterator[tuple[str, FloatA
             yield "cells", np.array(spans).T
 
 
-def _reflected(values: FloatArray, edges: FloatArray, middle: float, axis: int) -> FloatArray | None:
+def reflected(values: FloatArray, edges: FloatArray, middle: float, axis: int) -> FloatArray | None:
     """Values on the cells reflected at a place along one axis; zero beyond the edges; None if cells do not match."""
     centre = (edges[1:] + edges[:-1]) / 2
     wanted = 2 * middle - centre
@@ -124,20 +124,20 @@ def _folded(body: LoadedBody, plane: int, kind: str, middle: float) -> LoadedBod
     tensor = np.multiply.outer(turn, turn) * (1.0 if kind == "even" else -1.0)
     loads, boxes = body.tractions, []
     if loads is not None:
-        other = _reflected(loads.values, (loads.x, loads.y)[plane], middle, 2 - plane)
+        other = reflected(loads.values, (loads.x, loads.y)[plane], middle, 2 - plane)
         values = None if other is None else _symmetric(loads.values, turn[:, None, None] * other)
         if values is None:
             return None
         loads = replace(loads, values=values)
     for cells in body.cells:
         edges = (cells.x, cells.y)[plane]
-        other = _reflected(cells.eigenstrain, edges, middle, 4 - plane)
+        other = reflected(cells.eigenstrain, edges, middle, 4 - plane)
         strain = None if other is None else _symmetric(cells.eigenstrain, tensor[:, :, None, None, None] * other)
         if strain is None:
             return None
         kept = cells.kept
         if kept is not None:
-            lost = _reflected(1 - kept, edges, middle, 2 - plane)
+            lost = reflected(1 - kept, edges, middle, 2 - plane)
             lost = None if lost is None else _symmetric(1 - kept, lost)
             if lost is None:
                 return None
