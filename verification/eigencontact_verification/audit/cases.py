@@ -147,12 +147,13 @@ def _known(body: AuditedBody, lines: Sequence[Line]) -> Fields:
     if not engines.is_split(loaded):
         return {}
     found = {}
+    young, nu = engines.base_of(loaded)
     for line in _lines_of(lines, body.number):
         points = line.profile.points
         if line.body:
-            values = homogeneous_stress(loaded.tractions, points, loaded.poisson_ratio)
+            values = homogeneous_stress(loaded.tractions, points, nu)
         else:
-            moved = homogeneous_displacement(loaded.tractions, points, loaded.young_modulus, loaded.poisson_ratio)
+            moved = homogeneous_displacement(loaded.tractions, points, young, nu)
             values = _as_stored(moved, line, body.number)
         found[f"{body.number} {line.profile.name}"] = values
     return found
@@ -214,8 +215,7 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
 
 
 def _base(stored: StoredStep, body: AuditedBody) -> Callable[[FloatArray], FloatArray]:
-    nu = body.loaded.layers[0].poisson_ratio if body.loaded.layers else body.loaded.poisson_ratio
-    return partial(_homogeneous, tractions_on(stored, body.number), nu)
+    return partial(_homogeneous, tractions_on(stored, body.number), engines.base_of(body.loaded)[1])
 
 
 def _homogeneous(tractions: Any, poisson_ratio: float, points: FloatArray) -> FloatArray:

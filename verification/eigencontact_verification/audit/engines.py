@@ -1,8 +1,9 @@
 """Which finite elements solve a body, and what they are asked: of revolution where it is, else of three dimensions.
 
 Where a homogeneous half-space carries the tractions, its field is known in closed form (`homogeneous`). Elements are
-then asked what inclusions, damage and eigenstrain change of it: the field with them less the field without on the same
-mesh, so that the error of the load drops out; of eigenstrain alone the field without load.
+then asked what layers, inclusions, damage and eigenstrain change of it: the field with them less the field without on
+the same mesh, so that the error of the load drops out, the kink beside a jump of the tractions with it; of eigenstrain
+alone the field without load. Under layers the half-space is all of the material of the uppermost.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from eigencontact_verification.fem.loaded_parity import parities
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["RATIO", "Engine", "asked", "budget_for", "engine_for", "is_split", "solve_body", "without_load"]
+__all__ = ["RATIO", "Engine", "asked", "base_of", "budget_for", "engine_for", "is_split", "solve_body", "without_load"]
 
 FloatArray = NDArray[np.float64]
 Engine = Literal["revolution", "solid"]
@@ -51,7 +52,7 @@ def engine_for(bodies: Sequence[LoadedBody]) -> Engine:
     of revolution within the steps of their square cells at best, which the elements would have to leave out: where they
     are all there is, and where a layer keeps them from being split off, they take three dimensions.
     """
-    if any(body.cells or not body.regions or (body.tractions and not is_split(body)) for body in bodies):
+    if any(body.cells or not body.regions or (body.tractions and body.layers) for body in bodies):
         return "solid"
     of_revolution = import_module(_MODULES["revolution"]).of_revolution
     return "revolution" if all(of_revolution(body) is not None for body in bodies) else "solid"
@@ -59,7 +60,13 @@ def engine_for(bodies: Sequence[LoadedBody]) -> Engine:
 
 def is_split(body: LoadedBody) -> bool:
     """Whether the elements are asked for the change of a field that is known."""
-    return bool(body.tractions is not None and (body.regions or body.cells) and not body.layers)
+    return bool(body.tractions is not None and (body.regions or body.cells or body.layers))
+
+
+def base_of(body: LoadedBody) -> tuple[float, float]:
+    """Young's modulus and Poisson's ratio of the half-space whose field is known: what the tractions act on."""
+    top = body.layers[0] if body.layers else body
+    return top.young_modulus, top.poisson_ratio
 
 
 def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
@@ -67,20 +74,21 @@ def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
     if not is_split(body):
         return [] if without_load(body) else [(1.0, part) for part in parities(body)]
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
-    if not stiff and all(cells.kept is None for cells in body.cells):
+    if not stiff and not body.layers and all(cells.kept is None for cells in body.cells):
         unloaded = replace(body, tractions=None)
         return [] if without_load(unloaded) else [(1.0, unloaded)]
-    return [(1.0, body), (-1.0, _matrix(body))]
+    return [one for part in parities(body) for one in ((1.0, part), (-1.0, _matrix(part)))]
 
 
 def _matrix(body: LoadedBody) -> LoadedBody:
-    """The body without what its regions and cells change, but for a trace."""
+    """The half-space whose field is known, but for a trace of what regions and cells change."""
+    young, nu = base_of(body)
     regions = tuple(
         replace(
             region,
             eigenstrain=_TRACE * region.eigenstrain,
-            young_modulus=None if region.young_modulus is None else body.young_modulus * (1.0 + _TRACE),
-            poisson_ratio=None if region.poisson_ratio is None else body.poisson_ratio,
+            young_modulus=None if region.young_modulus is None else young * (1.0 + _TRACE),
+            poisson_ratio=None if region.poisson_ratio is None else nu,
         )
         for region in body.regions
     )
@@ -92,7 +100,8 @@ def _matrix(body: LoadedBody) -> LoadedBody:
         )
         for one in body.cells
     )
-    return replace(body, regions=regions, cells=cells)
+    layers = tuple(replace(layer, young_modulus=young, poisson_ratio=nu) for layer in body.layers)
+    return replace(body, young_modulus=young, poisson_ratio=nu, layers=layers, regions=regions, cells=cells)
 
 
 def budget_for(engine: Engine, bodies: Sequence[LoadedBody], watched: Sequence[FloatArray], *, quick: bool) -> int:
