@@ -64,8 +64,11 @@ def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArra
         young[above], nu[above] = layer.young_modulus, layer.poisson_ratio
         bottom -= layer.thickness
     strain = np.zeros((x.size, 3, 3))
+    first, last = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     for region in model.regions:
         low, high = (np.asarray(corner) for corner in region.bounds)
+        if (high < first).any() or (low > last).any():
+            continue  # of hundreds of regions a chunk of points meets few
         near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
         hit = near[np.asarray(region.contains(x[near], y[near], z[near]), dtype=bool)]
         strain[hit] += region.eigenstrain

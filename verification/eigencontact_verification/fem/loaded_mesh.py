@@ -85,7 +85,8 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
             if high > lows[axis]:
                 share = _STEEP * length if kind == "tractions" and axis == 2 else length
                 anchors[axis].append((max(low, lows[axis]), high, share))
-    return anchors
+    # of a lattice of hundreds of regions few intervals differ
+    return [list({tuple(np.round(np.divide(one, max(sizes)), 9)): one for one in axis}.values()) for axis in anchors]
 
 
 def _away(distance: FloatArray, largest: float) -> FloatArray:

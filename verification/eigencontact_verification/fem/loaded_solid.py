@@ -88,9 +88,12 @@ class LoadedSolution:
             at[np.abs(at[:, 2] - interface) < 1e-9 * self.solution.model.reach, 2] = interface * (1 + 1e-7)
         curved = [region for region in self.body.regions if not is_box(region)]
 
+        # sums of random numbers tell apart what regions a point lies in, however many there are
+        marks = np.random.default_rng(0).integers(1, 1 << 62, size=len(curved))
+
         def side(x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.int64]:
             return sum(
-                (np.asarray(r.contains(x, y, z), dtype=np.int64) << n for n, r in enumerate(curved)),
+                (np.where(r.contains(x, y, z), mark, 0) for mark, r in zip(marks, curved, strict=True)),
                 start=np.zeros(np.shape(x), dtype=np.int64),
             )
 
