@@ -33,7 +33,10 @@ _HALF = 0.5
 #: Least own error of a component, in its largest on the line.
 _LEAST = 0.5
 _SHEAR = ("u_x", "u_y")
-_Load = tuple[str, bool, bool, tuple[str, ...], bool]
+#: Tractions that displace along x, y and z in the bodies of a contact with friction, by numerics.coupling.
+_CAUSES = {"none": ("x", "y", "z"), "partial": ("xy", "xy", "z"), "one-way": ("xyz", "xyz", "z")}
+_ALL = ("xyz",) * 3
+_Load = tuple[str, bool, bool, tuple[str, ...], bool, tuple[str, ...]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -141,10 +144,13 @@ def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
     return np.asarray((displacement * side)[:, [["u_x", "u_y", "u_z"].index(n) for n in line.profile.components]])
 
 
-def _known(body: AuditedBody, lines: Sequence[Line]) -> Fields:
-    """What a homogeneous body gives along the lines, where the elements are asked for the change alone."""
+def _known(body: AuditedBody, lines: Sequence[Line], causes: Sequence[str]) -> Fields:
+    """What a homogeneous body gives along the lines, where the elements are asked for the change alone.
+
+    `causes` names the tractions that displace along x, y and z.
+    """
     loaded = body.loaded
-    if not engines.is_split(loaded):
+    if loaded.tractions is None or not engines.is_split(loaded):
         return {}
     found = {}
     young, nu = engines.base_of(loaded)
@@ -153,7 +159,11 @@ def _known(body: AuditedBody, lines: Sequence[Line]) -> Fields:
         if line.body:
             values = homogeneous_stress(loaded.tractions, points, nu)
         else:
-            moved = homogeneous_displacement(loaded.tractions, points, young, nu)
+            moved = np.zeros_like(points)
+            for cause in set(causes):
+                alone = np.isin(list("xyz"), list(cause))[:, None, None] * loaded.tractions.values
+                by = homogeneous_displacement(replace(loaded.tractions, values=alone), points, young, nu)
+                moved += np.where([one == cause for one in causes], by, 0.0)
             values = _as_stored(moved, line, body.number)
         found[f"{body.number} {line.profile.name}"] = values
     return found
@@ -200,15 +210,18 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
             Gap(kernel=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
         )
     cases = []
-    for name, pressure, shear, components, stress in _loads(
-        stored, gaps, mixed=any(body.different or body.loaded.cells for body in bodies)
+    for name, pressure, shear, components, stress, causes in _loads(
+        stored,
+        gaps,
+        mixed=any(body.loaded.regions or body.loaded.cells for body in bodies),
+        layered=any(body.loaded.layers for body in bodies),
     ):
         lines = [_only(line, components) for line in above]
         kept = tuple(line for line in lines if line is not None) + (tuple(below) if stress else ())
         if not (kept and bodies):
             continue
         try:
-            cases.append(_case(stored, bodies, kept, name, pressure=pressure, shear=shear, quick=quick))
+            cases.append(_case(stored, bodies, kept, name, pressure=pressure, shear=shear, causes=causes, quick=quick))
         except ValueError as problem:
             gaps.append(Gap(kernel=stored.name, what=name, reason=f"not solved: {problem}"))
     return tuple(cases), tuple(gaps)
@@ -222,29 +235,33 @@ def _homogeneous(tractions: Any, poisson_ratio: float, points: FloatArray) -> Fl
     return homogeneous_stress(tractions, points, poisson_ratio)
 
 
-def _loads(stored: StoredStep, gaps: list[Gap], *, mixed: bool) -> list[_Load]:
-    """Parts of the load with what is judged under each: name, pressure, shear, displacements, stress.
+def _loads(stored: StoredStep, gaps: list[Gap], *, mixed: bool, layered: bool) -> list[_Load]:
+    """Parts of the load with what is judged under each: name, pressure, shear, displacements, stress, causes.
 
     A contact with friction may leave out by its scene (numerics.coupling) what one traction displaces along another.
-    Such displacements are judged under the tractions that cause them; stress always has all.
+    Such displacements are judged under the tractions that cause them; stress always has all. Inclusions answer all
+    tractions at every level: where there are some, the bodies' own displacement is known by its causes, and the
+    elements are asked for what inclusions change of it under all.
     """
     step = f"step-{stored.step}"
     sheared = any(np.any(stored.surface.get(name, 0.0)) for name in ("shear_x", "shear_y"))
     coupling = stored.scene.numerics.coupling
     if stored.scene.friction is None or coupling == "full" or not sheared:
-        return [(step, True, True, (*_SHEAR, "u_z"), True)]
-    left = {"none": "u_x, u_y by pressure and u_z by shear", "partial": "u_x, u_y by pressure and u_z by shear"}
-    text, told = left.get(coupling, "u_z by shear"), f'the scene leaves it out: numerics.coupling = "{coupling}"'
-    gaps.append(Gap(kernel=stored.name, what=text, reason=told))
-    if mixed:
-        reason = f"inclusions answer all tractions, the bodies not: {told}"
+        return [(step, True, True, (*_SHEAR, "u_z"), True, _ALL)]
+    left = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
+    left = f"u_x by shear along y, u_y by shear along x, {left}" if coupling == "none" else left
+    gaps.append(Gap(kernel=stored.name, what=left, reason=f'the scene leaves it out: numerics.coupling = "{coupling}"'))
+    if mixed and layered:
+        reason = "inclusions answer all tractions and layers not, of which the elements know the sum alone"
         gaps.append(Gap(kernel=stored.name, what="displacement of the surface", reason=reason))
-        return [(step, True, True, (), True)]
-    parts: list[_Load] = [(f"{step}-pressure", True, False, ("u_z",), False)]
+        return [(step, True, True, (), True, _ALL)]
+    if mixed:
+        return [(step, True, True, (*_SHEAR, "u_z"), True, _CAUSES[coupling])]
+    parts: list[_Load] = [(f"{step}-pressure", True, False, ("u_z",), False, _ALL)]
     if coupling == "one-way":
-        return [*parts, (step, True, True, _SHEAR, True)]
-    parts.append((f"{step}-shear", False, True, _SHEAR, False))
-    return [*parts, (step, True, True, (), True)] if stored.regions else parts
+        return [*parts, (step, True, True, _SHEAR, True, _ALL)]
+    parts.append((f"{step}-shear", False, True, _SHEAR, False, _ALL))
+    return [*parts, (step, True, True, (), True, _ALL)] if stored.regions else parts
 
 
 def _only(line: Line, components: tuple[str, ...]) -> Line | None:
@@ -261,7 +278,7 @@ def _only(line: Line, components: tuple[str, ...]) -> Line | None:
 
 def _case(
     stored: StoredStep, bodies: Sequence[AuditedBody], lines: tuple[Line, ...], name: str, *,
-    pressure: bool, shear: bool, quick: bool,
+    pressure: bool, shear: bool, causes: tuple[str, ...], quick: bool,
 ) -> AuditCase:  # fmt: skip
     loaded = tuple(
         replace(
@@ -276,7 +293,7 @@ def _case(
     budget = engines.budget_for(engine, [body.loaded for body in seen], watched, quick=quick)
     known: Fields = {}
     for body in loaded:
-        known |= _known(body, lines)
+        known |= _known(body, lines, causes)
     return AuditCase(
         kernel=stored.name,
         name=name,
@@ -286,6 +303,7 @@ def _case(
             "unknowns allowed": budget,
             "window": list(stored.window.cell),
             "means": [list(body.means) for body in loaded],
+            "causes": list(causes),
             "bodies": [digest(body.loaded) for body in loaded],
         },
         quick=quick,

@@ -76,14 +76,18 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
     boxes = list(boxes_of(body, 1e-9))
     sizes = [float((box[1] - box[0])[:2].min()) / 2 for _, box in boxes]
     anchors: list[list[Anchor]] = [[], [], []]
+    plane_faced = [np.array(region.bounds, dtype=float) for region in body.regions if is_box(region)]
     for (kind, box), size in zip(boxes, sizes, strict=True):
         small = float((box[1] - box[0]).min()) / 2 if kind != "tractions" else size
-        length = min(size, 2 * small) / max(sizes)
+        lengths = [min(size, 2 * small) / max(sizes)] * 3
+        if kind == "region" and any(np.array_equal(box, one) for one in plane_faced):
+            # the mesh follows the faces of a sheet or a bar, which is long where the field varies slowly
+            lengths = [min(1.0, max(lengths[0], half / max(sizes))) for half in (box[1] - box[0]) / 2]
         depth = (0.0, 0.5 * size) if kind == "tractions" else (box[0, 2], box[1, 2])
         for axis, (low, high) in enumerate((tuple(box[:, 0]), tuple(box[:, 1]), depth)):
             # of a source on the other side of a plane of symmetry only its reflection is meshed
             if high > lows[axis]:
-                share = _STEEP * length if kind == "tractions" and axis == 2 else length
+                share = _STEEP * lengths[axis] if kind == "tractions" and axis == 2 else lengths[axis]
                 anchors[axis].append((max(low, lows[axis]), high, share))
     # of a lattice of hundreds of regions few intervals differ
     return [list({tuple(np.round(np.divide(one, max(sizes)), 9)): one for one in axis}.values()) for axis in anchors]
