@@ -230,6 +230,20 @@ def test_a_small_component_that_the_reference_cannot_resolve_is_inconclusive():
     assert [one.word for one in verdicts(doubled, sharper)] == ["agrees", "disagrees"]
 
 
+def test_a_small_component_of_a_whole_field_counts_as_a_part_of_the_field():
+    """Three hundredths of the field, known to one: told from its double, though not to a quarter of itself."""
+    exact = np.stack([np.cos(X), 0.03 * np.sin(3 * X)], axis=-1)
+    found = estimate(*[exact + np.array([0.0, 0.008]) * 4.0**k for k in (2, 1, 0)], ratio=2.0, formal_order=2.0)
+    alone, within = (verdicts(exact, found, small=small)[1] for small in (0.0, 0.05))
+    assert (alone.word, within.word) == ("inconclusive", "agrees")
+    assert within.reason.startswith("small, and")
+    doubled = exact * np.array([1.0, 2.0])
+    assert verdicts(doubled, found, small=0.05)[1].word == "disagrees"
+    rough = estimate(*[exact + np.array([0.0, 0.012]) * 4.0**k for k in (2, 1, 0)], ratio=2.0, formal_order=2.0)
+    assert rough.uncertainty[:, 1].max() > 0.25 * 0.05
+    assert verdicts(exact, rough, small=0.05)[1].word == "inconclusive"
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -65,6 +65,9 @@ class AuditCase(Case):
         Edges of a cell of the surface along x and y.
     """
 
+    #: Of a whole scene the field is judged, and a kernel's campaign its components: a displacement across the motion of
+    #: two hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
+    small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
         *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
         *(f"{__name__}:{name}" for name in ("AuditCase.reference", "_read", "_as_stored", "_known", "_watched")),

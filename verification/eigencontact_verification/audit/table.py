@@ -66,7 +66,7 @@ class SceneAudit:
     def reason(self) -> str:
         """Why not all agrees: the commonest reasons, or why nothing could be judged."""
         if not self.rows:
-            return next((gap.reason for gap in self.gaps), "nothing is stored that could be judged")
+            return min(self.gaps, key=_rank).reason if self.gaps else "nothing is stored that could be judged"
         worst = [row for row in self.rows if row.word == self.word and self.word != "agrees"]
         worst += [row for one in self.judged for row in one.rows if row.quantity == "check" and row.word != "agrees"]
         if worst and self.word == "disagrees":
@@ -74,6 +74,13 @@ class SceneAudit:
             return f"{row.profile}, {row.component}: {row.reason}"
         other = Counter(row.reason for row in self.rows if row.word != "agrees")
         return "; ".join(f"{reason} ({count})" for reason, count in other.most_common(2))
+
+
+def _rank(gap: Gap) -> int:
+    """How much a gap takes away, the most first: a body, a whole case, the surface, a part of a region."""
+    if gap.what.startswith("body "):
+        return 0
+    return 1 if gap.reason.startswith("not solved: ") else 2 if gap.what == "displacement of the surface" else 3
 
 
 def _largest(rows: Iterable[Row], quantity: str) -> str:

@@ -132,6 +132,8 @@ class Case(ABC):
     #: Code outside ``fem`` that decides what `reference` computes, as ``"module"`` or ``"module:object"``; its text is
     #: hashed. By default the whole class; where it is given, nothing else, so that words and pictures do not count.
     code: ClassVar[tuple[str, ...]] = ()
+    #: Part of the field below which a component counts as if it had that size (`fem.uncertainty.verdict`).
+    small: ClassVar[float] = 0.0
     #: What gives the reference, in the words of the figures.
     method: ClassVar[str] = "finite elements"
 

@@ -117,8 +117,9 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
             )
         estimates[profile.name] = reference
         given = verdicts(
-            judged[profile.name], reference, limit=limit, scale=_size_of_field(found[2, "fixed"], case, profile)
-        )
+            judged[profile.name], reference, limit=limit, small=case.small,
+            scale=_size_of_field(found[2, "fixed"], case, profile),
+        )  # fmt: skip
         for k, (component, one) in enumerate(zip(profile.components, given, strict=True)):
             rows.append(_judged_row(case, profile, component, one, reference, k))
     return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates=estimates)

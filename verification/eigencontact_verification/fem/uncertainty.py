@@ -233,6 +233,7 @@ def verdict(
     *,
     limit: float = 0.02,
     resolution: float = 0.25,
+    small: float = 0.0,
     scale: float | None = None,
 ) -> Verdict:
     """Judge a field; of several components the worst verdict counts (`verdicts` gives all).
@@ -248,6 +249,9 @@ def verdict(
     resolution : float
         Largest uncertainty that allows agreement, as a part of the component's own largest value, unless the component
         is zero: a reference that cannot tell a component from its double cannot confirm it.
+    small : float
+        Part of the field below which a component counts as if it had that size: what is confirmed is then that it is as
+        small as it is said to be, not its shape.
     scale : float, optional
         Largest value of the field; by default that of all components given.
 
@@ -266,7 +270,7 @@ def verdict(
     ('agrees', 'disagrees')
     """
     rank = ("disagrees", "inconclusive", "agrees")
-    found = verdicts(judged, estimate, limit=limit, resolution=resolution, scale=scale)
+    found = verdicts(judged, estimate, limit=limit, resolution=resolution, small=small, scale=scale)
     return min(found, key=lambda one: (rank.index(one.word), -one.ratio))
 
 
@@ -276,6 +280,7 @@ def verdicts(
     *,
     limit: float = 0.02,
     resolution: float = 0.25,
+    small: float = 0.0,
     scale: float | None = None,
 ) -> tuple[Verdict, ...]:
     """`verdict` of each component.
@@ -294,12 +299,13 @@ def verdicts(
     value, band = estimate.value.reshape(n, -1), estimate.uncertainty.reshape(n, -1)
     field = float(np.max(np.abs(value))) if scale is None else float(scale)
     columns = zip(given.reshape(n, -1).T, value.T, band.T, strict=True)
-    return tuple(_judge(*column, field=field, limit=limit, resolution=resolution) for column in columns)
+    return tuple(_judge(*column, field=field, limit=limit, resolution=resolution, small=small) for column in columns)
 
 
 def _judge(
-    judged: FloatArray, value: FloatArray, band: FloatArray, *, field: float, limit: float, resolution: float
-) -> Verdict:
+    judged: FloatArray, value: FloatArray, band: FloatArray, *, field: float, limit: float, resolution: float,
+    small: float,
+) -> Verdict:  # fmt: skip
     difference, largest = np.abs(judged - value), float(np.max(np.abs(value)))
     band_top = float(np.max(band))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -315,10 +321,14 @@ def _judge(
         word, reason = "disagrees", f"outside by a factor of {ratio:.3g} at the worst of {len(value)} points"
     elif band_top > limit * field:
         reason = f"uncertainty above {limit:.3g} of the field"
-    elif not zero and band_top > resolution * largest:
+    elif not zero and band_top > resolution * max(largest, small * field):
         reason = f"uncertainty above {resolution:.3g} of this small component"
+    elif zero:
+        word, reason = "agrees", "zero within the uncertainty"
+    elif band_top > resolution * largest:
+        word, reason = "agrees", "small, and within the uncertainty everywhere"
     else:
-        word, reason = "agrees", "zero within the uncertainty" if zero else "within the uncertainty everywhere"
+        word, reason = "agrees", "within the uncertainty everywhere"
     return Verdict(
         word=word, reason=reason, difference=float(np.max(difference)), uncertainty=band_top, ratio=ratio, scale=field,
         largest=largest,

@@ -1,0 +1,29 @@
+"""The line of a scene in the table of audits: why nothing could be judged is the gap that takes away most."""
+
+from __future__ import annotations
+
+import pytest
+
+from eigencontact_verification.audit.table import SceneAudit
+from eigencontact_verification.campaign.case import Gap
+
+SHALLOW = Gap(kernel="a", what="stress in 'section'", reason="above a depth of 1 m the steps are felt")
+UNSOLVED = Gap(kernel="a", what="step-1", reason="not solved: budget must be at least 2 unknowns")
+BODY = Gap(kernel="a", what="body 1", reason="it repeats")
+SURFACE = Gap(kernel="a", what="displacement of the surface", reason="one of the bodies cannot be judged")
+
+
+@pytest.mark.parametrize(
+    ("gaps", "said"),
+    [
+        ((SHALLOW, UNSOLVED), UNSOLVED.reason),
+        ((SHALLOW, UNSOLVED, BODY), BODY.reason),
+        ((SHALLOW, SURFACE), SURFACE.reason),
+        ((SHALLOW,), SHALLOW.reason),
+        ((), "nothing is stored that could be judged"),
+    ],
+)
+def test_where_nothing_is_judged_the_largest_gap_is_the_reason(gaps, said):
+    audit = SceneAudit(name="a", step=1, judged=(), gaps=gaps)
+    assert audit.word == "inconclusive"
+    assert audit.reason == said
