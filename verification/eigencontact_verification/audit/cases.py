@@ -17,6 +17,7 @@ from eigencontact_verification.audit import engines
 from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
 from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
+from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
 from eigencontact_verification.campaign.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.loaded_body import LoadedBody
@@ -63,6 +64,8 @@ class AuditCase(Case):
         Unknowns that the fine mesh may have; 0 where the elements are of revolution.
     window : (float, float)
         Edges of a cell of the surface along x and y.
+    sections : tuple of Section
+        Planes of stress for pictures.
     """
 
     #: Of a whole scene the field is judged, and a kernel's campaign its components: a displacement across the motion of
@@ -79,6 +82,7 @@ class AuditCase(Case):
     known: Fields = field(default_factory=dict)
     budget: int = 0
     window: tuple[float, float] = (0.0, 0.0)
+    sections: tuple[Section, ...] = ()
 
     def reference(self, level: Level, outer: Outer) -> Fields:
         """Fields of the finite elements of all bodies, with what is known of them in closed form."""
@@ -114,6 +118,29 @@ class AuditCase(Case):
         """What is compared, for the figures."""
         way = "of revolution" if self.engine == "revolution" else "of three dimensions"
         return f"{self.kernel}, {self.name}: stored (semi-analytical) and finite elements {way} under its tractions"
+
+    def pictures(self, folder: Path) -> tuple[Path, ...]:
+        """Every stored plane of stress beside that of the medium mesh."""
+        return tuple(
+            draw_section(one, self._stress(one), self.words, folder / f"{one.name}.png") for one in self.sections
+        )
+
+    def _stress(self, section: Section) -> FloatArray:
+        """Stress ``(m, n, 6)`` of the medium mesh in a plane; nan where none is judged."""
+        body = next(body for body in self.bodies if body.number == section.body)
+        kept = np.isfinite(section.values).all(axis=-1)
+        points, found = section.points[kept], np.full(section.values.shape, np.nan)
+        total = np.zeros((len(points), len(_PLACES)))
+        if engines.is_split(body.loaded):
+            total += homogeneous_stress(body.loaded.tractions, points, engines.base_of(body.loaded)[1])
+        for sign, part in engines.asked(body.loaded):
+            solved = engines.solve_body(
+                self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget
+            )
+            stress = solved.stress(points)
+            total += sign * np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
+        found[kept] = total
+        return found
 
 
 def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
@@ -212,6 +239,7 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
         gaps.append(
             Gap(kernel=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
         )
+    sections = sections_of(stored, bodies, middle)
     cases = []
     for name, pressure, shear, components, stress, causes in _loads(
         stored,
@@ -224,7 +252,8 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
         if not (kept and bodies):
             continue
         try:
-            cases.append(_case(stored, bodies, kept, name, pressure=pressure, shear=shear, causes=causes, quick=quick))
+            case = _case(stored, bodies, kept, name, pressure=pressure, shear=shear, causes=causes, quick=quick)
+            cases.append(replace(case, sections=sections) if stress else case)
         except ValueError as problem:
             gaps.append(Gap(kernel=stored.name, what=name, reason=f"not solved: {problem}"))
     return tuple(cases), tuple(gaps)

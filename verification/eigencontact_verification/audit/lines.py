@@ -12,7 +12,7 @@ from eigencontact_verification.audit.bodies import AuditedBody
 from eigencontact_verification.audit.stored import StoredRegion, StoredStep
 from eigencontact_verification.campaign.case import Gap, Profile
 
-__all__ = ["Line", "Middle", "middle_of", "stress_lines", "surface_lines"]
+__all__ = ["Line", "Middle", "judged_points", "middle_of", "stress_lines", "surface_lines"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -156,7 +156,7 @@ def stress_lines(
         if region.body not in numbers:
             continue  # a gap says why there is no such body
         body = numbers[region.body]
-        fit, lost = _judged(stored, region, body, middle)
+        fit, lost = judged_points(stored, region, body, middle)
         gaps += [Gap(kernel=stored.name, what=f"stress in '{region.name}'", reason=text) for text in lost]
         strained = _strained(body, region.points)
         ways = [(way, part) for way in _through(region, body, middle) for part in (False, True)]
@@ -191,7 +191,7 @@ def _settled(points: FloatArray, body: AuditedBody) -> FloatArray:
     return out
 
 
-def _judged(
+def judged_points(
     stored: StoredStep, region: StoredRegion, body: AuditedBody, middle: Middle
 ) -> tuple[NDArray[np.bool_], list[str]]:
     """Which points of a region can be judged, and why others cannot."""

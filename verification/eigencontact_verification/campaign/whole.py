@@ -89,18 +89,18 @@ def campaign(
 
 
 def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
-    """Write mesh and field of the first case of each kernel; say what was written, or why it was not."""
+    """Write mesh and field of the first case of each kernel that draws some; say what was written, or why it was not."""
     seen = set()
     for case in (found.case for found in judged):
         if case.kernel in seen:
             continue
-        seen.add(case.kernel)
         try:
             files = case.pictures(_folder(case, folder))
         except Exception as problem:  # noqa: BLE001 - a picture that fails must not cost the report
             yield f"{case.key}: no pictures, {type(problem).__name__}: {' '.join(str(problem).split())}"
             continue
         if files:
+            seen.add(case.kernel)
             names = ", ".join(file.name for file in files)
             yield f"{case.key}: mesh and field in {folder.name}/{_folder(case, folder).name}: {names}"
 
