@@ -100,7 +100,7 @@ def draw_section(section: Section, elements: FloatArray, words: str, file: Path)
     width, height = box_size(np.ptp(edges[across]), np.ptp(edges[down]), largest=(3.2, 3.2))
     top, worst = stress(sizes[place]), 100.0 * np.nanmax(np.abs(difference)) / sizes[place]
     with paper_style():
-        figure = new_figure(3 * width + 2.4, height + 1.5)
+        figure = new_figure(3 * width + 2.2, height + 1.3)
         panels = figure.subplots(1, 3, sharey=True)
         shown = None
         titles = ("stored", "finite elements", f"difference, at most {worst:.2g} %")

@@ -89,7 +89,7 @@ def campaign(
 
 
 def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
-    """Write mesh and field of the first case of each kernel that draws some; say what was written, or why it was not."""
+    """Write mesh and field of the first case of each kernel that draws some; say what was written, or why not."""
     seen = set()
     for case in (found.case for found in judged):
         if case.kernel in seen:
