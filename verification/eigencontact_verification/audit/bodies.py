@@ -42,7 +42,7 @@ class AuditedBody:
     loaded : LoadedBody
         Without tractions, which `tractions_on` gives.
     different : tuple of Part
-        Regions of other moduli, which the run cut into cells.
+        Regions of other moduli, or of a shape without a closed form, which the run cut into cells.
     cell : (float, float, float)
         Edges along x, y, z of the cells that remember or differ [m]; zeros where there are none.
     box : (low, high) or None
@@ -120,7 +120,10 @@ def _body(
     regions: list[Region] = []
     for source in (one for one in prescribed if one.body == number):
         if source.field.uniform and source.layers is None and hasattr(source.shape, "key"):
-            regions.append(_region(Part(shape=source.shape), _strain(source, stored.time)))
+            part = Part(shape=source.shape)
+            regions.append(_region(part, _strain(source, stored.time)))
+            if not source.exact:
+                parts.append(part)
         else:
             cells += (_sampled(source, stored),)
     different = [one for one in inhomogeneities if one.body == number]
@@ -144,6 +147,7 @@ def _body(
         layers=_layers(stored, number, solid), regions=tuple(regions), cells=cells,
     )  # fmt: skip
     cell, box = _lattice(stored, number)
+    cell = cell if box is not None or not parts else _cell_of(stored, parts)
     along = ("u_x", "u_y", "u_z") if stored.scene.friction is not None else ("u_z",)
     return AuditedBody(
         number=number, loaded=loaded, different=tuple(parts), cell=cell, box=box, damaged=damaged,
@@ -289,6 +293,13 @@ def _lattice(stored: StoredStep, number: int) -> tuple[tuple[float, float, float
     lines = [_edges(line) for line in stored.lattices[number]]
     sizes = tuple(float(line[1] - line[0]) for line in lines)
     return sizes, (tuple(float(line[0]) for line in lines), tuple(float(line[-1]) for line in lines))  # type: ignore[return-value]
+
+
+def _cell_of(stored: StoredStep, parts: list[Part]) -> tuple[float, float, float]:
+    """Edges of the cells of shapes without a closed form: those of the window, and a part of the thinnest in depth."""
+    thin = min(part.bounds[1][2] - part.bounds[0][2] for part in parts)
+    numerics = stored.scene.numerics
+    return (*stored.window.cell, numerics.inclusion_pitch or thin / numerics.inclusion_cells)
 
 
 def tractions_on(stored: StoredStep, number: int, *, pressure: bool = True, shear: bool = True) -> Tractions | None:

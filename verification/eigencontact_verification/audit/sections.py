@@ -102,20 +102,19 @@ def draw_section(section: Section, elements: FloatArray, words: str, file: Path)
     with paper_style():
         figure = new_figure(3 * width + 2.2, height + 1.3)
         panels = figure.subplots(1, 3, sharey=True)
-        shown = None
+        shown = []
         titles = ("stored", "finite elements", f"difference, at most {worst:.2g} %")
         for axes, values, title in zip(panels, (stored, found, difference), titles, strict=True):
             axes.set_facecolor(_LEFT_OUT)
-            shown = axes.pcolormesh(
-                edges[across], edges[down], stress(values), cmap=_MAP, vmin=-top, vmax=top, rasterized=True
-            )
+            looks = {"cmap": _MAP, "vmin": -top, "vmax": top, "rasterized": True}
+            shown.append(axes.pcolormesh(edges[across], edges[down], stress(values), **looks))
             axes.set_aspect("equal")
             if down == "z":
                 axes.set_ylim(edges[down][-1], edges[down][0])
             label_plane(axes, f"{across} [{length.unit}]", f"{down} [{length.unit}]" if axes is panels[0] else "")
             axes.set_title(title)
         component = STRESSES[place].removeprefix("s_")
-        figure.colorbar(shown, ax=list(panels), label=rf"$\sigma_{{{component}}}$ [{stress.unit}]", fraction=0.03)
+        figure.colorbar(shown[0], ax=list(panels), label=rf"$\sigma_{{{component}}}$ [{stress.unit}]", fraction=0.03)
         at = length(section.points[0, 0, "xyz".index(fixed)])
         figure.suptitle(
             f"{words}\n'{section.name}' in body {section.body}, {fixed} = {at:.3g} {length.unit}; "
