@@ -56,7 +56,7 @@ def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArra
     eigenstrain : (n, 3, 3) array
         Sum over the regions that contain the point.
     """
-    x, y, z = points.T
+    x, y, z = np.ascontiguousarray(points.T)
     young, nu = np.full(x.shape, float(model.young_modulus)), np.full(x.shape, float(model.poisson_ratio))
     bottom = sum(layer.thickness for layer in model.layers)
     for layer in reversed(model.layers):
@@ -69,7 +69,8 @@ def point_state(model: Model, points: FloatArray) -> tuple[FloatArray, FloatArra
         low, high = (np.asarray(corner) for corner in region.bounds)
         if (high < first).any() or (low > last).any():
             continue  # of hundreds of regions a chunk of points meets few
-        near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+        within = [(low[k] <= along) & (along <= high[k]) for k, along in enumerate((x, y, z))]
+        near = np.flatnonzero(within[0] & within[1] & within[2])
         hit = near[np.asarray(region.contains(x[near], y[near], z[near]), dtype=bool)]
         strain[hit] += region.eigenstrain
         if region.young_modulus is not None:
@@ -155,8 +156,8 @@ def material(model: Model, grid: Grid) -> Material:
     )
     fine = _lattice((np.arange(SAMPLES) + 0.5) / (CELLS * SAMPLES))
     samples = (_lattice(np.arange(CELLS) / CELLS)[:, None] + fine).reshape(-1, 3)
-    for start in range(0, mixed.size, 64):
-        chunk = slice(start, start + 64)
+    for start in range(0, mixed.size, 16):
+        chunk = slice(start, start + 16)
         some = mixed[chunk]
         points = (grid.low[some, None] + samples * grid.size[some, None]).reshape(-1, 3)
         for part, value in zip(parts, state(model, points), strict=True):
