@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -51,6 +51,7 @@ def unit_of_length(pitch: Sequence[float]) -> float:
     return float(2.0 ** np.round(np.log2(max(pitch))))
 
 
+@lru_cache(maxsize=64)  # a run asks for the same few in every plane, cell and estimate
 def reduced_response(quantity: str, nu: float, space: str) -> Forms:
     """Forms of `eigencontact.halfspace.theorem.response` in the fewest kernels."""
     return tuple(tuple(form.replaced(reduced) for form in row) for row in response(quantity, nu, space))
