@@ -66,6 +66,7 @@ def test_a_load_step_that_takes_long_says_how_far_it_is():
 
 
 SMALL = ["grid.cells-per-contact-radius=8", "output.vtk=false"]
+BARE = [*SMALL, "stress=[]", "output.pictures=false"]
 
 
 def test_summary_and_console_say_where_the_time_went(command, tmp_path):
@@ -86,7 +87,7 @@ def test_summary_and_console_say_where_the_time_went(command, tmp_path):
 @pytest.mark.parametrize(("words", "lines"), [((), 1), (("--quiet",), 0), (("--json",), 0)])
 def test_lines_are_written_where_the_output_is_no_terminal(words, lines, command, tmp_path, monkeypatch):
     monkeypatch.setattr("eigencontact.progress._LINES", 0.0)
-    outcome = command("run", "hertz", *words, "-o", str(tmp_path), *(w for text in SMALL for w in ("--set", text)))
+    outcome = command("run", "hertz", *words, "-o", str(tmp_path), *(w for text in BARE for w in ("--set", text)))
     assert [line.partition(" after ")[0] for line in outcome.err.splitlines()] == ["load step 1 of 1 done"] * lines
 
 
@@ -131,7 +132,7 @@ def test_a_full_line_per_load_step_tells_work_residuals_and_times():
 
 
 def test_the_command_tells_of_load_steps_where_it_is_asked_to(command, tmp_path):
-    changes = [word for text in ("stress=[]", "output.pictures=false", *SMALL) for word in ("--set", text)]
+    changes = [word for text in BARE for word in ("--set", text)]
     outcome = command("run", "hertz", "-v", "--json", *changes, "-o", tmp_path)
     assert outcome.err.startswith("load step 1 of 1: load 650 mN, approach ")
     assert json.loads(outcome.out)["converged"] is True

@@ -303,6 +303,7 @@ vtk = false
 """
 
 
+@pytest.mark.slow
 def test_their_material_observer_and_prestrain_in_one_scene(stranger):
     """Layers of steel in steel are steel: Hertz's largest shear, .31 p0 at .48 a. Of another metal they are not."""
     place = stranger.folder / "grain"
@@ -363,6 +364,7 @@ def test_their_fields_are_right(stranger):
     assert abs(errors["ring"]) < 1e-3
 
 
+@pytest.mark.slow
 def test_the_package_passes_its_own_conformance_tests(stranger):
     done = run(
         stranger.python, "-m", "pytest", "-q", "-W", "error", "-p", "no:cacheprovider", "tests",

@@ -111,6 +111,7 @@ def test_what_has_no_unique_answer_is_refused_by_cell_law_and_remedy(changes, ad
         ec.run(bone(**changes))
 
 
+@pytest.mark.slow
 def test_a_length_gives_one_answer_where_there_was_none():
     """The strength falls at the rate of -3.6 G at first."""
     found = ec.run(bone("120 nm", fading=BRITTLE, steps=[LOAD | {"normal_load": "3 uN"}])).dataset

@@ -1,11 +1,14 @@
 """Scenes of bodies that yield, drawn at random: all end converged, and what they give back passes from outside."""
 
+import os
+
 import numpy as np
 import pytest
 
 import eigencontact as ec
 
-SCENES, BATCH = 300, 10
+#: Seconds each; all three hundred, as after a change of the solvers: RANDOM_SCENES=300.
+SCENES, BATCH = int(os.environ.get("RANDOM_SCENES", "40")), 10
 E, LOAD, RADIUS = 210e9, 0.65, 105e-6
 SHEAR = E / 2.6
 
@@ -104,9 +107,9 @@ def test_random_scenes_end_and_pass(batch):
             raise
 
 
-def test_the_first_scene_and_what_the_judge_notices():
-    """So that the default tests notice when scenes of this kind fail; scene 0 yields, and is spoilt then."""
-    found = ec.run(scene(0))
+def test_a_scene_and_what_the_judge_notices():
+    """So that the default tests notice when scenes of this kind fail; scene 7, a quick one, yields, and is spoilt."""
+    found = ec.run(scene(7))
     judge(found)
     assert found.summary["plastic_work"] > 0.0
     found.dataset["plastic_work"][-1] *= 0.5

@@ -144,7 +144,7 @@ def test_plastic_flow_and_wear_are_solved_together():
     assert yields["energy_volume_residual"] < 1e-10
 
 
-@pytest.mark.parametrize("coefficient", [GENTLE, 10 * GENTLE])
+@pytest.mark.parametrize("coefficient", [GENTLE, pytest.param(10 * GENTLE, marks=pytest.mark.slow)])
 def test_the_number_of_increments_does_not_matter(coefficient):
     """What a cycle wears follows from its ends and turns, with a load that is kept: 1 increment a quarter, and 6."""
     volumes = []

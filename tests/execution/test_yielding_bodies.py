@@ -72,6 +72,7 @@ def test_bodies_may_be_exchanged(cycled):
     assert "equivalent_plastic_strain_1" not in other
 
 
+@pytest.mark.slow
 def test_two_identical_bodies_behave_each_as_one_under_a_rigid_sphere_of_twice_the_radius():
     """EP-19: the total depth is twice that of one body under the gap r²/4R."""
     law = perfect("2 GPa")
@@ -149,6 +150,7 @@ def test_another_region_of_a_body_that_has_grown(grown):
     np.testing.assert_allclose(again["later_stress"].squeeze(), found.dataset["axis_stress"][1], rtol=1e-12, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_resume_after_growth_continues_to_the_bit(grown, tmp_path):
     every, found, _ = grown
     with pytest.raises(Stop):

@@ -70,7 +70,10 @@ KNOWN = [
 ]
 
 
-@pytest.mark.parametrize(("direction", "z0", "percent"), KNOWN, ids=[f"{d}-{z:g}" for d, z, _ in KNOWN])
+@pytest.mark.parametrize(
+    ("direction", "z0", "percent"),
+    [pytest.param(*row, id=f"{row[0]}-{row[1]:g}", marks=[pytest.mark.slow] * (row[1] != 0.5)) for row in KNOWN],
+)
 def test_error_of_the_scheme_is_the_known_one(direction, z0, percent):
     case = Case(direction, z0)
     pressure = case.scheme.pressure(case.field)
