@@ -103,9 +103,9 @@ def test_the_strain_in_a_stiff_ball_is_that_of_its_law():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("ratio", "bound"), [(2.0, 0.003), (0.4, 0.010)])
+@pytest.mark.parametrize(("ratio", "bound"), [(2.0, 0.003), (0.4, 0.007)])
 def test_a_ball_stores_what_finer_cells_store(ratio, bound):
-    """With the steps from cell to cell it is off by 0.0039 and 0.0119."""
+    """With the steps from cell to cell it is off by 0.0039 and 0.0119; 0.0088 by the body's law in the soft one."""
     material = {"young-modulus": ratio * E, "poisson-ratio": NU}
     points = through(CENTER, RADIUS, [(0.31, -0.22), (-0.1, 0.37)])
     points = points[distances(points) < 0.6 * RADIUS]

@@ -18,11 +18,12 @@ from eigencontact.execution.precision import Precision
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import CellRoute, HalfSpace, Route
 from eigencontact.execution.step import Step
-from eigencontact.execution.within_regions import rises, whole_cells
+from eigencontact.execution.within_regions import empty_points, read_by_own_laws, rises, whole_cells
 from eigencontact.model.growth import lattice_of
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
+from eigencontact.model.sources import Inhomogeneity
 from eigencontact.scene.schema import StressRequest
 
 if TYPE_CHECKING:
@@ -81,6 +82,27 @@ class EigenstrainField:
             found[quantity] = found[quantity] + values if quantity in found else values
         return found
 
+    def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
+        """Read the stress of all causes as the regions have it: nothing in voids, by its own law in what is softer."""
+        if "stress" not in fields or not self._solved or rises(self._model, self._body):
+            return
+        stress, sources = fields["stress"].reshape(6, -1), self._sources
+        if self._within is not None:
+            stress, material = stress.copy(), self._model.half_space(self._body)
+            read_by_own_laws(stress, self._within, step.history[self._name].values, sources, material, step.time)
+        if self._empty is not None:
+            stress = np.where(self._empty, 0.0, stress)
+        fields["stress"] = stress.reshape(fields["stress"].shape)
+
+    @property
+    def _sources(self) -> list[Inhomogeneity]:
+        return [source for source in self._model.inhomogeneities if source.body == self._body]
+
+    @cached_property
+    def _empty(self) -> NDArray[np.bool_] | None:
+        """Points in voids, which carry no stress, whatever the cells about them leave."""
+        return empty_points(self._sources, self._lattice)
+
     @cached_property
     def _within(self) -> WithinCells | None:
         """What makes the eigenstrain go on between the cells of a region; None where it need not."""
@@ -90,8 +112,7 @@ class EigenstrainField:
         from eigencontact.solvers.within_cells import WithinCells
 
         box, grid, points = route.box, self._model.grid, self._lattice.flat_points()
-        sources = [source for source in self._model.inhomogeneities if source.body == self._body]
-        region, material = whole_cells(box, sources, grid, points), route.half_space.material
+        region, material = whole_cells(box, self._sources, grid, points), route.half_space.material
         if not region.any():
             return None
         return WithinCells(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -15,7 +15,6 @@ from eigencontact.errors import SceneError
 from eigencontact.execution.block import Block, Cost
 from eigencontact.execution.precision import Precision
 from eigencontact.execution.step import Step
-from eigencontact.execution.within_regions import empty_points, rises
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice, region_lattice
@@ -83,20 +82,12 @@ class Region(Block):
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():
                 fields[quantity] = fields[quantity] + values if quantity in fields else values
-        if "stress" in fields and self._empty is not None:
-            fields["stress"] = np.where(self._empty, 0.0, fields["stress"])
+        for cause in self._causes:
+            cause.amend(fields, step)
         record, stress = region_record(self._request, self._lattice, fields, self._note)
         (step.regions if self._stored else step.looks)[record.name] = record
         if self._stored and stress is not None:
             note_largest(step, record, stress)
-
-    @cached_property
-    def _empty(self) -> NDArray[np.bool_] | None:
-        """Points in voids, which carry no stress, whatever the cells about them leave; None if there are none."""
-        if rises(self._model, self._request.body):
-            return None
-        sources = [source for source in self._model.inhomogeneities if source.body == self._request.body]
-        return empty_points(sources, self._lattice)
 
 
 class Cause(Protocol):
@@ -129,6 +120,10 @@ class Cause(Protocol):
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Its fields by quantity, ``(3 or 6, *lattice.shape)``."""
+        ...
+
+    def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
+        """Change the sum of all causes where more is known of it."""
         ...
 
 

@@ -133,6 +133,9 @@ class TractionField:
         found = {quantity: evaluate(quantity, tractions) for quantity in self._quantities}
         return found | ({"strain": self._strain(found["stress"])} if "strain" in self._wanted else {})
 
+    def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
+        """See `eigencontact.execution.regions.Cause`: tractions know no more."""
+
     def _strain(self, stress: FloatArray) -> FloatArray:
         """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""
         if isinstance(self._body, Material):

@@ -1,29 +1,40 @@
-"""Where regions of other material lie in a body: the cells that each fills, and the points where there is nothing."""
+"""Regions of other material at points of a body: the cells that each fills, where there is nothing, softer laws."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.material import Material
+from eigencontact.errors import SceneError
 from eigencontact.execution.cell_strain import fractions_in, place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import LinearLaw, VariesInSpace
+from eigencontact.solvers.cell_conditions import compliance
 
-__all__ = ["empty_points", "has_one_stiffness", "is_empty", "rises", "whole_cells"]
+if TYPE_CHECKING:
+    from eigencontact.solvers.within_cells import WithinCells
+
+__all__ = ["empty_points", "is_empty", "read_by_own_laws", "rises", "whole_cells"]
 
 #: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.material_cells`.
 _LEAST = 1e-3
 
-Points = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+#: A region is softer than the body where no strain takes more than this share of the body's stress.
+_SOFTER = 1.0 - 1e-9
+
+FloatArray = NDArray[np.float64]
+Points = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def has_one_stiffness(source: Inhomogeneity) -> bool:
+def _has_one_stiffness(source: Inhomogeneity) -> bool:
     """Whether a region is elastic with the same constants all over."""
     return isinstance(source.law, LinearLaw) and not isinstance(source.law, VariesInSpace)
 
@@ -31,7 +42,7 @@ def has_one_stiffness(source: Inhomogeneity) -> bool:
 def is_empty(source: Inhomogeneity) -> bool:
     """Whether a region carries no stress at all."""
     law = source.law  # the factors are bounded for every material; a rigid one has no stiffness to ask for
-    return has_one_stiffness(source) and not np.any(law.factors(1.0)[1])  # type: ignore[attr-defined]
+    return _has_one_stiffness(source) and not np.any(law.factors(1.0)[1])  # type: ignore[attr-defined]
 
 
 def rises(model: Model, body: int) -> bool:
@@ -52,13 +63,13 @@ def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, poin
         share = fractions_in(source, source.shape, grid)
         part = out[place_in(box, source.lattice)]
         part[share > _LEAST] = 0
-        if has_one_stiffness(source):
+        if _has_one_stiffness(source):
             part[share > 1.0 - _LEAST] = number
     return out
 
 
 def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> NDArray[np.bool_] | None:
-    """Whether points lie in a void, ``lattice.shape``; None if none does. Where regions overlap the later one wins."""
+    """Whether points of a lattice lie in a void, ``(n,)``, or None; of regions that overlap the later one counts."""
     if not any(map(is_empty, sources)):
         return None
     points = lattice.flat_points()
@@ -68,7 +79,50 @@ def empty_points(sources: Sequence[Inhomogeneity], lattice: RegionLattice) -> ND
         if where.size:
             x, y, z = (axis[where] for axis in points)
             out[where[source.shape.contains(x, y, z)]] = is_empty(source)
-    return out.reshape(lattice.shape) if out.any() else None
+    return out if out.any() else None
+
+
+def read_by_own_laws(
+    stress: FloatArray,
+    within: WithinCells,
+    eigenstrain: FloatArray,
+    sources: Sequence[Inhomogeneity],
+    matrix: Material,
+    time: float,
+) -> None:
+    """Put the stress in softer regions as their own law has it from the strain, C_i (M σ + ε* - ε_p).
+
+    What cells leave of an error of the stress then counts by the ratio of the stiffnesses. In stiffer regions it would
+    grow by that: they are left.
+
+    Parameters
+    ----------
+    stress : (6, n)
+        Of all causes, at the points of `within` [Pa]; changed.
+    eigenstrain : (6, nz, ny, nx)
+        ε* of the cells, prestrain ε_p included [-].
+    """
+    stiffnesses = {n: own for n, source in enumerate(sources, 1) if (own := _softer(source, matrix)) is not None}
+    if not stiffnesses:
+        return
+    where, number, smooth = within.inside(eigenstrain)
+    strain = compliance(matrix) @ stress[:, where] + smooth
+    for region, stiffness in stiffnesses.items():
+        own = number == region
+        prestrain = sources[region - 1].uniform_eigenstrain(time)
+        stress[:, where[own]] = stiffness @ (strain[:, own] - prestrain[:, None])
+
+
+def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
+    """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
+    if not (_has_one_stiffness(source) and source.field.uniform):
+        return None
+    try:
+        stiffness = source.law.stiffness_matrix()  # type: ignore[attr-defined]
+    except SceneError:  # it is not finite
+        return None
+    ratios = np.linalg.eigvals(stiffness @ compliance(matrix)).real
+    return stiffness if ratios.max() < _SOFTER else None
 
 
 def _near(source: Inhomogeneity, points: Points, room: float = 0.0) -> NDArray[np.intp]:

@@ -67,6 +67,7 @@ class WithinCells:
         self._operators = {
             "stress": [2.0 * shear_modulus * stress for stress, _ in layers],
             "strain": [-strain for _, strain in layers],
+            "eigenstrain": [-np.eye(6)] * 3,
         }
         self._region, self._count = np.pad(region, 1), points[0].size
         placed = [(at - first) / d for at, first, d in zip(points, cells.first, cells.pitch, strict=True)]
@@ -80,8 +81,8 @@ class WithinCells:
 
         Parameters
         ----------
-        quantity : {"stress", "strain"}
-            Mandel stress [Pa] or total strain.
+        quantity : {"stress", "strain", "eigenstrain"}
+            Mandel stress [Pa], total strain, or the eigenstrain itself.
         eigenstrain : (6, nz, ny, nx)
             Mandel components [-].
         """
@@ -94,6 +95,21 @@ class WithinCells:
                 out[:, self._near[where]] -= operator @ (weight * offset * slope)
         return out
 
+    def inside(self, eigenstrain: FloatArray) -> tuple[IntArray, NDArray[np.int_], FloatArray]:
+        """Points within one region, its number at each, and the eigenstrain there, without the sawtooth, ``(6, n)``.
+
+        A point on a face counts where both sides are of the region.
+        """
+        smooth, padded = self.difference("eigenstrain", eigenstrain), np.pad(eigenstrain, ((0, 0), *[(1, 1)] * 3))
+        number, mean = np.zeros(self._count, dtype=int), np.zeros(self._count)
+        for where, weight, cell in self._sides():
+            at = self._near[where]
+            number[at] = _at(self._region, cell)
+            mean[at] += weight * number[at]
+            smooth[:, at] += weight * _at(padded, cell)
+        found = np.flatnonzero((number > 0) & (mean == number))
+        return found, number[found], smooth[:, found]
+
     def _sides(self) -> Iterator[tuple[IntArray, FloatArray, Cell]]:
         """Points, their weights, and the cell (x, y, z) of a region that they lie in: on a face once for each side."""
         lower = [np.ceil(at - 0.5 - _ON_FACE).astype(int) for at in self._places]
@@ -102,9 +118,10 @@ class WithinCells:
         weights = 0.5 ** np.sum(on_face, axis=0)
         for side in product((False, True), repeat=3):
             taken = np.logical_and.reduce([face | (not second) for second, face in zip(side, on_face, strict=True)])
-            cell = [high if second else low for second, low, high in zip(side, lower, upper, strict=True)]
-            where = np.flatnonzero(taken & (_at(self._region, cell) > 0))
-            yield where, weights[where], [index[where] for index in cell]
+            where = np.flatnonzero(taken)
+            cell = [(high if second else low)[where] for second, low, high in zip(side, lower, upper, strict=True)]
+            whole = _at(self._region, cell) > 0
+            yield where[whole], weights[where[whole]], [index[whole] for index in cell]
 
     def _slope(self, padded: FloatArray, cell: Cell, axis: int, ahead: IntArray) -> FloatArray:
         """Change of the eigenstrain ``(6, n)`` by a cell along an axis: to the next, or from the last of the region."""
