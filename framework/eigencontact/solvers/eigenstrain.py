@@ -76,7 +76,7 @@ class VolumeField:
     -----
     Memory: 58 complex kernels for stress in a half-space (15 in full space) on an octant of the padded box, about
     ``58 * 16 * (nx + 1) * (ny + 1) * (nz + 1)`` bytes. One application makes 6 + 17 transforms along z, and 6 + 6 along
-    y and x. On a face between cells stress and strain are the means of both sides.
+    y and x. On a face between cells stress and strain are the means of both sides, on an edge those around it.
     """
 
     def __init__(
@@ -137,7 +137,8 @@ class VolumeField:
         *,
         far: bool,
     ) -> FloatArray:
-        return sample_tables(cell, group, nodes, threads=self._threads, extended=far)
+        singular = self.quantity != "displacement"
+        return sample_tables(cell, group, nodes, threads=self._threads, extended=far, singular=singular)
 
     def _sums(self, forms: Forms) -> WeightedSums:
         numbers = {kernel: number for number, kernel in enumerate(cell_kernels(forms))}

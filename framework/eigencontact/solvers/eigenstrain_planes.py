@@ -142,7 +142,9 @@ class PlaneFields:
             z = nodes_around(offsets[whose], dz, self._unit)
             if depth == 0 and self.space == "half":
                 z = seen_from_inside(z)
-            values = np.moveaxis(sample_tables(cell, group, (x, y, z), threads=1, extended=far), 3, 1)
+            singular = self.quantity != "displacement"
+            table = sample_tables(cell, group, (x, y, z), threads=1, extended=far, singular=singular)
+            values = np.moveaxis(table, 3, 1)
             tables[[kernels.index(kernel) for kernel in group]] = values if whose == "image" else values[:, ::-1]
         weights = self._scale * _weights(forms, kernels, float(self.depths[plane]) / self._unit)
         for place, layer in enumerate(range(first, stop)):

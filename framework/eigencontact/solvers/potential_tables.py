@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any
@@ -34,6 +34,8 @@ __all__ = [
 FloatArray = NDArray[np.float64]
 Forms = tuple[tuple[Form, ...], ...]
 
+# Distance from an edge of the points around it, in shortest edges of a cell.
+_AROUND = 0.25
 # Nodes evaluated at a time.
 _CHUNK_NODES = 12_000
 # Bytes of tables held at a time.
@@ -95,6 +97,7 @@ def sample_tables(
     *,
     threads: int,
     extended: bool = False,
+    singular: bool = False,
 ) -> FloatArray:
     """Tables of kernels of one potential between neighbouring nodes.
 
@@ -112,6 +115,10 @@ def sample_tables(
     extended : bool
         Corner functions in `numpy.longdouble`, some three times slower: sums over the corners lose digits with the
         third power of the distance in cells.
+    singular : bool
+        Whether kernels are infinite on edges of cells, as those of stress and strain are: at nodes on an edge the mean
+        of four points around it is taken instead. What is infinite there is a logarithm, which is left by every edge
+        that four cells share where their eigenstrain is not linear, and stands for nothing.
 
     Returns
     -------
@@ -122,13 +129,17 @@ def sample_tables(
     name, orders = group[0][1], [kernel[2] for kernel in group]
     out = np.empty((len(group), x.size - 1, y.size - 1, z.size - 1))
     planes = max(1, _CHUNK_NODES // (y.size * z.size))
+    around = _AROUND * min(float(np.diff(axis).min()) for axis in (x, y, z))
 
     def slab(first: int, stop: int) -> None:
         """Tables between the nodes `first` and `stop` along x; a few planes at a time, so that they stay in cache."""
         last = np.empty((len(group), 0, y.size - 1, z.size - 1), x.dtype)
         for begin in range(first, stop + 1, planes):
             end = min(begin + planes, stop + 1)
-            values = cell.corner(name, orders, x[begin:end, None, None], y[:, None], z)
+            some = x[begin:end], y, z
+            values = cell.corner(name, orders, *_open(some))
+            if singular:
+                _around_edges(values, partial(cell.corner, name, orders), some, around)
             values = values[..., 1:] - values[..., :-1]
             values = values[:, :, 1:] - values[:, :, :-1]
             np.subtract(values[:, 1:], values[:, :-1], out=out[:, begin : end - 1], casting="same_kind")
@@ -139,6 +150,35 @@ def sample_tables(
     bounds = np.linspace(0, x.size - 1, min(threads, x.size - 1) + 1).astype(int)
     in_parallel(threads, [partial(slab, *pair) for pair in pairwise(bounds.tolist())])
     return out
+
+
+def _open(axes: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    x, y, z = axes
+    return x[:, None, None], y[:, None], z
+
+
+def _around_edges(
+    values: NDArray[Any],
+    corner: Callable[..., NDArray[Any]],
+    axes: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
+    distance: float,
+) -> None:
+    """Replace values at nodes that lie on an edge, two coordinates zero, by the mean of four points around it."""
+    zeros = [np.flatnonzero(axis == 0.0) for axis in axes]
+    for first, second in ((0, 1), (0, 2), (1, 2)):
+        if not (zeros[first].size and zeros[second].size):
+            continue
+        line, place = list(axes), [slice(None)] * 3
+        for axis in (first, second):
+            line[axis] = np.zeros_like(axes[axis][:1])
+            place[axis] = slice(zeros[axis][0], zeros[axis][0] + 1)
+        mean = np.zeros(1)
+        for moved in (first, second):
+            for way in (-distance, distance):
+                there = list(line)
+                there[moved] = line[moved] + way
+                mean = mean + 0.25 * corner(*_open(there))
+        values[:, place[0], place[1], place[2]] = mean
 
 
 def nodes_around(offsets: FloatArray, pitch: float, unit: float) -> NDArray[np.longdouble]:
