@@ -18,7 +18,7 @@ from eigencontact_verification.fem.loaded_symmetry import boxes_of
 from eigencontact_verification.fem.mesh import Grid
 from eigencontact_verification.fem.model import Region
 
-__all__ = ["PARTS", "RATIO", "breaks_of", "family_grid", "is_box", "reach_of"]
+__all__ = ["PARTS", "RATIO", "breaks_of", "family_grid", "has_flat_ends", "is_box", "reach_of"]
 
 FloatArray = NDArray[np.float64]
 Anchor = tuple[float, float, float]
@@ -34,6 +34,8 @@ _DOUBLED = 12.0
 _FEW = 5
 #: Length of elements below tractions along z over that along x: the field varies most there.
 _STEEP = 0.6
+#: Length of elements along a bar, which the mesh follows to its ends, over its own half length.
+_LONG = 0.4
 _TABLE = np.linspace(0.0, 1.0, 8001)
 
 
@@ -45,13 +47,22 @@ def is_box(region: Region) -> bool:
     return bool(np.all(region.contains(*corners.T)))
 
 
+def has_flat_ends(region: Region, axis: int) -> bool:
+    """Whether a region ends in planes across an axis, between which it has one section: a box, a round bar."""
+    low, high = (np.asarray(corner, dtype=float) for corner in region.bounds)
+    stations, across = np.array([1e-6, 0.3, 0.7, 1 - 1e-6]), (np.arange(11) + 0.5) / 11
+    at = np.stack(np.meshgrid(stations, across, across, indexing="ij"), axis=-1)
+    points = low + (high - low) * np.moveaxis(np.roll(np.moveaxis(at, -1, 0), axis, axis=0), 0, -1)
+    inside = np.asarray(region.contains(*np.moveaxis(points, -1, 0)), dtype=bool)
+    return bool(inside.any() and np.all(inside == inside[0])) or is_box(region)
+
+
 def breaks_of(body: LoadedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coordinates along x, y, z where the field has kinks on planes: interfaces, faces of boxes and of large cells."""
     found: list[list[float]] = [[], [], np.cumsum([layer.thickness for layer in body.layers]).tolist()]
     for region in body.regions:
-        if is_box(region):
-            for axis in range(3):
-                found[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
+        for axis in (one for one in range(3) if has_flat_ends(region, one)):
+            found[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
     for cells in body.cells:
         edges = (cells.x, cells.y, cells.z)
         if max(e.size for e in edges) <= _FEW:
@@ -76,13 +87,20 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
     boxes = list(boxes_of(body, 1e-9))
     sizes = [float((box[1] - box[0])[:2].min()) / 2 for _, box in boxes]
     anchors: list[list[Anchor]] = [[], [], []]
-    plane_faced = [np.array(region.bounds, dtype=float) for region in body.regions if is_box(region)]
+    flat = [
+        (np.array(region.bounds, dtype=float), [has_flat_ends(region, axis) for axis in range(3)])
+        for region in body.regions
+    ]
     for (kind, box), size in zip(boxes, sizes, strict=True):
         small = float((box[1] - box[0]).min()) / 2 if kind != "tractions" else size
         lengths = [min(size, 2 * small) / max(sizes)] * 3
-        if kind == "region" and any(np.array_equal(box, one) for one in plane_faced):
-            # the mesh follows the faces of a sheet or a bar, which is long where the field varies slowly
-            lengths = [min(1.0, max(lengths[0], half / max(sizes))) for half in (box[1] - box[0]) / 2]
+        # the mesh follows the faces of a sheet or a bar, which is long where the field varies slowly
+        follows = next((ends for of, ends in flat if kind == "region" and np.array_equal(box, of)), [False] * 3)
+        halves = (box[1] - box[0]) / 2
+        lengths = [
+            max(one, min(1.0, half / max(sizes)), _LONG * half / max(sizes)) if ends else one
+            for one, half, ends in zip(lengths, halves, follows, strict=True)
+        ]
         depth = (0.0, 0.5 * size) if kind == "tractions" else (box[0, 2], box[1, 2])
         for axis, (low, high) in enumerate((tuple(box[:, 0]), tuple(box[:, 1]), depth)):
             # of a source on the other side of a plane of symmetry only its reflection is meshed
