@@ -23,9 +23,12 @@ TESTS = (
     "tests/cli/test_commands.py",  # typer, rich, pydantic, pluggy
     "tests/convolution",  # numpy, scipy, pyfftw, numba
     "tests/core",  # pint
-    "tests/hooks",
-    "tests/results",  # xarray, h5netcdf, h5py, tomli-w
-    "tests/viz",  # matplotlib, pyvista
+    "tests/hooks/test_plugin_files.py",
+    "tests/results/test_store.py",  # xarray, h5netcdf, h5py, tomli-w
+    "tests/results/test_formats.py",
+    "tests/viz/test_figures.py",  # matplotlib
+    "tests/viz/test_animation.py",  # pillow
+    "tests/viz/test_vtk.py",  # pyvista
     "tests/reports",  # jinja2, markupsafe, pygments
     "tests/plugins/test_polyhedron.py",  # meshio
     "tests/solvers/test_hertz.py",
@@ -34,7 +37,6 @@ TESTS = (
     "tests/execution/test_inhomogeneity_runs.py",
     "tests/verification/test_fem_solid.py",  # scikit-fem, pyamg
     "tests/test_library.py",
-    "tests/test_imports.py",
 )
 _REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)>=([0-9.]+)\s*(;.*)?")
 

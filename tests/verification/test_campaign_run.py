@@ -80,7 +80,7 @@ FAILURES = [
     ("raises", {}, "failed", "mesh is tangled"),
     ("dies", {}, "failed", "ended with 3"),
     ("shape", {}, "failed", "one column a component"),
-    ("sleeps", {"seconds": 1.0}, "time", "not done within 1 s"),
+    ("sleeps", {"seconds": 2.0}, "time", "not done within 2 s"),
     pytest.param(
         "eats", {"memory": 3e8}, "memory", "more than 0.30 GB",
         marks=pytest.mark.skipif(sys.platform != "linux", reason="memory of a process is read from /proc"),
