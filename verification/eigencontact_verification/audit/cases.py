@@ -73,7 +73,10 @@ class AuditCase(Case):
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
         *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
-        *(f"{__name__}:{name}" for name in ("AuditCase.reference", "_read", "_as_stored", "_known", "_watched")),
+        *(
+            f"{__name__}:{name}"
+            for name in ("AuditCase.reference", "_read", "_read_at", "_as_stored", "_known", "_watched")
+        ),
     )
 
     bodies: tuple[AuditedBody, ...]
@@ -94,8 +97,9 @@ class AuditCase(Case):
                 fields[line.profile.name] += self.known.get(f"{body.number} {line.profile.name}", 0.0)
             for sign, part in engines.asked(body.loaded) if mine else ():
                 found = engines.solve_body(
-                    self.engine, part, level=level, outer=outer, watched=_watched(mine), budget=self.budget
-                )
+                    self.engine, part, level=level, outer=outer, watched=_watched(mine), budget=self.budget,
+                    ratio=self.ratio, read=_read_at(mine),
+                )  # fmt: skip
                 for line in mine:
                     fields[line.profile.name] += sign * _read(found, line, body, self.window)
                 unknowns = max(unknowns, int(getattr(found, "unknowns", 0)))
@@ -135,8 +139,9 @@ class AuditCase(Case):
             total += homogeneous_stress(body.loaded.tractions, points, engines.base_of(body.loaded)[1])
         for sign, part in engines.asked(body.loaded):
             solved = engines.solve_body(
-                self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget
-            )
+                self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
+                ratio=self.ratio, read=_read_at(_lines_of(self.lines, body.number)),
+            )  # fmt: skip
             stress = solved.stress(points)
             total += sign * np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
         found[kept] = total
@@ -148,7 +153,12 @@ def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
 
 
 def _watched(lines: Sequence[Line]) -> FloatArray:
-    return np.concatenate([line.profile.points for line in lines])
+    return np.concatenate([np.empty((0, 3)), *(line.profile.points for line in lines)])
+
+
+def _read_at(lines: Sequence[Line]) -> FloatArray:
+    """Where stress is read."""
+    return _watched([line for line in lines if line.body])
 
 
 def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]) -> FloatArray:
@@ -320,9 +330,11 @@ def _case(
         for body in bodies
     )
     engine = engines.engine_for([body.loaded for body in loaded])
+    ratio = engines.ratio_for(engine, [body.loaded for body in loaded])
     seen = [body for body in loaded if _lines_of(lines, body.number)]
     watched = [_watched(_lines_of(lines, body.number)) for body in seen]
-    budget = engines.budget_for(engine, [body.loaded for body in seen], watched, quick=quick)
+    read = [_read_at(_lines_of(lines, body.number)) for body in seen]
+    budget = engines.budget_for(engine, [body.loaded for body in seen], watched, read, ratio=ratio, quick=quick)
     known: Fields = {}
     for body in loaded:
         known |= _known(body, lines, causes)
@@ -340,7 +352,7 @@ def _case(
         },
         quick=quick,
         profiles=tuple(line.profile for line in lines),
-        ratio=engines.RATIO[engine],
+        ratio=ratio,
         bodies=loaded,
         engine=engine,
         lines=lines,

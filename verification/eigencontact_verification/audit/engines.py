@@ -22,24 +22,25 @@ from eigencontact_verification.fem.loaded_parity import parities
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["RATIO", "Engine", "asked", "base_of", "budget_for", "engine_for", "is_split", "solve_body", "without_load"]
+__all__ = [
+    "Engine", "asked", "base_of", "budget_for", "engine_for", "is_split", "ratio_for", "solve_body", "without_load",
+]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
 Engine = Literal["revolution", "solid"]
 
-#: Element size of a level over that of the next finer one.
-RATIO: dict[Engine, float] = {"revolution": 2.0, "solid": 1.5}
 _MODULES: dict[Engine, str] = {
     "revolution": "eigencontact_verification.fem.loaded_revolution",
     "solid": "eigencontact_verification.fem.loaded_solid",
 }
-#: Unknowns of the fine mesh in three dimensions: quick (a quarter has 27 elements each way), and the most; a million
-#: take some 4 GB.
+#: Unknowns of the fine mesh in three dimensions: quick (a quarter has 27 elements each way), and else.
 _BUDGETS = (510_000, 1_200_000)
-#: Size of the block in sizes of what loads it: of a homogeneous body, with regions or cells, with layers. The outer
-#: faces know the point forces of a homogeneous half-space, which is all there is far from the first. With 8 the
-#: displacement of 'coated-sphere' and of the print of 'plastic-hertz' is off by 0.15 to 0.4 % of its largest value
-#: whatever the outer faces are; with 16 the print by 0.07 %, with 32 the coated surface by 0.01 %.
+#: Where the mesh follows small cells: quick, and else. A million take 1.9 GB, and the medium mesh has an eighth.
+_FOLLOWING = (2_000_000, 2_800_000)
+#: Size of the block in sizes of what loads it: of a homogeneous body, with regions or large cells, with layers or small
+#: cells. The outer faces know the point forces of a homogeneous half-space, which is all there is far from the first.
+#: With 8 the displacement of 'coated-sphere' is off by 0.15 to 0.4 % of its largest value whatever the outer faces are,
+#: with 32 by 0.01 %; the print of 'plastic-hertz' by 0.06 % with 16, by 0.015 % with 32.
 _REACHES = (8.0, 16.0, 32.0)
 #: What is left of all contrasts where a body stands for the matrix alone: its symmetry, and so its mesh, stay the same.
 _TRACE = 1e-9
@@ -56,6 +57,14 @@ def engine_for(bodies: Sequence[LoadedBody]) -> Engine:
         return "solid"
     of_revolution = import_module(_MODULES["revolution"]).of_revolution
     return "revolution" if all(of_revolution(body) is not None for body in bodies) else "solid"
+
+
+def ratio_for(engine: Engine, bodies: Sequence[LoadedBody]) -> float:
+    """Element size of a level over that of the next finer one: 2 where halved elements meet faces of small cells."""
+    from eigencontact_verification.fem.followed_cells import has_small_cells
+    from eigencontact_verification.fem.loaded_mesh import RATIO
+
+    return 2.0 if engine == "revolution" or any(map(has_small_cells, bodies)) else RATIO
 
 
 def is_split(body: LoadedBody) -> bool:
@@ -76,7 +85,7 @@ def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
     if not stiff and not body.layers and all(cells.kept is None for cells in body.cells):
         unloaded = replace(body, tractions=None)
-        return [] if without_load(unloaded) else [(1.0, unloaded)]
+        return [] if without_load(unloaded) else [(1.0, part) for part in parities(unloaded)]
     return [one for part in parities(body) for one in ((1.0, part), (-1.0, _matrix(part)))]
 
 
@@ -104,8 +113,22 @@ def _matrix(body: LoadedBody) -> LoadedBody:
     return replace(body, young_modulus=young, poisson_ratio=nu, layers=layers, regions=regions, cells=cells)
 
 
-def budget_for(engine: Engine, bodies: Sequence[LoadedBody], watched: Sequence[FloatArray], *, quick: bool) -> int:
+def budget_for(
+    engine: Engine, bodies: Sequence[LoadedBody], watched: Sequence[FloatArray], read: Sequence[FloatArray], *,
+    ratio: float, quick: bool,
+) -> int:  # fmt: skip
     """Unknowns that the fine mesh may have.
+
+    Parameters
+    ----------
+    engine, bodies
+        What solves what.
+    watched, read : sequences of (n, 3) arrays
+        For each body where fields are read, and where stress is.
+    ratio : float
+        Of `ratio_for`.
+    quick : bool
+        Lighter meshes.
 
     Raises
     ------
@@ -114,20 +137,22 @@ def budget_for(engine: Engine, bodies: Sequence[LoadedBody], watched: Sequence[F
     """
     if engine == "revolution":
         return 0
-    from eigencontact_verification.fem.loaded_mesh import family_grid, reach_of
+    from eigencontact_verification.fem.loaded_mesh import RATIO, family_grid, reach_of
     from eigencontact_verification.fem.loaded_symmetry import centred
 
-    chosen = _BUDGETS[0] if quick else _BUDGETS[1]
-    for body, points in zip(bodies, watched, strict=True):
+    least, most = _BUDGETS if ratio == RATIO else _FOLLOWING
+    chosen = least if quick else most
+    for body, points, inner in zip(bodies, watched, read, strict=True):
         for _, one in asked(body):
             centre = centred(one)
             far = float(np.abs(points - centre.origin).max(initial=0.0))
             reach = max(reach_of(centre.body, _reaches(one)), 1.25 * far)
-            for budget in (chosen, _BUDGETS[1]):
+            near = inner - centre.origin
+            for budget in (chosen, most):
                 try:
-                    family_grid(centre.body, centre.symmetry, reach, level=0, budget=budget)
+                    family_grid(centre.body, centre.symmetry, reach, level=0, budget=budget, ratio=ratio, near=near)
                 except ValueError:
-                    if budget == _BUDGETS[1]:
+                    if budget == most:
                         raise
                 else:
                     chosen = budget
@@ -136,16 +161,21 @@ def budget_for(engine: Engine, bodies: Sequence[LoadedBody], watched: Sequence[F
 
 
 def _reaches(body: LoadedBody) -> float:
-    return _REACHES[2 if body.layers else 1 if body.regions or body.cells else 0]
+    from eigencontact_verification.fem.followed_cells import has_small_cells
+
+    if body.layers or has_small_cells(body):
+        return _REACHES[2]
+    return _REACHES[1 if body.regions or body.cells else 0]
 
 
 def solve_body(
-    engine: Engine, body: LoadedBody, *, level: Level, outer: Outer, watched: FloatArray, budget: int
-) -> Any:
-    """Solution with ``displacement`` and ``stress`` at points."""
+    engine: Engine, body: LoadedBody, *, level: Level, outer: Outer, watched: FloatArray, budget: int, ratio: float,
+    read: FloatArray,
+) -> Any:  # fmt: skip
+    """Solution with ``displacement`` at the points that are watched and ``stress`` at those where it is read."""
     settings: dict[str, Any] = {"level": level, "outer": outer, "watched": watched}
     if engine == "solid":
-        settings |= {"budget": budget, "reaches": _reaches(body)}
+        settings |= {"budget": budget, "reaches": _reaches(body), "ratio": ratio, "read": read}
     return import_module(_MODULES[engine]).solve_loaded(body, **settings)
 
 

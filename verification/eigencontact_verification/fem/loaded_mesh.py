@@ -3,16 +3,21 @@
 Elements are `fine` long in the boxes of what loads or disturbs the body, in proportion to the size of each box, and
 grow with the distance from them. Every segment between two lines that the mesh must have is cut into 4, 6 or 9 parts
 (times a whole number) at the levels 0, 1, 2, along the same grading: element sizes have the exact ratio 1.5.
+
+With the ratio 2 segments are cut into 1, 2 or 4 parts, and the lines follow the faces of small cells
+(`followed_cells`): 4, 2 or 1 elements to a cell at the finest level, as the unknowns allow.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.fem.followed_cells import FEW, followed_faces, has_small_cells
 from eigencontact_verification.fem.loaded_body import LoadedBody
 from eigencontact_verification.fem.loaded_symmetry import boxes_of
 from eigencontact_verification.fem.mesh import Grid
@@ -21,17 +26,17 @@ from eigencontact_verification.fem.model import Region
 __all__ = ["PARTS", "RATIO", "breaks_of", "family_grid", "has_flat_ends", "is_box", "reach_of"]
 
 FloatArray = NDArray[np.float64]
-Anchor = tuple[float, float, float]
+Anchor = tuple[float, float, float, str]
 
-#: Parts of a segment at each level, and their ratio.
-PARTS = (4, 6, 9)
+#: Parts of a segment at each level, by the ratio of element sizes; and the ratio where no small cells are followed.
+PARTS: dict[float, tuple[int, int, int]] = {1.5: (4, 6, 9), 2.0: (1, 2, 4)}
 RATIO = 1.5
-#: Growth per element of the finest mesh, away from what loads the body.
-_RATE = 0.25
+#: Elements to a followed cell at the finest level, the first that the unknowns allow.
+_PER_CELL = (4, 2, 1)
+#: Growth per element of the finest mesh, away from what loads the body, by the ratio.
+_RATES: dict[float, float] = {1.5: 0.25, 2.0: 0.2}
 #: Distance, in sizes of the largest source, where that growth has doubled: what is far varies slowly and matters less.
 _DOUBLED = 12.0
-#: Cells with no more edges than this along an axis are followed by the mesh; smaller ones are not.
-_FEW = 5
 #: Length of elements below tractions along z over that along x: the field varies most there.
 _STEEP = 0.6
 #: Length of elements along a bar, which the mesh follows to its ends, over its own half length.
@@ -65,7 +70,7 @@ def breaks_of(body: LoadedBody) -> tuple[FloatArray, FloatArray, FloatArray]:
             found[axis] += [region.bounds[0][axis], region.bounds[1][axis]]
     for cells in body.cells:
         edges = (cells.x, cells.y, cells.z)
-        if max(e.size for e in edges) <= _FEW:
+        if max(e.size for e in edges) <= FEW:
             for axis in range(3):
                 found[axis] += edges[axis].tolist()
     x, y, z = (np.unique(np.asarray(places, dtype=float)) for places in found)
@@ -83,7 +88,7 @@ def reach_of(body: LoadedBody, reaches: float) -> float:
 
 
 def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
-    """Intervals (from, to, relative length of elements) along x, y, z."""
+    """Intervals (from, to, relative length of elements, of what) along x, y, z."""
     boxes = list(boxes_of(body, 1e-9))
     sizes = [float((box[1] - box[0])[:2].min()) / 2 for _, box in boxes]
     anchors: list[list[Anchor]] = [[], [], []]
@@ -106,34 +111,47 @@ def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:
             # of a source on the other side of a plane of symmetry only its reflection is meshed
             if high > lows[axis]:
                 share = _STEEP * lengths[axis] if kind == "tractions" and axis == 2 else lengths[axis]
-                anchors[axis].append((max(low, lows[axis]), high, share))
+                anchors[axis].append((max(low, lows[axis]), high, share, kind))
     # of a lattice of hundreds of regions few intervals differ
-    return [list({tuple(np.round(np.divide(one, max(sizes)), 9)): one for one in axis}.values()) for axis in anchors]
+    return [
+        list({(*np.round(np.divide(one[:3], max(sizes)), 9), one[3]): one for one in axis}.values()) for axis in anchors
+    ]
 
 
-def _away(distance: FloatArray, largest: float) -> FloatArray:
+def _away(distance: FloatArray, largest: float, rate: float) -> FloatArray:
     """What elements are longer at a distance from a source."""
     away = np.maximum(distance, 0.0)
-    return np.asarray(_RATE * away * (1 + away / (_DOUBLED * largest)))
+    return np.asarray(rate * away * (1 + away / (_DOUBLED * largest)))
 
 
 def _segments(
-    low: float, high: float, breaks: FloatArray, anchors: Sequence[Anchor], fine: float, largest: float
-) -> list[tuple[FloatArray, FloatArray, int]]:
-    """Table of places and element counts of every segment, and how many nine elements it gets at the finest level."""
-    inner = [float(b) for b in breaks if low + 1e-9 * (high - low) < b < high - 1e-9 * (high - low)]
+    low: float, high: float, breaks: FloatArray, anchors: Sequence[Anchor], fine: float, largest: float,
+    followed: FloatArray, ratio: float,
+) -> list[tuple[FloatArray, FloatArray, int]]:  # fmt: skip
+    """Table of places and element counts of every segment, and how many times the most parts it gets at the finest."""
+    tiny, most = 1e-9 * (high - low), PARTS[ratio][2]
+    sources = [(a, b, fine * f) for a, b, f, kind in anchors if not (followed.size and kind == "cells")]
+    inner = [float(b) for b in breaks]
+    if followed.size:
+        inner = [b for b in inner if np.abs(followed - b).min() > tiny] + followed.tolist()
+        ends = np.diff(followed)[[0, -1]] / most  # beyond them elements grow at the pace that they have there
+        sources += [(place, place, float(length)) for place, length in zip(followed[[0, -1]], ends, strict=True)]
     out = []
-    for start, stop in pairwise([low, *inner, high]):
+    for start, stop in pairwise([low, *sorted(b for b in inner if low + tiny < b < high - tiny), high]):
         t = start + (stop - start) * _TABLE
-        size = np.min([fine * f + _away(np.maximum(a - t, t - b), largest) for a, b, f in anchors], axis=0)
+        if followed.size and followed[0] - tiny < start and stop < followed[-1] + tiny:
+            out.append((t, _TABLE * most, 1))
+            continue
+        size = np.min([h + _away(np.maximum(a - t, t - b), largest, _RATES[ratio]) for a, b, h in sources], axis=0)
         count = np.concatenate(([0.0], np.cumsum((1 / size[1:] + 1 / size[:-1]) / 2 * np.diff(t))))
-        out.append((t, count, max(1, round(count[-1] / PARTS[2]))))
+        out.append((t, count, max(1, round(count[-1] / most))))
     return out
 
 
 def family_grid(
-    body: LoadedBody, symmetry: tuple[str, str], reach: float, *, level: int, budget: int
-) -> tuple[Grid, float]:
+    body: LoadedBody, symmetry: tuple[str, str], reach: float, *, level: int, budget: int, ratio: float = RATIO,
+    near: FloatArray | None = None,
+) -> tuple[Grid, float]:  # fmt: skip
     """Mesh of one level, and the length of elements of the finest level in the largest source.
 
     Parameters
@@ -148,6 +166,10 @@ def family_grid(
         Coarse, medium, fine.
     budget : int
         Unknowns that the fine mesh may have.
+    ratio : {1.5, 2.0}
+        Element size of a level over that of the next finer one; with 2 small cells are followed.
+    near : (n, 3) array, optional
+        Where stress is read: far from it, along each axis, fewer elements follow the cells. By default everywhere.
 
     Raises
     ------
@@ -155,25 +177,47 @@ def family_grid(
         If the lines that the mesh must have are too many for the budget.
     """
     lows = np.array([-reach if kind == "none" else 0.0 for kind in symmetry] + [0.0])
-    breaks, anchors = breaks_of(body), _anchors(body, lows)
+    places = np.empty((0, 3)) if near is None else np.where(lows == 0.0, np.abs(near), near)
+    breaks, anchors, most = breaks_of(body), _anchors(body, lows), PARTS[ratio][2]
     size = max(float((box[1] - box[0])[:2].min()) / 2 for _, box in boxes_of(body, 1e-9))
-    chosen = None
-    for fine in size * np.geomspace(0.01, 2.0, 200):
-        axes = [_segments(lows[a], reach, breaks[a], anchors[a], float(fine), size) for a in range(3)]
-        elements = [PARTS[2] * sum(number for _, _, number in axis) for axis in axes]
-        unknowns = 3 * np.prod([2 * n + 1 for n in elements])
-        if unknowns <= budget:
-            chosen = axes, float(fine)
+
+    @cache
+    def faces(axis: int, per_cell: int) -> FloatArray:
+        if per_cell == 0:
+            return np.empty(0)
+        return followed_faces(body, axis, lows[axis], most // per_cell, np.unique(places[:, axis]))
+
+    def axes(per_cell: int, fine: float) -> tuple[list[list[tuple[FloatArray, FloatArray, int]]], int]:
+        found = [
+            _segments(lows[a], reach, breaks[a], anchors[a], fine, size, faces(a, per_cell), ratio) for a in range(3)
+        ]
+        return found, 3 * int(np.prod([2 * most * sum(number for *_, number in axis) + 1 for axis in found]))
+
+    lengths = size * np.geomspace(0.01, 2.0, 200)
+    small = ratio != RATIO and has_small_cells(body)
+    # cells that are small along some axes only leave more to the others
+    thin = small and not all(faces(axis, 1).size for axis in range(3))
+    choices = (*(_PER_CELL[int(thin) :] if small else ()), 0)
+    fewest = {per_cell: axes(per_cell, float(lengths[-1]))[1] for per_cell in choices}
+    per_cell = next((one for one, unknowns in fewest.items() if unknowns <= budget), None)
+    if per_cell is None:
+        raise ValueError(
+            f"budget must be at least {min(fewest.values())} unknowns for this body (got {budget}); raise it"
+        )
+    # where all cells are followed, and where there are none, a third of the budget does for the rest
+    shared = ratio != RATIO and not thin and (per_cell > 0 or not small)
+    allowed = max(fewest[per_cell], budget // 3) if shared else budget
+    for fine in map(float, lengths):
+        chosen, unknowns = axes(per_cell, fine)
+        if unknowns <= allowed:
             break
-    if chosen is None:
-        raise ValueError(f"budget must be at least {unknowns} unknowns for this body (got {budget}); raise it")
     lines = []
-    for low, axis in zip(lows, chosen[0], strict=True):
+    for low, axis in zip(lows, chosen, strict=True):
         line = [np.array([low])]
         for t, count, number in axis:
-            parts = PARTS[level] * number
+            parts = PARTS[ratio][level] * number
             some = np.interp(np.arange(1, parts + 1) / parts * count[-1], count, t)
             some[-1] = t[-1]
             line.append(some)
         lines.append(np.concatenate(line))
-    return Grid(lines=(lines[0], lines[1], lines[2]), order=2), chosen[1]
+    return Grid(lines=(lines[0], lines[1], lines[2]), order=2), fine

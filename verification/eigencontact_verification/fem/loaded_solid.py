@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact_verification.fem import assembly, planes
 from eigencontact_verification.fem.cell_loads import cell_state, cells_load, damaged, traction_cells_load
 from eigencontact_verification.fem.far_field import PointForces, far_field, outer_loads, unit_loads
+from eigencontact_verification.fem.followed_cells import jumps_on_lines
 from eigencontact_verification.fem.loaded_body import LoadedBody
 from eigencontact_verification.fem.loaded_mesh import RATIO, breaks_of, family_grid, is_box, reach_of
 from eigencontact_verification.fem.loaded_symmetry import centred
@@ -97,8 +98,10 @@ class LoadedSolution:
                 start=np.zeros(np.shape(x), dtype=np.int64),
             )
 
+        jumps = jumps_on_lines(self.body, self.solution.grid)
+        kinks = [np.union1d(*both) for both in zip(breaks, jumps, strict=True)]
         strain = recovered(
-            self.solution.strain, self.solution.grid, self.solution.model.symmetry, at, breaks=breaks, side=side
+            self.solution.strain, self.solution.grid, self.solution.model.symmetry, at, breaks=kinks, side=side
         )
         lam, mu, own = assembly.point_state(self.solution.model, at)
         kept, plastic = cell_state(self.body.cells, at)
@@ -114,6 +117,8 @@ def solve_loaded(
     budget: int = QUICK_BUDGET,
     reaches: float = REACHES,
     symmetric: bool = True,
+    ratio: float = RATIO,
+    read: ArrayLike | None = None,
 ) -> LoadedSolution:
     """Solve a loaded body.
 
@@ -122,7 +127,7 @@ def solve_loaded(
     body : LoadedBody
         What to solve.
     level : {0, 1, 2}
-        Mesh of a family with the ratio `RATIO` of element sizes.
+        Mesh of a family with the ratio `ratio` of element sizes.
     outer : {"fixed", "free"}
         What sides and bottom get of the half-space beyond: displacement or traction of the point forces.
     watched : (n, 3) array
@@ -134,6 +139,10 @@ def solve_loaded(
         regions and cells need more.
     symmetric : bool
         Whether planes of symmetry are looked for.
+    ratio : {1.5, 2.0}
+        As in `family_grid`; by default `RATIO`.
+    read : (m, 3) array, optional
+        Those of them where stress will be read; by default it may be read everywhere.
 
     Raises
     ------
@@ -145,9 +154,10 @@ def solve_loaded(
     start = time.perf_counter()
     centre = centred(body, use=symmetric)
     own = centre.body
+    near = None if read is None else np.asarray(read, dtype=float).reshape(-1, 3) - centre.origin
     far = np.abs(np.asarray(watched, dtype=float).reshape(-1, 3) - centre.origin).max(initial=0.0)
     reach = max(reach_of(own, reaches), 1.25 * float(far))
-    grid, fine = family_grid(own, centre.symmetry, reach, level=level, budget=budget)
+    grid, fine = family_grid(own, centre.symmetry, reach, level=level, budget=budget, ratio=ratio, near=near)
     model = Model(
         young_modulus=own.young_modulus, poisson_ratio=own.poisson_ratio, layers=own.layers, regions=own.regions,
         reach=reach, symmetry=centre.symmetry, outer=outer, fine=fine,
