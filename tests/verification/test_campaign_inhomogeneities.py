@@ -182,9 +182,10 @@ def test_a_wrong_layer_disagrees(coated, path, factor):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [1.0, 1.1])
-def test_cells_under_load(factor):
-    """The quick case of cells: nothing disagrees, and a modulus 10 % off does."""
+def test_cells_under_load():
+    """The quick case of cells, its elements solved once: nothing disagrees, and a modulus 10 % off does."""
     case = next(case for case in inhomogeneities.inhomogeneity_cases() if case.quick and not case.whole)
-    found = judged_again(solved(case), parts(case, ("sphere", "young_modulus_inside"), factor))
-    assert (found.word == "disagrees") == (factor != 1.0)
+    known = solved(case)
+    for factor in (1.0, 1.1):
+        found = judged_again(known, parts(case, ("sphere", "young_modulus_inside"), factor))
+        assert (found.word == "disagrees") == (factor != 1.0)
