@@ -89,7 +89,8 @@ def _run(name: str, folder: Path) -> None:
     work = folder / name
     work.mkdir(parents=True)
     start = time.perf_counter()
-    command = ["eigencontact", "run", name, "-o", name]
+    unseen = [word for key in ("animation", "vtk") for word in ("--set", f"output.{key}=false")]
+    command = ["eigencontact", "run", name, "-o", name, *unseen]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"scene {name} must run (exit code {done.returncode}): {done.stderr.strip()}")
@@ -144,7 +145,8 @@ def _page(name: str, scene: Mapping[str, Any], folder: Path) -> str:
         f"# {_words(scene.get('title', name))}",
         _words(scene.get("description", "")),
         (
-            f"`eigencontact run {name}` took {run['seconds']:.1f} s here, pictures included, beside another run. "
+            f"`eigencontact run {name}` took {run['seconds']:.1f} s here, pictures included, animations and "
+            "files for ParaView left out, beside another run. "
             f"`eigencontact gallery show {name} > my.toml` copies the scene to start from."
         ),
         *shown[:1],
