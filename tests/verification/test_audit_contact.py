@@ -9,7 +9,7 @@ import xarray as xr
 import eigencontact as ec
 from close import close
 from eigencontact_verification.audit import contact_cases_of
-from eigencontact_verification.audit.contact_model import contact_model
+from eigencontact_verification.audit.contact_model import contact_model, pliancy
 from eigencontact_verification.audit.contact_table import main
 from eigencontact_verification.campaign.judge import judge
 from eigencontact_verification.campaign.run import Solved, tasks_of
@@ -30,8 +30,11 @@ def judged(case):
     return {(row.profile, row.component): row for row in judge(Solved(case=case, outcomes=tuple(outcomes))).rows}
 
 
-def solved(profile, load, a, fine, layers=()):
-    mesh = {"radius": a, "fine": fine, "extent": 1.6 * a, "reach": 40 * a, "growth": 2.0}
+def solved(profile, load, a, fine, layers=(), **changed):
+    mesh = {
+        "radius": a, "fine": fine, "extent": 1.6 * a, "inner": 0.0, "deep": 1.6 * a, "reach": 40 * a, "growth": 2.0,
+        **changed,
+    }  # fmt: skip
     given = {**STEEL, "law": None, "layers": list(layers), "regions": [], "profile": [profile], "mesh": mesh}
     return solve_indentation(contact_model(given, 3, "fixed"), [load]).moments[0]
 
@@ -46,17 +49,29 @@ def test_a_rounded_punch_has_sneddon_s_radius_and_approach():
         return x * (np.sqrt(x * x - b * b) - b * np.arccos(b / x)) / R
 
     load = 2 * MODULUS * (a * approach(a) - np.sum(weights * approach(t)))
-    found = solved({"kind": "punch", "flat": b, "radius": R}, load, a, a / 5)
-    assert found.depth == close(approach(a), rel=1e-3)
-    assert found.contact_radius == close(a, rel=2e-2)
+    profile = {"kind": "punch", "flat": b, "radius": R}
+    found = solved(profile, load, a, (a - b) / 4, inner=b, extent=2 * a - b, deep=0.0)
+    assert found.depth == close(approach(a), rel=1e-4)
+    assert found.contact_radius == close(a, rel=1e-3)
 
 
 def test_a_cone_has_sneddon_s_approach():
     """Far beyond its tip: δ = (π/2) a cot α less the R cot²α / 2 that the rounding takes off, P = (π/2) E* a² cot α."""
     a, R, angle = 10e-6, 1e-6, np.deg2rad(80)
     load = 0.5 * np.pi * MODULUS * a**2 / np.tan(angle)
-    found = solved({"kind": "cone", "half_angle": angle, "radius": R}, load, a, a / 5)
-    assert found.depth == close(0.5 * np.pi * a / np.tan(angle) - 0.5 * R / np.tan(angle) ** 2, rel=1e-3)
+    profile = {"kind": "cone", "half_angle": angle, "radius": R}
+    found = solved(profile, load, a, a / 5)
+    approach = 0.5 * np.pi * a / np.tan(angle) - 0.5 * R / np.tan(angle) ** 2
+    assert found.depth == close(approach, rel=1e-3)
+    assert found.contact_radius == close(a, rel=5e-3)
+    assert pliancy([profile], a) * a == close(0.5 * np.pi * a / np.tan(angle), rel=1e-3)
+
+
+def test_the_approach_of_a_punch_changes_by_sneddon_s_integral():
+    b, R, a = 100e-6, 1e-3, 107e-6
+    exact = (2 * np.sqrt(a * a - b * b) - b * np.arccos(b / a)) / R
+    assert pliancy([{"kind": "punch", "flat": b, "radius": R}], a) == close(exact, rel=1e-3)
+    assert pliancy([{"kind": "parabola", "radius": R}], a) == close(2 * a / R, rel=1e-6)
 
 
 def test_a_coated_body_is_that_of_the_integral_equation():

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import j0
 
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.loaded_revolution import solve_loaded
 from eigencontact_verification.fem.model import Layer, Region
 from eigencontact_verification.fem.revolution import of_revolution
 from eigencontact_verification.fem.uncertainty import estimate
-from eigencontact_verification.oracles import cuboid_quadrature, eshelby, hertz, mindlin
+from eigencontact_verification.oracles import cuboid_quadrature, eshelby, eshelby_sphere, hertz, layered_dense, mindlin
 
 NU = 0.3
 
@@ -46,11 +47,15 @@ def box(low, high, **rest):
     return Region(contains=contains, bounds=(low, high), **rest)
 
 
-def expected(body, points, read):
-    """Value and uncertainty by three meshes and both outer boundaries."""
-    fields = [read(solve_loaded(body, level=k, outer="fixed", watched=points)) for k in (0, 1, 2)]
-    other = read(solve_loaded(body, level=1, outer="free", watched=points))
-    return estimate(*fields, ratio=2.0, formal_order=2.0, other_outer=other, other_level=1)
+def expected(body, points, *reads):
+    """Value and uncertainty of what is read, by three meshes and both outer boundaries."""
+    solved = [solve_loaded(body, level=k, outer="fixed", watched=points) for k in (0, 1, 2)]
+    solved.append(solve_loaded(body, level=1, outer="free", watched=points))
+    found = []
+    for read in reads:
+        *fields, other = map(read, solved)
+        found.append(estimate(*fields, ratio=2.0, formal_order=2.0, other_outer=other, other_level=1))
+    return found if len(found) > 1 else found[0]
 
 
 def axis_points(depths):
@@ -117,6 +122,64 @@ def test_an_expanding_ball_below_a_free_surface():
     truth = eshelby.dilatational_ball_displacement(points, (0.0, 0.0, depth), 1.0, strain, NU)
     assert np.all(np.abs(found.value - truth) <= found.uncertainty)
     assert found.uncertainty.max() < 5e-3 * np.abs(truth).max()
+
+
+LAYERS = {
+    "stiff": (Layer(thickness=0.5, young_modulus=3.0, poisson_ratio=0.25),),
+    "soft on stiff": (
+        Layer(thickness=0.3, young_modulus=0.4, poisson_ratio=0.35),
+        Layer(thickness=0.6, young_modulus=2.5, poisson_ratio=0.2),
+    ),
+}
+
+
+def layered_hertz(layers, k_last, z, read):
+    """Hankel integral of Hertz's pressure √(1 - r²) on layers; ``read(k, u, s)`` of plane waves, z in the body."""
+    x, w = np.polynomial.legendre.leggauss(8)
+    width = k_last / np.ceil(k_last)
+    k = (np.arange(0.0, k_last, width)[:, None] + width * (x + 1) / 2).ravel()
+    weight = width / 2 * np.tile(w, k.size // x.size) * (np.sin(k) - k * np.cos(k)) / k**2
+    moduli = [(one.thickness, one.young_modulus / 2 / (1 + one.poisson_ratio), one.poisson_ratio) for one in layers]
+    base = (1 / 2 / (1 + NU), NU)
+    waves = [layered_dense.traction_wave(moduli, base, (1.0, 0.0, 0.0), one, 0.0, z) for one in k]
+    return np.tensordot(weight, np.array([read(one, u.real, s.real) for one, (u, s) in zip(k, waves, strict=True)]), 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LAYERS)
+def test_layers_under_hertz_pressure_are_those_of_the_hankel_integral(name):
+    body = loaded(tractions=hertz_cells(100), layers=LAYERS[name])
+    depths = np.array([0.15, 0.25, 0.45, 0.7, 1.1, 1.6])
+    r = np.array([0.0, 0.3, 0.6, 0.8, 1.2, 1.5])  # not at the edge of the load, which cells make a stair of
+    axis, surface = axis_points(depths), np.stack([r, 0 * r, 0 * r], axis=1)
+    watched = np.concatenate([axis, surface])
+
+    def stress_on_axis(_k, _u, s):  # the mean over the directions of the wave
+        return np.array([(s[0] + s[1]) / 2, s[2]])
+
+    truths = (
+        np.array([layered_hertz(LAYERS[name], 40 / z, z, stress_on_axis) for z in depths]),
+        layered_hertz(LAYERS[name], 300.0, 0.0, lambda k, u, _: u[2] * j0(k * r)),
+    )
+    both = expected(body, watched, lambda s: s.stress(axis)[:, (0, 2), (0, 2)], lambda s: s.displacement(surface)[:, 2])
+    for truth, found in zip(truths, both, strict=True):
+        scale = np.abs(truth).max()
+        assert np.all(np.abs(found.value - truth) <= found.uncertainty + 3e-4 * scale)  # 3e-4: the cells
+        assert found.uncertainty.max() < 0.01 * scale
+
+
+@pytest.mark.slow
+def test_a_deep_stiffer_ball_with_prestrain_has_the_stress_of_eshelby():
+    depth, own = 15.0, np.diag([0.01, 0.01, -0.005])  # the surface is felt by (1/15)^3
+    centre = (0.0, 0.0, depth)
+    body = loaded(tractions=None, regions=(ball(centre, young_modulus=3.0, poisson_ratio=0.2, eigenstrain=own),))
+    points = np.array([[0.0, 0.0, depth], [0.5, 0.0, depth], [0.3, 0.4, depth + 0.5], [0.0, 0.0, depth - 0.8]])
+    stiffness = eshelby_sphere.isotropic_stiffness(3.0, 0.2)
+    truth, _ = eshelby_sphere.sphere_in_body(stiffness, 1.0, NU, np.zeros((3, 3)), own)
+    found = expected(body, points, lambda s: s.stress(points).reshape(len(points), 9))
+    scale = np.abs(truth).max()
+    assert np.abs(found.value - truth.ravel()).max() < found.uncertainty.max() + 1e-3 * scale
+    assert found.uncertainty.max() < 0.01 * scale
 
 
 def strained_cells(kept=None):

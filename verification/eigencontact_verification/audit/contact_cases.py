@@ -13,9 +13,16 @@ from eigencontact_verification.campaign.case import Gap
 
 __all__ = ["contact_cases_of"]
 
-#: Elements to a contact radius are `_FINE` (where something yields, else `_ELASTIC`, which needs few iterations) times
-#: these parts; growth of the undivided mesh; its size in contact radii.
-_FINE, _ELASTIC, _DIVISIONS, _QUICK, _GROWTH, _EXTENT, _REACH = 1.2, 2.0, (3, 6, 12), (2, 4, 8), 2.5, 1.6, 40.0
+#: Divisions of the undivided mesh by level; its size in contact radii.
+_DIVISIONS, _QUICK, _REACH = (3, 6, 12), (2, 4, 8), 40.0
+#: Of the undivided mesh where all is elastic: elements to a contact radius, their growth, radius and depth that keep
+#: their size, in contact radii.
+_ELASTIC, _GROWTH, _EXTENT = 2.0, 2.5, 1.6
+#: The same where something yields, which takes many iterations: small elements along the surface, where the edge of the
+#: contact wanders, and larger ones below, divided half as often.
+_YIELDING, _SLOWER, _PRESSED, _FEWER, _FEW = 8.0, 2.0, 1.25, (2, 4, 8), (1, 2, 4)
+#: Elements to the width of the rounded edge of a punch that is under pressure.
+_EDGE = 4.0
 #: Elements of the undivided mesh to the thickness of a layer or the semi-axis of an inclusion, and least size of all.
 _PARTS, _SMALLEST = 1.0, 0.25
 
@@ -53,7 +60,7 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
             **scene.numbers(),
             "loads": [float(load) for load in stored.load[: stored.straight]],
             "mesh": _mesh(scene, a),
-            "divisions": list(_QUICK if quick else _DIVISIONS),
+            "divisions": list(_divisions(scene, quick=quick)),
             "lines": [[line.profile.name, line.kind, list(line.moments)] for line in lines],
         },
         quick=quick,
@@ -63,13 +70,35 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
     return (case,), tuple(gaps)
 
 
+def _yields(scene: ContactScene) -> bool:
+    return any((scene.law, *(region.get("law") for region in scene.regions)))
+
+
+def _flat(scene: ContactScene) -> float:
+    """Radius of the flat part of a punch; 0 without [m]."""
+    return max((one.get("flat", 0.0) for one in scene.profile), default=0.0)
+
+
+def _divisions(scene: ContactScene, *, quick: bool) -> tuple[int, ...]:
+    if _yields(scene) or _flat(scene):
+        return _FEW if quick else _FEWER
+    return _QUICK if quick else _DIVISIONS
+
+
 def _mesh(scene: ContactScene, a: float) -> dict[str, float]:
-    """Element size, extent and reach [m]."""
-    yields = [scene.law, *(region.get("law") for region in scene.regions)]
-    sizes = [a / (_FINE if any(yields) else _ELASTIC), *(layer["thickness"] / _PARTS for layer in scene.layers)]
+    """Element size, where it is kept, growth beyond, and reach [m]."""
+    yields, flat = _yields(scene), _flat(scene)
+    sizes = [a / _ELASTIC, *(layer["thickness"] / _PARTS for layer in scene.layers)]
     for region in scene.regions:
         both = (region["radius"], region["height"]) if region["kind"] == "ellipsoid" else ()
         sizes += [size / _PARTS for size in both]
     sizes += [r / _PARTS for r in junctions(scene.profile)]
-    fine = max(min(sizes), _SMALLEST * a)
-    return {"radius": a, "fine": fine, "extent": _EXTENT * a, "reach": _REACH * a, "growth": _GROWTH}
+    fine = max(min(sizes), _SMALLEST * a) if not yields else a / _YIELDING
+    mesh = {"radius": a, "fine": fine, "inner": 0.0, "reach": _REACH * a}
+    if 0 < flat < a:  # all of the pressure's change is under the rounded edge
+        return {
+            **mesh, "fine": (a - flat) / _EDGE, "inner": flat, "extent": 2 * a - flat, "deep": 0.0, "growth": _SLOWER
+        }  # fmt: skip
+    if yields:
+        return {**mesh, "extent": _PRESSED * a, "deep": 0.0, "growth": _SLOWER}
+    return {**mesh, "extent": _EXTENT * a, "deep": _EXTENT * a, "growth": _GROWTH}

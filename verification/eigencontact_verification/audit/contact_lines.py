@@ -3,13 +3,15 @@
 The run's own error is added to that of the elements:
 
 - *approach*: cells leave open within half a cell h where the contact ends. The approach at a given load is stationary
-  in the contact radius a, so that this counts in second order: (h/2a)² of it. Where something is cut into cells, half
+  in the contact radius a, so that this counts in second order: θ'(a) h² / 8a, θ(a) being the approach of this radius on
+  a half-space; (h/2a)² of it below a sphere, and that at least. Where something is cut into cells, half
   of a cell's change of the displacement by eigenstrain is added, the largest on the row (as for a print);
 - *contact radius*: the size of the correction for cells that the edge cuts;
-- *pressure*: one second difference between neighbouring cells, as values stand for means over cells; where cells cut a
-  boundary, of an inclusion, also half a cell's change of what differs from the homogeneous body. What yields has no
-  boundary that cells cut, and its error was seen to fall in second order (`campaign.plasticity`): there it is the
-  second difference of what differs, over a cell of the body;
+- *pressure*: values stand for means over cells, and the mean of a smooth field over a cell differs from its middle by a
+  24th of the second difference along each edge: an eighth, for three edges, of the second difference between
+  neighbouring cells; where cells cut a boundary, of an inclusion, also half a cell's change of what differs from the
+  homogeneous body. What yields has no boundary that cells cut, and its error was seen to fall in second order
+  (`campaign.plasticity`): there it is the same eighth of what differs, over a cell of the body;
 - *print*: where something is cut into cells, half of a cell's change, and not less than half of the largest on the row;
 - *stress*: the same along depth, of what differs from a homogeneous body under the stored pressure, not less than half
   of the largest on the line, and the median of the pressure's under load.
@@ -24,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.contact_case import ContactLine
+from eigencontact_verification.audit.contact_model import pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.stored import read_step
 from eigencontact_verification.campaign.case import Profile
@@ -45,6 +48,8 @@ _INNER, _AWAY, _SHALLOW, _DEEP = 0.8, 1.4, 0.15, 2.4
 _MARGIN = 0.1
 #: Points on a line.
 _POINTS = 40
+#: Part of the second difference by which a mean over a cell may differ from the value in its middle.
+_MEAN = 1 / 8
 #: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
 _WIDE = 0.6
 
@@ -155,9 +160,10 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
         moved = 0.5 * h * np.abs(slope).max(axis=1)[: len(steps)]
     a, d = stored.radius[: len(steps)], stored.approach[: len(steps)]
     share = np.where(a > 0, stored.cell / np.where(a > 0, 2 * a, 1.0), 0.0) ** 2
+    open_rim = np.array([pliancy(scene.profile, b) * stored.cell**2 / (8 * b) if b > 0 else 0.0 for b in a])
     number = np.arange(1.0, len(steps) + 1)
     lines = [
-        _line("approach", "approach", number, d, share * np.abs(d) + moved, tuple(steps)),
+        _line("approach", "approach", number, d, np.maximum(share * np.abs(d), open_rim) + moved, tuple(steps)),
     ]
     wide = np.flatnonzero(a > _WIDE * a.max())
     parts = a[wide] / a.max(), stored.correction[wide] / a.max()
@@ -200,14 +206,14 @@ def _homogeneous(stored: StoredContact, scene: ContactScene, points: FloatArray,
 
 
 def _change(values: FloatArray, along: FloatArray, h: float, *, cut: bool) -> FloatArray:
-    """Change over half a cell h where cells cut a boundary, else the second difference over a cell."""
+    """Change over half a cell h where cells cut a boundary, else a part of the second difference over a cell."""
     slope = np.gradient(values, along, axis=0)
-    return np.asarray(0.5 * h * np.abs(slope) if cut else h * h * np.abs(np.gradient(slope, along, axis=0)))
+    return np.asarray(0.5 * h * np.abs(slope) if cut else _MEAN * h * h * np.abs(np.gradient(slope, along, axis=0)))
 
 
 def _bend(p: FloatArray) -> FloatArray:
-    """Second difference, the larger of three neighbours."""
-    second = np.abs(np.diff(np.pad(p, 1, mode="edge"), 2))
+    """What a mean over a cell differs by from its middle, the largest of three neighbours."""
+    second = _MEAN * np.abs(np.diff(np.pad(p, 1, mode="edge"), 2))
     return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
 
 

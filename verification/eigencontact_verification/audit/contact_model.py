@@ -13,12 +13,14 @@ from eigencontact_verification.campaign.case import Outer
 from eigencontact_verification.campaign.plasticity import point_law
 from eigencontact_verification.fem.yielding import Indentation, YieldingRegion
 
-__all__ = ["contact_model", "junctions"]
+__all__ = ["contact_model", "junctions", "pliancy"]
 
 FloatArray = NDArray[np.float64]
 
 #: A ball that touches the surface is moved down by this part of its size, so that elements fit between.
 _LEAST_ROOF = 1e-6
+#: Points over the quarter turn of Sneddon's integral.
+_TURNS = 4000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +57,24 @@ def junctions(profile: Sequence[Mapping[str, Any]]) -> tuple[float, ...]:
     return tuple(found)
 
 
+def pliancy(profile: Sequence[Mapping[str, Any]], a: float) -> float:
+    """Derivative θ'(a) of the approach by the contact radius on a half-space, θ(a) = a ∫ h'(a sin t) dt, t to π/2.
+
+    By Sneddon's solution (Int. J. Eng. Sci. 3 (1965) 47); 2a/R of the parabola.
+    """
+    heights, small = Heights(bodies=tuple(profile)), 1e-4 * a
+    t = (np.arange(_TURNS) + 0.5) * np.pi / 2 / _TURNS
+
+    def approach(x: float) -> float:
+        r = x * np.sin(t)
+        slope = (heights(r + small) - heights(r - small)) / (2 * small)
+        return float(x * slope.mean() * np.pi / 2)
+
+    return (approach(a + small) - approach(a - small)) / (2 * small)
+
+
 def contact_model(given: Mapping[str, Any], divisions: int, outer: Outer) -> Indentation:
-    """Model of the parameters of a case; ``mesh`` in them has fine, extent, reach, growth, all in metres."""
+    """Model of the parameters of a case; ``mesh`` in them has fine, extent, inner, deep, reach and growth."""
     mesh = given["mesh"]
     heights = Heights(bodies=tuple(given["profile"]))
     E, nu, law = given["young_modulus"], given["poisson_ratio"], given["law"]
@@ -77,6 +95,8 @@ def contact_model(given: Mapping[str, Any], divisions: int, outer: Outer) -> Ind
         profile=heights,
         fine=mesh["fine"],
         extent=mesh["extent"],
+        inner=mesh["inner"],
+        deep=mesh["deep"],
         reach=mesh["reach"],
         growth=mesh["growth"],
         outer=outer,

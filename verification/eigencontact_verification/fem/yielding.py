@@ -255,7 +255,7 @@ class _Solver:
                 return Moment(
                     load=load,
                     depth=depth if load else surface.touching(u),
-                    contact_radius=surface.contact_radius(p),
+                    contact_radius=surface.contact_radius(u, depth) if load else 0.0,
                     pressure=p,
                     displacement=u,
                     stress=stress,

@@ -18,6 +18,9 @@ __all__ = ["Surface", "surface_of"]
 
 FloatArray = NDArray[np.float64]
 
+#: Nodes on either side of an edge of contact that tell where it is.
+_NODES = 4
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Surface:
@@ -52,15 +55,28 @@ class Surface:
         """Depth at which the rigid body just touches."""
         return float(min(u[self.axis], np.min(u[self.unknowns] + self.height)))
 
-    def contact_radius(self, pressure: FloatArray) -> float:
-        """Radius where p² of the last two points under pressure, continued in r², comes to zero; 0 without contact."""
-        inside = np.flatnonzero(pressure)
-        if inside.size < 2:
+    def contact_radius(self, u: FloatArray, depth: float) -> float:
+        """Radius where contact ends, between nodes; 0 without contact.
+
+        Towards an edge the pressure falls as a root of the distance and the gap rises with its power 3/2, whatever the
+        profile: the mean of where p² against r² and gap^(2/3) against r come to zero, on lines through four nodes each.
+        """
+        overlap = depth - self.height - u[self.unknowns]
+        inside = np.flatnonzero(overlap > 0)
+        if inside.size < _NODES or inside[-1] + _NODES >= len(self.r):
             return float(self.r[inside].max(initial=0.0))
-        (a, b), (p, q) = self.r[inside[-2:]] ** 2, pressure[inside[-2:]] ** 2
-        rim = b + q * (b - a) / (p - q) if p > q else b
-        beyond = self.r[min(inside[-1] + 1, len(self.r) - 1)]
-        return float(min(np.sqrt(rim), beyond))
+        last = int(inside[-1])
+        within, beyond = np.s_[last + 1 - _NODES : last + 1], np.s_[last + 1 : last + 1 + _NODES]
+        first = np.sqrt(max(_zero(self.r[within] ** 2, overlap[within] ** 2), 0.0))
+        second = _zero(self.r[beyond], np.maximum(-overlap[beyond], 0.0) ** (2 / 3))
+        low, high = self.r[last - 1], self.r[last + 2]
+        return float(np.mean(np.clip((first, second), low, high)))
+
+
+def _zero(x: FloatArray, y: FloatArray) -> float:
+    """Where the line of least squares through points (n,) comes to zero."""
+    slope, start = np.polyfit(x - x[0], y, 1)
+    return float(x[0] - start / slope)
 
 
 def surface_of(

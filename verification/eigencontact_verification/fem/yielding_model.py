@@ -47,6 +47,8 @@ class Indentation:
         Height ``h(r)`` of the rigid body above its lowest point, 0 at r = 0; None: the parabola r²/2R.
     fine, extent : float
         Element size, and the radius and depth within which it is kept; contact is looked for there and no farther.
+    inner, deep : float
+        The size is kept from the radius `inner` on only, and to this depth; None: to `extent`.
     reach : float
         Radius and depth of the mesh.
     regions : tuple of YieldingRegion
@@ -71,11 +73,15 @@ class Indentation:
     growth: float = 1.3
     divisions: int = 1
     lines: tuple[float, ...] = ()
+    inner: float = 0.0
+    deep: float | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.fine < self.extent < self.reach:
             given = (self.fine, self.extent, self.reach)
             raise ValueError(f"indentation fine, extent, reach must rise from 0 (got {given}); raise the later ones")
+        if not 0 <= self.inner < self.extent:
+            raise ValueError(f"indentation inner must be in [0, extent) (got {self.inner}); lower it")
         if self.outer not in {"fixed", "free"}:
             raise ValueError(f"indentation outer must be 'fixed' or 'free' (got {self.outer!r}); choose one")
 
@@ -106,7 +112,8 @@ class Indentation:
             ]
             fixed += [fit.box[i][k] for fit in fits for i in (0, 1)]
             fixed += self.lines if k == 0 else ()
-            fine = [(0.0, self.extent), *((fit.box[0][k], fit.box[1][k]) for fit in fits)]
+            kept = (self.inner, self.extent) if k == 0 else (0.0, self.extent if self.deep is None else self.deep)
+            fine = [kept, *((fit.box[0][k], fit.box[1][k]) for fit in fits)]
             lines.append(graded_lines(fixed, fine, self.fine, self.growth))
         return build(lines[0], lines[1], fits, self.fine, self.divisions)
 
