@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -184,6 +186,17 @@ def test_the_table_says_what_it_leaves_out(tmp_path, capsys):
     assert text.endswith("after\n")
     assert "- rolls: the geometry 'cylinder' is not one of revolution" in text
     assert "rolls" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_command_judges_a_run_and_its_contact(command, quick, tmp_path):
+    assert command("run", "hertz", *quick, "-o", tmp_path / "run").code == 0
+    outcome = command("verify", "--quick", "--contact", tmp_path / "run", "-o", tmp_path / "report")
+    assert outcome.code == 0
+    cases = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))["cases"]
+    words = {case["name"]: {row["profile"]: row["word"] for row in case["rows"]} for case in cases}
+    assert words.pop("contact") == dict.fromkeys(("approach", "contact radius", "pressure, step 1"), "agrees")
+    assert "surface along x" in str(words)
 
 
 def test_contact_is_asked_of_runs_only(command):

@@ -355,6 +355,44 @@ def test_a_solution_that_fails_is_told(audited):
     assert judged[0].findings[0].reason == "nothing of it can be judged: all: it is worn"
 
 
+#: Cells to the contact radius, judged by a contact that elements find themselves.
+CELLS = """
+title = "How many cells does a contact need?"
+judge = "contact"
+model = "some cells to the contact radius"
+tolerance = 0.01
+expect = "cells >= 16"
+label = "{cells:g} cells"
+
+[constants]
+a = 6.0533e-6
+
+[vary]
+cells = [3, 16]
+
+[scene]
+body1 = { young-modulus = "210 GPa", poisson-ratio = 0.3 }
+body2 = { rigid = true }
+geometry = { type = "sphere", radius = "105 um" }
+grid = { cells = "= 3 * cells", size = "= 3 * a" }
+steps = [{ normal-load = "0.65 N" }]
+numerics = { allow-coarse = true }
+output = { pictures = false }
+"""
+
+
+@pytest.mark.slow
+def test_a_contact_by_elements_judges_and_finds_too_few_cells(tmp_path):
+    (tmp_path / "cells.toml").write_text(CELLS, encoding="utf-8")
+    report = perform(read_campaign(tmp_path / "cells.toml"), tmp_path / "cells")
+    words = {(one.point.values["cells"], f.quantity): f.word for one in report.found for f in one.findings}
+    kinds = ("approach", "contact radius", "pressure, step 1")
+    assert [words[16, kind] for kind in kinds] == ["agrees"] * 3
+    assert words[3, "contact radius"] == "disagrees"
+    assert report.exit_code == 0
+    assert "Agreement is claimed where cells >= 16: 3 verdicts, of which 3 agree" in totals(report.campaign, report.found)
+
+
 def test_every_key_is_explained():
     assert all(words for table in FORM.values() for words in table.values())
 
