@@ -1,5 +1,6 @@
 """Campaigns over parameters: files, verdicts, claims, maps, resuming, a fault in the model that is found."""
 
+import importlib
 import json
 import signal
 import subprocess
@@ -26,6 +27,7 @@ from eigencontact_verification.maps.form import FORM
 from eigencontact_verification.maps.perform import perform
 from eigencontact_verification.maps.report import MapReport, as_section, write_map
 from eigencontact_verification.maps.runs import perform_runs, points_of
+from hooks.test_plugin_files import BOWL
 
 #: A stack of two equal layers is one body: the model is right but for what `softer` takes off.
 TOY = """
@@ -390,7 +392,46 @@ def test_a_contact_by_elements_judges_and_finds_too_few_cells(tmp_path):
     assert [words[16, kind] for kind in kinds] == ["agrees"] * 3
     assert words[3, "contact radius"] == "disagrees"
     assert report.exit_code == 0
-    assert "Agreement is claimed where cells >= 16: 3 verdicts, of which 3 agree" in totals(report.campaign, report.found)
+    assert "Agreement is claimed where cells >= 16: 3 verdicts, of which 3 agree" in totals(
+        report.campaign, report.found
+    )
+
+
+#: Asks for the geometry of a plugin file, where it is solved; a module that processes import.
+BOWLS = """
+from dataclasses import dataclass
+import numpy as np
+from eigencontact.scene.installed import installed_plugins
+from eigencontact_verification.campaign.case import Case, Profile
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bowl(Case):
+    def reference(self, level, outer):
+        return {"depth": np.full((2, 1), installed_plugins().get("geometry", "bowl").component.example["bend"])}
+
+    def judged(self):
+        return {"depth": np.full((2, 1), 1e-4)}
+
+def of_bowls(folder):
+    points, along = np.zeros((2, 3)), np.arange(2.0)
+    depth = Profile(name="depth", quantity="displacement", points=points, along=along, label="", components=("u",))
+    return (Bowl(kernel="bowl", name=folder.name, parameters={}, quick=True, profiles=(depth,)),), ()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cluster", [None, "local:1"])
+def test_plugin_files_of_the_scenes_reach_who_solves(tmp_path, monkeypatch, cluster):
+    (tmp_path / "bowl.py").write_text(BOWL, encoding="utf-8")
+    (tmp_path / "bowl_cases.py").write_text(BOWLS, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    of_bowls = importlib.import_module("bowl_cases").of_bowls
+    text = CELLS.replace('type = "sphere", radius = "105 um"', 'type = "bowl", bend = "105 um"')
+    text = text.replace("[scene]", f"[scene]\nplugins = ['{tmp_path / 'bowl.py'}']").replace("[3, 16]", "[3]")
+    (tmp_path / "bowls.toml").write_text(text, encoding="utf-8")
+    engine = None if cluster is None else Cluster(cluster)
+    report = perform(read_campaign(tmp_path / "bowls.toml"), tmp_path / "bowls", cluster=engine, cases_of=of_bowls)
+    assert [one.word for one in report.found] == ["agrees"]
 
 
 def test_every_key_is_explained():

@@ -41,14 +41,18 @@ def cases_for(campaign: Campaign, *, coarse: bool) -> CasesOf:
     return partial(contact_cases_of if campaign.judge == "contact" else cases_of, quick=quick)
 
 
-def executor_of(workers: int, cluster: Cluster | None, memory: float | None) -> Executor:
-    """Who performs the solutions: processes of this machine within limits, or a cluster."""
+def executor_of(
+    points: Sequence[Point], *, workers: int = 1, cluster: Cluster | None = None, memory: float | None = None
+) -> Executor:
+    """Who performs the solutions: processes within limits, or a cluster; both get plugin files of the scenes."""
+    scenes = [point.model.variant.scene for point in points]
+    plugins = dict.fromkeys(str(path.resolve()) for scene in scenes if scene is not None for path in scene.plugin_files)
     if cluster is None:
         limits = Limits() if memory is None else Limits(memory=memory)
-        return partial(in_processes, workers=workers, limits=limits)
+        return partial(in_processes, workers=workers, limits=limits, plugins=tuple(plugins))
     from eigencontact_verification.campaign.cluster import on_cluster
 
-    return partial(on_cluster, engine=cluster)
+    return partial(on_cluster, engine=cluster, plugins=tuple(plugins))
 
 
 @dataclass(kw_only=True, eq=False)

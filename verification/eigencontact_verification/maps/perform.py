@@ -69,7 +69,7 @@ def perform(
 
         found = judge_by_elements(
             campaign, ran, folder, cases_of=cases_of or cases_for(campaign, coarse=coarse),
-            executor=executor_of(workers, cluster, memory), progress=counted,
+            executor=executor_of(ran, workers=workers, cluster=cluster, memory=memory), progress=counted,
         )  # fmt: skip
     return MapReport(campaign=campaign, found=tuple(found), coarse=coarse, seconds=time.perf_counter() - began)
 
