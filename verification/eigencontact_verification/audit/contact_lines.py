@@ -115,7 +115,7 @@ def read_contact(path: str | Path) -> StoredContact:
         if "pressure" not in found:
             raise NotJudged("it has no contact")
         x, y = (np.asarray(data[axis].values, dtype=float) for axis in "xy")
-        size = np.asarray(str(data.attrs["cell_size"]).strip("[]").split(), dtype=float)
+        size = np.asarray(data.attrs["cell_size"], dtype=float)
         pitch, middles = 0.0, np.zeros(0)
         for body in (1, 2):
             if f"cells_{body}_z" in data.variables:

@@ -169,7 +169,7 @@ def read_step(path: str | Path, step: int | None = None) -> StoredStep:
             for body in (1, 2)
             if f"cells_{body}_x" in data.variables
         }
-        size = np.asarray(str(data.attrs["cell_size"]).strip("[]").split(), dtype=float)
+        size = np.asarray(data.attrs["cell_size"], dtype=float)
         return StoredStep(
             name=str(data.attrs["name"]),
             step=number,
