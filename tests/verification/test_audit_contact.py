@@ -12,7 +12,9 @@ import eigencontact as ec
 from close import close
 from eigencontact_verification.audit import contact_cases_of
 from eigencontact_verification.audit.contact_model import contact_model, pliancy
+from eigencontact_verification.audit.contact_scene import contact_scene
 from eigencontact_verification.audit.contact_table import main
+from eigencontact_verification.audit.shapes import NotJudged
 from eigencontact_verification.campaign.judge import judge
 from eigencontact_verification.campaign.run import Solved, tasks_of
 from eigencontact_verification.campaign.worker import Outcome
@@ -186,6 +188,34 @@ def test_the_table_says_what_it_leaves_out(tmp_path, capsys):
     assert text.endswith("after\n")
     assert "- rolls: the geometry 'cylinder' is not one of revolution" in text
     assert "rolls" in capsys.readouterr().out
+
+
+BOX = """
+[body1]
+young-modulus = 210e9
+poisson-ratio = 0.3
+[geometry]
+type = "sphere"
+radius = 105e-6
+[[inclusions]]
+type = "cuboid"
+center = [0, 0, 2e-6]
+edges = [{x}, {y}, 4e-6]
+material = {{ young-modulus = 420e9, poisson-ratio = 0.3 }}
+[[steps]]
+normal-load = 0.65
+"""
+
+
+def test_a_wide_box_is_a_disc_of_its_area():
+    (disc,) = contact_scene(BOX.format(x=18e-6, y=18e-6), 6e-6).regions
+    assert disc["kind"] == "disc"
+    assert np.pi * disc["radius"] ** 2 == close(18e-6**2, rel=1e-12)
+    (layer,) = contact_scene(BOX.format(x=140e-6, y=120e-6), 6e-6).regions
+    assert layer["kind"] == "layer"
+    for x, y in ((18e-6, 20e-6), (12e-6, 12e-6)):
+        with pytest.raises(NotJudged, match="not of revolution"):
+            contact_scene(BOX.format(x=x, y=y), 6e-6)
 
 
 @pytest.mark.slow

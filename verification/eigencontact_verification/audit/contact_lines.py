@@ -286,10 +286,10 @@ def _stress(
             depths += [region["top"], region["bottom"]]
     for depth in depths:
         good &= np.abs(z - depth) > max(_MARGIN * a, 1.5 * h)
-    if h and stored.middles.size:  # in the middle of a cell its uniform strain is what it stands for
+    if h and stored.middles.size:  # in the middle of a cell its uniform strain is what it stands for, nowhere else
         inside = (z > stored.middles[0] - 0.6 * h) & (z < stored.middles[-1] + 0.6 * h)
         nearest = np.abs(z[:, None] - stored.middles).min(axis=1) < 0.1 * h
-        good &= nearest | ~inside if np.sum(good & nearest) >= 5 else True
+        good &= nearest | ~inside
     chosen = _thinned(np.flatnonzero(good))
     if chosen.size < 5:
         return None

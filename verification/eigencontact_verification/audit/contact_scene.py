@@ -1,6 +1,6 @@
 """A run of revolution in plain numbers: what is pressed, by what, along which loads; and what is not of revolution.
 
-A box that is wider than the contact by half is taken as a layer without end.
+A square box that is wider than the contact by a quarter is taken as a disc of its area.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ __all__ = ["ContactScene", "contact_scene"]
 
 FloatArray = NDArray[np.float64]
 
-#: Half width of a box, in contact radii, from which it counts as a layer without end.
-_WIDE = 1.25
+#: Half width of a box, in contact radii, from which it counts as a disc of its area, and as a layer without end.
+_WIDE, _ENDLESS = 1.25, 10.0
 #: Part of the contact radius by which a place may be off the axis.
 _CENTRED = 1e-6
 #: Poisson's ratio from which the far field is not what the elements hold.
@@ -215,9 +215,11 @@ def _place(shape: Any, name: str, contact_radius: float, notes: list[str]) -> di
         return {"kind": "ellipsoid", "depth": 0.5 * (top + bottom), "radius": half, "height": 0.5 * (bottom - top)}
     if key == "cylinder" and tall and np.isclose(x1 - x0, y1 - y0, rtol=1e-9, atol=0):
         return {"kind": "disc", "top": top, "bottom": bottom, "radius": half}
-    if key in ("cuboid", "layer") and half >= _WIDE * contact_radius:
-        notes.append(f"the box '{name}' of half width {half / contact_radius:.3g} contact radii is a layer without end")
+    if key in ("cuboid", "layer") and half >= _ENDLESS * contact_radius:
         return {"kind": "layer", "top": top, "bottom": bottom}
+    if key == "cuboid" and half >= _WIDE * contact_radius and np.isclose(x1 - x0, y1 - y0, rtol=1e-9, atol=0):
+        notes.append(f"the box '{name}' of half width {half / contact_radius:.3g} contact radii is a disc of its area")
+        return {"kind": "disc", "top": top, "bottom": bottom, "radius": 2 * half / np.sqrt(np.pi)}
     raise NotJudged(f"inclusion '{name}' ({key}) is not of revolution about the axis")
 
 
