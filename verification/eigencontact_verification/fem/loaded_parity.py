@@ -7,7 +7,6 @@ and y for the same number of unknowns.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,18 +20,14 @@ __all__ = ["parities"]
 FloatArray = NDArray[np.float64]
 
 
-#: Components of strain that planes of symmetry treat alike.
-_ALIKE = (((0, 0), (1, 1), (2, 2)), ((0, 1),), ((0, 2),), ((1, 2),))
-
-
 def parities(body: LoadedBody) -> tuple[LoadedBody, ...]:
-    """Bodies whose tractions or eigenstrains add up to those of a body, each even or odd about planes across x and y.
+    """Bodies whose tractions add up to those of a body, each even or odd about planes across x and y.
 
     Parameters
     ----------
     body : LoadedBody
-        With tractions alone, or without any. One with both tractions and regions or cells, and one that no plane
-        reflects onto itself, is returned as it is.
+        With tractions; with regions or cells, or with cells of the surface that no plane reflects onto each other, it
+        is returned as it is.
 
     Examples
     --------
@@ -45,9 +40,7 @@ def parities(body: LoadedBody) -> tuple[LoadedBody, ...]:
     >>> [part.tractions.values[2, 0].tolist() for part in parts]
     [[0.5, 0.0, 0.5], [0.5, 0.0, -0.5]]
     """
-    if body.tractions is None:
-        return _by_components(body)
-    if body.regions or body.cells or not body.tractions.values.any():
+    if body.tractions is None or body.regions or body.cells or not body.tractions.values.any():
         return (body,)
     centre = centred(body)
     loads = centre.body.tractions
@@ -69,26 +62,3 @@ def parities(body: LoadedBody) -> tuple[LoadedBody, ...]:
     x, y = loads.x + centre.origin[0], loads.y + centre.origin[1]
     kept = [values for values in parts if np.abs(values).max() > least]
     return tuple(replace(body, tractions=replace(loads, x=x, y=y, values=values)) for values in kept)
-
-
-def _by_components(body: LoadedBody) -> tuple[LoadedBody, ...]:
-    """Parts of an eigenstrain: across planes x = 0 and y = 0 shear strains change sign, normal ones do not."""
-    if "none" not in centred(body).symmetry:
-        return (body,)
-    parts = [part for part in (_components(body, pairs) for pairs in _ALIKE) if _strained(part)]
-    return (body,) if any("none" in centred(part).symmetry for part in parts) else tuple(parts)
-
-
-def _components(body: LoadedBody, pairs: Sequence[tuple[int, int]]) -> LoadedBody:
-    """The body with some components of its eigenstrain."""
-    kept = np.zeros((3, 3))
-    for i, j in pairs:
-        kept[i, j] = kept[j, i] = 1.0
-    regions = tuple(replace(region, eigenstrain=kept * region.eigenstrain) for region in body.regions)
-    cells = tuple(replace(one, eigenstrain=kept[:, :, None, None, None] * one.eigenstrain) for one in body.cells)
-    return replace(body, regions=regions, cells=cells)
-
-
-def _strained(body: LoadedBody) -> bool:
-    strains = [*(region.eigenstrain for region in body.regions), *(cells.eigenstrain for cells in body.cells)]
-    return any(np.any(strain) for strain in strains)
