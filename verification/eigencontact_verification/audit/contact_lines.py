@@ -4,9 +4,10 @@ The run's own error is added to that of the elements:
 
 - *approach*: cells leave open within half a cell h where the contact ends. The approach at a given load is stationary
   in the contact radius a, so that this counts in second order: θ'(a) h² / 8a, θ(a) being the approach of this radius on
-  a half-space; (h/2a)² of it below a sphere, and that at least. Where something is cut into cells, half
-  of a cell's change of the displacement by eigenstrain is added, the largest on the row (as for a print), and not less
-  than half of that of any step;
+  a half-space; (h/2a)² of it below a sphere, and that at least. Without load the first touch is looked for in the
+  middles of cells: the height of the rigid body half a diagonal of a cell off its axis. Where something is cut into
+  cells, half of a cell's change of the displacement by eigenstrain is added, the largest on the row (as for a print),
+  and not less than half of that of any step;
 - *contact radius*: the size of the correction for cells that the edge cuts;
 - *pressure*: values stand for means over cells, and the mean of a smooth field over a cell differs from its middle by a
   24th of the second difference along each edge: an eighth, for three edges, of the second difference between
@@ -31,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.contact_case import ContactLine
-from eigencontact_verification.audit.contact_model import pliancy
+from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.stored import read_step
 from eigencontact_verification.campaign.case import Profile
@@ -166,7 +167,8 @@ def contact_lines(path: str | Path, stored: StoredContact, scene: ContactScene) 
         moved = np.maximum(moved, 0.5 * moved.max())
     a, d = stored.radius[: len(steps)], stored.approach[: len(steps)]
     share = np.where(a > 0, stored.cell / np.where(a > 0, 2 * a, 1.0), 0.0) ** 2
-    open_rim = np.array([pliancy(scene.profile, b) * stored.cell**2 / (8 * b) if b > 0 else 0.0 for b in a])
+    corner = float(Heights(bodies=tuple(scene.profile))(np.array([stored.cell / np.sqrt(2)]))[0])
+    open_rim = np.array([pliancy(scene.profile, b) * stored.cell**2 / (8 * b) if b > 0 else corner for b in a])
     number = np.arange(1.0, len(steps) + 1)
     lines = [
         _line("approach", "approach", number, d, np.maximum(share * np.abs(d), open_rim) + moved, tuple(steps)),
