@@ -220,7 +220,8 @@ def test_a_wide_box_is_a_disc_of_its_area():
 
 @pytest.mark.slow
 def test_the_command_judges_a_run_and_its_contact(command, quick, tmp_path):
-    assert command("run", "hertz", *quick, "-o", tmp_path / "run").code == 0
+    cells = ("--set", "grid.cells-per-contact-radius=24")  # fewer leave more open than agreement allows
+    assert command("run", "hertz", *quick, *cells, "-o", tmp_path / "run").code == 0
     outcome = command("verify", "--quick", "--contact", tmp_path / "run", "-o", tmp_path / "report")
     assert outcome.code == 0
     cases = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))["cases"]
