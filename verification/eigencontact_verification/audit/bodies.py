@@ -302,7 +302,7 @@ def _cell_of(stored: StoredStep, parts: list[Part]) -> tuple[float, float, float
     return (*stored.window.cell, numerics.inclusion_pitch or thin / numerics.inclusion_cells)
 
 
-def tractions_on(stored: StoredStep, number: int, *, pressure: bool = True, shear: bool = True) -> Tractions | None:
+def tractions_on(stored: StoredStep, number: int) -> Tractions | None:
     """Stored tractions as they act on a body, whose z points into it; None where there are none.
 
     Pressure pushes either body along its own z; shear is stored as it acts on body 1, and acts on body 2 the other way.
@@ -310,10 +310,8 @@ def tractions_on(stored: StoredStep, number: int, *, pressure: bool = True, shea
     shape = (stored.window.y.size, stored.window.x.size)
     values = np.zeros((3, *shape))
     side = 1.0 if number == 1 else -1.0
-    for row, (name, wanted, sign) in enumerate(
-        (("shear_x", shear, side), ("shear_y", shear, side), ("pressure", pressure, 1.0))
-    ):
-        if wanted and name in stored.surface:
+    for row, (name, sign) in enumerate((("shear_x", side), ("shear_y", side), ("pressure", 1.0))):
+        if name in stored.surface:
             values[row] = sign * np.nan_to_num(stored.surface[name])
     loaded = np.any(values != 0.0, axis=0)
     if not loaded.any():

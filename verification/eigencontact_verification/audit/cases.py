@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from eigencontact_verification.audit import engines
 from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
 from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
+from eigencontact_verification.audit.loads import CAUSES, alone, effects
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
 from eigencontact_verification.campaign.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
@@ -33,11 +34,6 @@ FloatArray = NDArray[np.float64]
 _HALF = 0.5
 #: Least own error of a component, in its largest on the line.
 _LEAST = 0.5
-_SHEAR = ("u_x", "u_y")
-#: Tractions that displace along x, y and z in the bodies of a contact with friction, by numerics.coupling.
-_CAUSES = {"none": ("x", "y", "z"), "partial": ("xy", "xy", "z"), "one-way": ("xyz", "xyz", "z")}
-_ALL = ("xyz",) * 3
-_Load = tuple[str, bool, bool, tuple[str, ...], bool, tuple[str, ...]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,8 +54,9 @@ class AuditCase(Case):
     lines : tuple of Line
         Their profiles are `profiles`.
     known : dict
-        Field of a homogeneous body under the tractions, by body and profile, where the elements are asked for the
-        change of it alone.
+        What is known in closed form, of a homogeneous body under tractions, by body and profile.
+    causes : tuple of str
+        Tractions that displace along x, y and z; all cause stress.
     budget : int
         Unknowns that the fine mesh may have; 0 where the elements are of revolution.
     window : (float, float)
@@ -72,10 +69,10 @@ class AuditCase(Case):
     #: two hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
-        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
+        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous", "loads")),
         *(
             f"{__name__}:{name}"
-            for name in ("AuditCase.reference", "_read", "_read_at", "_as_stored", "_known", "_watched")
+            for name in ("AuditCase.reference", "_asked", "_read", "_read_at", "_as_stored", "_known", "_watched")
         ),
     )
 
@@ -83,6 +80,7 @@ class AuditCase(Case):
     engine: engines.Engine
     lines: tuple[Line, ...]
     known: Fields = field(default_factory=dict)
+    causes: tuple[str, ...] = CAUSES["full"]
     budget: int = 0
     window: tuple[float, float] = (0.0, 0.0)
     sections: tuple[Section, ...] = ()
@@ -95,13 +93,15 @@ class AuditCase(Case):
             mine = _lines_of(self.lines, body.number)
             for line in mine:
                 fields[line.profile.name] += self.known.get(f"{body.number} {line.profile.name}", 0.0)
-            for sign, part in engines.asked(body.loaded) if mine else ():
+            for moved, sign, part in _asked(body, self.causes) if mine else ():
                 found = engines.solve_body(
                     self.engine, part, level=level, outer=outer, watched=_watched(mine), budget=self.budget,
                     ratio=self.ratio, read=_read_at(mine),
                 )  # fmt: skip
                 for line in mine:
-                    fields[line.profile.name] += sign * _read(found, line, body, self.window)
+                    counts = [bool(line.body) or name in moved for name in line.profile.components]
+                    if any(counts):
+                        fields[line.profile.name] += sign * np.where(counts, _read(found, line, body, self.window), 0.0)
                 unknowns = max(unknowns, int(getattr(found, "unknowns", 0)))
         return {**fields, UNKNOWNS: np.array([unknowns])}
 
@@ -135,8 +135,7 @@ class AuditCase(Case):
         kept = np.isfinite(section.values).all(axis=-1)
         points, found = section.points[kept], np.full(section.values.shape, np.nan)
         total = np.zeros((len(points), len(_PLACES)))
-        if engines.is_split(body.loaded):
-            total += homogeneous_stress(body.loaded.tractions, points, engines.base_of(body.loaded)[1])
+        total += homogeneous_stress(engines.known_tractions(body.loaded), points, engines.base_of(body.loaded)[1])
         for sign, part in engines.asked(body.loaded):
             solved = engines.solve_body(
                 self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
@@ -146,6 +145,17 @@ class AuditCase(Case):
             total += sign * np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
         found[kept] = total
         return found
+
+
+def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float, LoadedBody]]:
+    """Bodies that the elements solve, with the components of displacement that count and the sign in the sum.
+
+    Inclusions answer all tractions at every level: the elements are asked for what they change under all.
+    """
+    loaded = body.loaded
+    for kinds, moved in effects(CAUSES["full"] if loaded.regions or loaded.cells else causes):
+        for sign, part in engines.asked(alone(loaded, kinds)):
+            yield moved, sign, part
 
 
 def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
@@ -184,27 +194,22 @@ def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
     return np.asarray((displacement * side)[:, [["u_x", "u_y", "u_z"].index(n) for n in line.profile.components]])
 
 
-def _known(body: AuditedBody, lines: Sequence[Line], causes: Sequence[str]) -> Fields:
-    """What a homogeneous body gives along the lines, where the elements are asked for the change alone.
-
-    `causes` names the tractions that displace along x, y and z.
-    """
-    loaded = body.loaded
-    if loaded.tractions is None or not engines.is_split(loaded):
+def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
+    """What a homogeneous body gives along the lines under what the elements do not get, or do not know well enough."""
+    known = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
+    if known.tractions is None:
         return {}
     found = {}
-    young, nu = engines.base_of(loaded)
+    young, nu = engines.base_of(known)
     for line in _lines_of(lines, body.number):
         points = line.profile.points
         if line.body:
-            values = homogeneous_stress(loaded.tractions, points, nu)
+            values = homogeneous_stress(known.tractions, points, nu)
         else:
-            moved = np.zeros_like(points)
-            for cause in set(causes):
-                alone = np.isin(list("xyz"), list(cause))[:, None, None] * loaded.tractions.values
-                by = homogeneous_displacement(replace(loaded.tractions, values=alone), points, young, nu)
-                moved += np.where([one == cause for one in causes], by, 0.0)
-            values = _as_stored(moved, line, body.number)
+            values = np.zeros(line.values.shape)
+            for kinds, moved in effects(causes):
+                by = homogeneous_displacement(alone(known, kinds).tractions, points, young, nu)
+                values += np.isin(line.profile.components, moved) * _as_stored(by, line, body.number)
         found[f"{body.number} {line.profile.name}"] = values
     return found
 
@@ -249,24 +254,21 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
         gaps.append(
             Gap(kernel=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
         )
-    sections = sections_of(stored, bodies, middle)
-    cases = []
-    for name, pressure, shear, components, stress, causes in _loads(
-        stored,
-        gaps,
-        mixed=any(body.loaded.regions or body.loaded.cells for body in bodies),
-        layered=any(body.loaded.layers for body in bodies),
-    ):
-        lines = [_only(line, components) for line in above]
-        kept = tuple(line for line in lines if line is not None) + (tuple(below) if stress else ())
-        if not (kept and bodies):
-            continue
-        try:
-            case = _case(stored, bodies, kept, name, pressure=pressure, shear=shear, causes=causes, quick=quick)
-            cases.append(replace(case, sections=sections) if stress else case)
-        except ValueError as problem:
-            gaps.append(Gap(kernel=stored.name, what=name, reason=f"not solved: {problem}"))
-    return tuple(cases), tuple(gaps)
+    causes = _causes(stored, gaps)
+    mixed = any(body.loaded.layers and (body.loaded.regions or body.loaded.cells) for body in bodies)
+    if mixed and causes != CAUSES["full"]:
+        reason = "inclusions answer all tractions and layers not, of which the elements know the sum alone"
+        gaps.append(Gap(kernel=stored.name, what="displacement of the surface", reason=reason))
+        above = []
+    lines = (*above, *below)
+    if not (lines and bodies):
+        return (), tuple(gaps)
+    try:
+        case = _case(stored, bodies, lines, causes=causes, quick=quick)
+    except ValueError as problem:
+        gaps.append(Gap(kernel=stored.name, what=f"step {stored.step}", reason=f"not solved: {problem}"))
+        return (), tuple(gaps)
+    return (replace(case, sections=sections_of(stored, bodies, middle)),), tuple(gaps)
 
 
 def _base(stored: StoredStep, body: AuditedBody) -> Callable[[FloatArray], FloatArray]:
@@ -277,70 +279,37 @@ def _homogeneous(tractions: Any, poisson_ratio: float, points: FloatArray) -> Fl
     return homogeneous_stress(tractions, points, poisson_ratio)
 
 
-def _loads(stored: StoredStep, gaps: list[Gap], *, mixed: bool, layered: bool) -> list[_Load]:
-    """Parts of the load with what is judged under each: name, pressure, shear, displacements, stress, causes.
-
-    A contact with friction may leave out by its scene (numerics.coupling) what one traction displaces along another.
-    Such displacements are judged under the tractions that cause them; stress always has all. Inclusions answer all
-    tractions at every level: where there are some, the bodies' own displacement is known by its causes, and the
-    elements are asked for what inclusions change of it under all.
-    """
-    step = f"step-{stored.step}"
+def _causes(stored: StoredStep, gaps: list[Gap]) -> tuple[str, ...]:
+    """Tractions that displace along x, y and z: a contact with friction may leave some out (numerics.coupling)."""
     sheared = any(np.any(stored.surface.get(name, 0.0)) for name in ("shear_x", "shear_y"))
     coupling = stored.scene.numerics.coupling
     if stored.scene.friction is None or coupling == "full" or not sheared:
-        return [(step, True, True, (*_SHEAR, "u_z"), True, _ALL)]
+        return CAUSES["full"]
     left = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
     left = f"u_x by shear along y, u_y by shear along x, {left}" if coupling == "none" else left
     gaps.append(Gap(kernel=stored.name, what=left, reason=f'the scene leaves it out: numerics.coupling = "{coupling}"'))
-    if mixed and layered:
-        reason = "inclusions answer all tractions and layers not, of which the elements know the sum alone"
-        gaps.append(Gap(kernel=stored.name, what="displacement of the surface", reason=reason))
-        return [(step, True, True, (), True, _ALL)]
-    if mixed:
-        return [(step, True, True, (*_SHEAR, "u_z"), True, _CAUSES[coupling])]
-    parts: list[_Load] = [(f"{step}-pressure", True, False, ("u_z",), False, _ALL)]
-    if coupling == "one-way":
-        return [*parts, (step, True, True, _SHEAR, True, _ALL)]
-    parts.append((f"{step}-shear", False, True, _SHEAR, False, _ALL))
-    return [*parts, (step, True, True, (), True, _ALL)] if stored.regions else parts
-
-
-def _only(line: Line, components: tuple[str, ...]) -> Line | None:
-    """A line of the surface with some components."""
-    columns = [k for k, name in enumerate(line.profile.components) if name in components]
-    if not columns:
-        return None
-    names = tuple(line.profile.components[k] for k in columns)
-    return replace(
-        line, profile=replace(line.profile, components=names), values=line.values[:, columns],
-        slopes=line.slopes[:, columns],
-    )  # fmt: skip
+    return CAUSES[coupling]
 
 
 def _case(
-    stored: StoredStep, bodies: Sequence[AuditedBody], lines: tuple[Line, ...], name: str, *,
-    pressure: bool, shear: bool, causes: tuple[str, ...], quick: bool,
-) -> AuditCase:  # fmt: skip
+    stored: StoredStep, bodies: Sequence[AuditedBody], lines: tuple[Line, ...], *, causes: tuple[str, ...], quick: bool
+) -> AuditCase:
     loaded = tuple(
-        replace(
-            body,
-            loaded=replace(body.loaded, tractions=tractions_on(stored, body.number, pressure=pressure, shear=shear)),
-        )
-        for body in bodies
+        replace(body, loaded=replace(body.loaded, tractions=tractions_on(stored, body.number))) for body in bodies
     )
     engine = engines.engine_for([body.loaded for body in loaded])
     ratio = engines.ratio_for(engine, [body.loaded for body in loaded])
     seen = [body for body in loaded if _lines_of(lines, body.number)]
     watched = [_watched(_lines_of(lines, body.number)) for body in seen]
     read = [_read_at(_lines_of(lines, body.number)) for body in seen]
-    budget = engines.budget_for(engine, [body.loaded for body in seen], watched, read, ratio=ratio, quick=quick)
+    solved = [[part for _, _, part in _asked(body, causes)] for body in seen]
+    budget = engines.budget_for(engine, solved, watched, read, ratio=ratio, quick=quick)
     known: Fields = {}
     for body in loaded:
         known |= _known(body, lines, causes)
     return AuditCase(
         kernel=stored.name,
-        name=name,
+        name=f"step-{stored.step}",
         parameters={
             "step": stored.step,
             "engine": engine,
@@ -357,6 +326,7 @@ def _case(
         engine=engine,
         lines=lines,
         known=known,
+        causes=causes,
         budget=budget,
         window=stored.window.cell,
     )
