@@ -99,7 +99,7 @@ def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
     if not stiff and not body.layers and all(cells.kept is None for cells in body.cells):
         unloaded = replace(body, tractions=None)
-        return [] if without_load(unloaded) else [(1.0, unloaded)]
+        return [] if without_load(unloaded) else [(1.0, part) for part in parities(unloaded)]
     return [one for part in parities(body) for one in ((1.0, part), (-1.0, _matrix(part)))]
 
 

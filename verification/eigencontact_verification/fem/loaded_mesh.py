@@ -41,6 +41,8 @@ _DOUBLED = 12.0
 _STEEP = 0.6
 #: Length of elements along a bar, which the mesh follows to its ends, over its own half length.
 _LONG = 0.4
+#: Size of the block in depths of eigenstrain, where there are no tractions.
+_DEPTHS = 12.0
 _TABLE = np.linspace(0.0, 1.0, 8001)
 
 
@@ -84,7 +86,9 @@ def reach_of(body: LoadedBody, reaches: float) -> float:
     own = [float((box[1] - box[0]).max()) / 2 for kind, box in boxes if kind != "tractions"]
     far = max(float(np.abs(box).max()) for _, box in boxes)
     thick = sum(layer.thickness for layer in body.layers)
-    return max(reaches * max(loaded + own), 1.0 * far + 0.6 * reaches * max(loaded + own), 4.0 * thick)
+    # what eigenstrain alone displaces of the surface is small: as the square of its depth over that of the block
+    deep = 0.0 if loaded else _DEPTHS * max(float(box[1, 2]) for _, box in boxes)
+    return max(reaches * max(loaded + own), 1.0 * far + 0.6 * reaches * max(loaded + own), 4.0 * thick, deep)
 
 
 def _anchors(body: LoadedBody, lows: FloatArray) -> list[list[Anchor]]:

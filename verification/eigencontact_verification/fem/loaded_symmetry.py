@@ -17,7 +17,7 @@ from eigencontact_verification.fem.assembly import point_state
 from eigencontact_verification.fem.loaded_body import LoadedBody
 from eigencontact_verification.fem.model import Model, Region
 
-__all__ = ["PROBES", "TOLERANCE", "Centred", "boxes_of", "centred", "reflected"]
+__all__ = ["PROBES", "TOLERANCE", "Centred", "boxes_of", "centred", "moved", "reflected"]
 
 FloatArray = NDArray[np.float64]
 
@@ -57,7 +57,8 @@ def _moved_region(region: Region, origin: FloatArray) -> Region:
     return replace(region, contains=contains, bounds=(low, high))
 
 
-def _moved(body: LoadedBody, origin: FloatArray) -> LoadedBody:
+def moved(body: LoadedBody, origin: FloatArray) -> LoadedBody:
+    """The body in coordinates with another origin."""
     x0, y0, _ = origin
     loads = body.tractions
     return replace(
@@ -199,4 +200,4 @@ def centred(body: LoadedBody, *, use: bool = True) -> Centred:
             if folded is not None:
                 body, symmetry[plane], origin[plane] = folded, kind, middle
                 break
-    return Centred(body=_moved(body, origin), origin=origin, symmetry=(symmetry[0], symmetry[1]))
+    return Centred(body=moved(body, origin), origin=origin, symmetry=(symmetry[0], symmetry[1]))
