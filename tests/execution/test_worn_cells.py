@@ -7,6 +7,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.driver import drive
+from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.material_cells import MaterialCells, risen
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.worth.noticed import noticed
@@ -48,8 +49,8 @@ def records(made):
     return list(drive(ec.plan(made)))
 
 
-def contents(inclusion):
-    made = ec.plan(scene(inclusions=inclusion))
+def contents(inclusion, pitch=H / 8):
+    made = ec.plan(scene(inclusions=inclusion, numerics={"threads": 1, "inclusion-pitch": pitch}))
     return MaterialCells(box_of_inhomogeneities(made.inhomogeneities), made.inhomogeneities, made.grid), made.grid
 
 
@@ -163,3 +164,16 @@ def test_a_coating_that_is_worn_through_leaves_the_substrate():
     assert last.scalars["max_pressure"] / PEAK == close(0.2182, rel=0.01)
     assert last.scalars["max_worn_depth"] / (H**2 / RADIUS) == close(1.50099, rel=0.01)
     assert set(np.unique(last.fields["exposed_material"])) == {0.0, 1.0}
+
+
+def test_what_wear_took_off_acts_no_more():
+    """Cells that nothing fills any more hold no eigenstrain; the audit of coating-worn-through found what they kept."""
+    thin = coating(2.0, 0.02 * H)
+    last = records(scene(inclusions=thin, numerics={"threads": 1, "inclusion-pitch": H / 100}))[-2:]
+    content, grid = contents(thin, H / 100)
+    content.rise(last[0].fields["worn_depth_1"].reshape(grid.shape))
+    gone = content.index == 0
+    assert gone.any()
+    assert not gone.all()
+    assert not np.any(last[1].history[eigenstrain_name(1)].values[:, gone])
+    assert np.any(last[1].history[eigenstrain_name(1)].values[:, ~gone])

@@ -33,7 +33,7 @@ class Sweep:
     Attributes
     ----------
     image : (6, nz, ny, nx)
-        Eigenstrain that the cells would take.
+        Eigenstrain that the cells would take; cells of no law the prestrain alone.
     residual : float
         Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
         strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment; without
@@ -95,7 +95,7 @@ class CellSweeps:
             Eigenstrain that the increment begins with.
         """
         stress = applied_stress + self._caused(eigenstrain)
-        image = eigenstrain.copy().reshape(6, -1)
+        image = prestrain.copy().reshape(6, -1)  # whatever a cell had that nothing fills any more, as wear took it off
         image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
         remembered: list[Remembered] = []
         if self._laws.cells.size:
