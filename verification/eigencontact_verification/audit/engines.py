@@ -37,7 +37,7 @@ _MODULES: dict[Engine, str] = {
     "solid": "eigencontact_verification.fem.loaded_solid",
 }
 #: Unknowns of the fine mesh in three dimensions: quick (a quarter has 27 elements each way), and else.
-_BUDGETS = (510_000, 2_400_000)
+_BUDGETS = (510_000, 1_200_000)
 #: Where the mesh follows small cells: quick, and else. A million take 1.9 GB, and the medium mesh has an eighth.
 _FOLLOWING = (2_000_000, 2_800_000)
 #: Size of the block in sizes of what loads it: of a homogeneous body, with regions or large cells, with small cells,

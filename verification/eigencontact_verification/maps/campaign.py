@@ -7,23 +7,24 @@ is refined.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.resources import files
 from math import isclose
 from pathlib import Path
 from typing import Any
 
 from eigencontact.errors import SceneError, nearest, shown
+from eigencontact_verification.bundled import bundled_names, find_file, read_toml
 from eigencontact_verification.maps.form import FORM, JUDGES, SHARED
 from eigencontact_verification.studies.form import checked
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.study import Study, study_of
 
-__all__ = ["Campaign", "Model", "Quantity", "find", "names", "read_campaign"]
+__all__ = ["FOLDER", "Campaign", "Model", "Quantity", "find", "names", "read_campaign"]
 
+#: Where the bundled campaigns lie in the package.
+FOLDER = "maps"
 #: Parts by which the ratios of both refinements may differ: cells come in whole numbers.
 _RATIOS = 0.15
 
@@ -126,10 +127,10 @@ class Campaign:
         return not (own or self.expect) or bool(evaluate(own or self.expect, Context(names), told))
 
 
+@cache
 def names() -> tuple[str, ...]:
     """Names of the bundled campaigns."""
-    folder = files("eigencontact_verification") / "maps"
-    return tuple(sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml")))
+    return bundled_names(FOLDER)
 
 
 @cache
@@ -141,15 +142,7 @@ def find(name: str) -> Campaign:
     SceneError
         No such campaign, with the nearest name; or a file that is none.
     """
-    path = Path(name)
-    if path.suffix == ".toml" or path.is_file():
-        return read_campaign(path)
-    if name not in names():
-        raise SceneError(
-            f"campaign must be a TOML file or one of {', '.join(names())} (got {name!r}){nearest(name, names())}"
-        )
-    text = (files("eigencontact_verification") / "maps" / f"{name}.toml").read_text(encoding="utf-8")
-    return read_campaign(Path(f"{name}.toml"), text)
+    return read_campaign(*find_file(name, "campaign", FOLDER))
 
 
 def read_campaign(path: Path, text: str | None = None) -> Campaign:
@@ -167,10 +160,7 @@ def read_campaign(path: Path, text: str | None = None) -> Campaign:
     SceneError
         What is wrong with it, by key.
     """
-    try:
-        given = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
-    except (OSError, ValueError, RecursionError) as problem:
-        raise SceneError(f"campaign must be a readable TOML file (got {str(path)!r}): {problem}") from None
+    given = read_toml(path, text, "campaign")
     table = checked(given, "campaign", f"campaign {path.stem}", needs=("title", "judge"), form=FORM)
     judge = str(table["judge"])
     if judge not in JUDGES:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -109,14 +106,11 @@ def _print_form() -> None:
 
 
 def _show(name: str) -> None:
-    from importlib.resources import files
-
-    from eigencontact_verification.maps.campaign import find, names
+    from eigencontact_verification.bundled import text_of
+    from eigencontact_verification.maps.campaign import FOLDER, find
 
     find(name)  # refuses what is none
-    folder = files("eigencontact_verification") / "maps"
-    text = (folder / f"{name}.toml") if name in names() else Path(name)
-    typer.echo(text.read_text(encoding="utf-8"), nl=False)
+    typer.echo(text_of(name, "campaign", FOLDER), nl=False)
 
 
 def _run(
@@ -126,6 +120,7 @@ def _run(
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
     from eigencontact_verification.benchmarks.table import check_section, replace_section
+    from eigencontact_verification.counting import counted
     from eigencontact_verification.maps.campaign import find
     from eigencontact_verification.maps.perform import perform
     from eigencontact_verification.maps.report import as_section, write_map
@@ -143,7 +138,7 @@ def _run(
     except ValueError as problem:
         raise SceneError(f"--markdown: {problem}") from None
     folder = output / item.name
-    with _progress(item.name) as tell:
+    with counted(item.name) as tell:
         report = perform(item, folder, coarse=coarse, workers=workers, cluster=cluster, memory=needed, told=tell)
     files = write_map(report, folder)
     if markdown is not None:
@@ -154,23 +149,6 @@ def _run(
         _report(report)
         typer.echo(f"written: {', '.join(str(path) for path in files.values())}")
     return report
-
-
-@contextmanager
-def _progress(name: str) -> Iterator[Callable[[str, int, int], None]]:
-    """One bar of runs and solutions on a terminal that draws in place, else a line for each."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from eigencontact.progress import draws_in_place
-
-    if not draws_in_place(sys.stderr):
-        yield lambda label, done, total: typer.echo(f"{done} of {total}: {label}", err=True)
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(name, total=None)
-        yield lambda _label, done, total: bar.update(task, completed=done, total=total)
 
 
 def _report(report: MapReport) -> None:

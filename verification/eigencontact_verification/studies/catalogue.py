@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib.resources import files
-from pathlib import Path
 
-from eigencontact.errors import SceneError, nearest
+from eigencontact_verification.bundled import bundled_names, find_file
 from eigencontact_verification.studies.study import Study, read_study
 
-__all__ = ["find", "names", "studies"]
+__all__ = ["FOLDER", "find", "names", "studies"]
+
+#: Where they lie in the package.
+FOLDER = "studies"
 
 
 @cache
 def names() -> tuple[str, ...]:
     """Names of the bundled studies."""
-    folder = files("eigencontact_verification") / "studies"
-    return tuple(sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml")))
+    return bundled_names(FOLDER)
 
 
 def studies() -> tuple[Study, ...]:
@@ -33,12 +33,4 @@ def find(name: str) -> Study:
     SceneError
         No such study, with the nearest name; or a file that is none.
     """
-    path = Path(name)
-    if path.suffix == ".toml" or path.is_file():
-        return read_study(path)
-    if name not in names():
-        raise SceneError(
-            f"study must be a TOML file or one of {', '.join(names())} (got {name!r}){nearest(name, names())}"
-        )
-    text = (files("eigencontact_verification") / "studies" / f"{name}.toml").read_text(encoding="utf-8")
-    return read_study(Path(f"{name}.toml"), text)
+    return read_study(*find_file(name, "study", FOLDER))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +10,7 @@ import typer
 from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Sequence
 
     from eigencontact_verification.studies.run import Failed
     from eigencontact_verification.studies.study import Finished, Study
@@ -95,14 +93,11 @@ def _print_form() -> None:
 
 
 def _show(name: str) -> None:
-    from importlib.resources import files
-
-    from eigencontact_verification.studies.catalogue import find, names
+    from eigencontact_verification.bundled import text_of
+    from eigencontact_verification.studies.catalogue import FOLDER, find
 
     find(name)  # refuses what is none
-    folder = files("eigencontact_verification") / "studies"
-    text = (folder / f"{name}.toml") if name in names() else Path(name)
-    typer.echo(text.read_text(encoding="utf-8"), nl=False)
+    typer.echo(text_of(name, "study", FOLDER), nl=False)
 
 
 def _run(
@@ -116,6 +111,7 @@ def _run(
 ) -> None:
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
+    from eigencontact_verification.counting import counted
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
 
@@ -125,10 +121,10 @@ def _run(
         raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
     total = len(item.coarse_rows if coarse else item.rows)
     found: list[Finished | Failed] = []
-    with _progress(item.name, total) as tell:
+    with counted(item.name, "variant ") as tell:
         for outcome in run_study(item, output, coarse=coarse, workers=workers, cluster=cluster):
             found.append(outcome)
-            tell(outcome.label, len(found))
+            tell(outcome.label, len(found), total)
     found.sort(key=lambda one: one.place)  # several processes finish in any order
     files = write_study(item, found, output)
     failed = [one for one in found if isinstance(one, Failed)]
@@ -144,23 +140,6 @@ def _run(
         typer.echo(f"eigencontact: variant {bad.label} failed: {bad.reason}", err=True)
     if failed:
         raise typer.Exit(1)
-
-
-@contextmanager
-def _progress(name: str, total: int) -> Iterator[Callable[[str, int], None]]:
-    """Bar on a terminal that draws in place, else a line for each variant."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from eigencontact.progress import draws_in_place
-
-    if not draws_in_place(sys.stderr):
-        yield lambda label, done: typer.echo(f"variant {done} of {total}: {label}", err=True)
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(name, total=total)
-        yield lambda _label, done: bar.update(task, completed=done)
 
 
 def _report(item: Study, found: Sequence[Finished | Failed]) -> None:

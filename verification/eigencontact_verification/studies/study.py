@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
@@ -13,6 +12,7 @@ import numpy as np
 
 from eigencontact.core.units import NUMBER
 from eigencontact.errors import SceneError, nearest, shown
+from eigencontact_verification.bundled import read_toml
 from eigencontact_verification.studies.form import checked
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.template import changed, filled
@@ -190,10 +190,7 @@ def read_study(path: Path, text: str | None = None) -> Study:
     SceneError
         What is wrong with it, by key.
     """
-    try:
-        given = tomllib.loads(path.read_text(encoding="utf-8") if text is None else text)
-    except (OSError, ValueError, RecursionError) as problem:
-        raise SceneError(f"study must be a readable TOML file (got {str(path)!r}): {problem}") from None
+    given = read_toml(path, text, "study")
     return study_of(given, path.stem, path.parent, path.resolve().parent if path.is_file() else None)
 
 
