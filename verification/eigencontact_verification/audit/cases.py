@@ -108,11 +108,12 @@ class AuditCase(Case):
     def judged(self) -> Fields:
         """Stored values, with the error that cells have where they are an approximation."""
         fields: Fields = {}
-        cell = max((max(body.cell) for body in self.bodies if body.different or body.damaged), default=0.0)
+        cells = [body.cell for body in self.bodies if body.different or body.damaged]
+        edges = np.max(cells, axis=0) if cells else np.zeros(3)
         for line in self.lines:
             name = line.profile.name
             fields[name] = line.values
-            own = _widened(_HALF * cell * line.slopes)
+            own = _widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
             if np.any(own):
                 fields[own_error(name)] = own
         return fields

@@ -46,8 +46,9 @@ class Line:
         1 or 2; 0 on the surface, where both bodies add up.
     values : (n, components) float64
         As stored.
-    slopes : (n, components) float64
-        Their largest derivative along the axes of what is stored; of stress less that of a homogeneous half-space.
+    slopes : (3, n, components) float64
+        Size of their derivatives along x, y and z where these are axes of what is stored; of stress less that of a
+        homogeneous half-space.
     indices : tuple of IntArray
         Places in the stored array.
     """
@@ -115,14 +116,12 @@ def surface_lines(stored: StoredStep, middle: Middle) -> list[Line]:
         along = np.asarray(chosen)
         at = (np.full(along.size, fixed), along) if axis == 0 else (along, np.full(along.size, fixed))
         values = np.stack([_whole(stored, name)[at] for name in names], axis=-1)
-        slopes = np.zeros_like(values)
+        slopes = np.zeros((3, *values.shape))
         for k, name in enumerate(names):
             residual = stored.surface.get(f"residual_{name.removeprefix('residual_')}")
             if residual is not None:
-                steep = [
-                    np.abs(np.gradient(residual, size, axis=-1 - way)) for way, size in enumerate(stored.window.cell)
-                ]
-                slopes[:, k] = np.maximum(*steep)[at]
+                for way, size in enumerate(stored.window.cell):
+                    slopes[way, :, k] = np.abs(np.gradient(residual, size, axis=-1 - way))[at]
         points = np.stack([x[at[1]], y[at[0]], np.zeros(along.size)], axis=-1)
         profile = Profile(
             name=f"surface along {'xy'[axis]}", quantity="displacement", points=points, along=line[along],
@@ -278,11 +277,14 @@ def _strained(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
 
 
 def _slopes(region: StoredRegion, at: tuple[IntArray, ...], base: Base | None) -> FloatArray:
-    """Largest derivative of the stored stress less `base` along the axes of a region; zero without a base."""
-    steep = np.zeros((at[0].size, region.stress.shape[-1]))
+    """Derivatives of the stored stress less `base` along the axes of a region; zero without a base.
+
+    That along a line that is stored by itself counts along all three.
+    """
+    steep = np.zeros((3, at[0].size, region.stress.shape[-1]))
     if region.shape == "points" or base is None:
         return steep
-    for axis in range(len(at)):
+    for axis, name in enumerate(region.axes):
         size = region.stress.shape[axis]
         if size < 2:
             continue
@@ -291,8 +293,8 @@ def _slopes(region: StoredRegion, at: tuple[IntArray, ...], base: Base | None) -
         ends = tuple(before), tuple(after)
         length = np.linalg.norm(region.points[ends[1]] - region.points[ends[0]], axis=-1)
         first, second = (region.stress[end] - base(region.points[end]) for end in ends)
-        change = np.abs(second - first) / length[:, None]
-        steep = np.fmax(steep, change)
+        where = "xyz".index(name) if name in "xyz" else slice(None)
+        steep[where] = np.fmax(steep[where], np.abs(second - first) / length[:, None])
     return steep
 
 
