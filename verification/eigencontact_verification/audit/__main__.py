@@ -7,6 +7,7 @@ import os
 import sys
 from functools import partial
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated
 
 import typer
@@ -77,13 +78,16 @@ def _audit(name: str, run: Path, output: Path, workers: int, memory: float, *, q
     from eigencontact_verification.campaign.run import Limits, in_processes, run_campaign
     from eigencontact_verification.campaign.store import Store
 
+    start = perf_counter()
     stored = read_step(run)
     cases, gaps = cases_of_step(stored, quick=quick)
     executor = partial(in_processes, workers=workers, limits=Limits(memory=memory * 1e9))
     solved = run_campaign(cases, Store(output / "solutions"), executor=executor)
     checks = checked(stored)
     judged = (*(judge(one) for one in solved), *((checks,) if checks.rows else ()))
-    return SceneAudit(name=name, step=stored.step, judged=judged, gaps=gaps)
+    kept = any(outcome.cached for one in solved for _, outcome in one.outcomes)
+    seconds = None if kept else perf_counter() - start
+    return SceneAudit(name=name, step=stored.step, judged=judged, gaps=gaps, seconds=seconds)
 
 
 if __name__ == "__main__":

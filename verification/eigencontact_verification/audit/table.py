@@ -18,8 +18,8 @@ __all__ = ["ENOUGH", "SceneAudit", "line_of", "markdown_of"]
 ENOUGH = 0.2
 _WAYS = {"revolution": "of revolution", "solid": "three dimensions"}
 _HEAD = (
-    "scene", "step", "elements", "unknowns", "time of all solves [s]", "longest [s]", "peak memory [GB]", "agree",
-    "inconclusive", "disagree", "largest difference in u", "in stress", "says", "why",
+    "scene", "step", "elements", "meshes", "unknowns", "wall time [s]", "longest solve [s]", "peak memory [GB]",
+    "agree", "inconclusive", "disagree", "largest difference in u", "in stress", "says", "why",
 )  # fmt: skip
 
 
@@ -34,12 +34,15 @@ class SceneAudit:
     judged : tuple of JudgedCase
         Checks included.
     gaps : tuple of Gap
+    seconds : float or None
+        Wall time of the audit; None where solutions were kept from an earlier one.
     """
 
     name: str
     step: int
     judged: tuple[JudgedCase, ...]
     gaps: tuple[Gap, ...]
+    seconds: float | None = None
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -93,19 +96,24 @@ def _cells(one: SceneAudit) -> tuple[str, ...]:
         outcome for found in one.judged for task, outcome in found.outcomes
         if task.level is not None and outcome.seconds is not None
     ]  # fmt: skip
-    engines = dict.fromkeys(found.case.engine for found in one.judged if isinstance(found.case, AuditCase))
+    cases = [found.case for found in one.judged if isinstance(found.case, AuditCase)]
+    engines, meshes = (dict.fromkeys(which) for which in ((case.engine for case in cases), (_mesh(c) for c in cases)))
     seconds = [outcome.seconds or 0.0 for outcome in outcomes]
     memory = [outcome.memory for outcome in outcomes if outcome.memory]
     unknowns = [outcome.unknowns for outcome in outcomes if outcome.unknowns]
     counts = one.counts
     return (
-        one.name, str(one.step), " and ".join(_WAYS[engine] for engine in engines) or "–",
+        one.name, str(one.step), " and ".join(_WAYS[engine] for engine in engines) or "–", " and ".join(meshes) or "–",
         f"{max(unknowns):,}".replace(",", " ") if unknowns else "–",
-        f"{sum(seconds):.0f}" if seconds else "–", f"{max(seconds):.1f}" if seconds else "–",
+        f"{one.seconds:.0f}" if seconds and one.seconds else "–", f"{max(seconds):.1f}" if seconds else "–",
         f"{max(memory) / 1e9:.2f}" if memory else "–",
         str(counts["agrees"]), str(counts["inconclusive"]), str(counts["disagrees"] + counts["failed"]),
         _largest(one.rows, "displacement"), _largest(one.rows, "stress"), one.word, one.reason or "–",
     )  # fmt: skip
+
+
+def _mesh(case: AuditCase) -> str:
+    return "quick" if case.quick else "full"
 
 
 def line_of(one: SceneAudit) -> dict[str, Any]:

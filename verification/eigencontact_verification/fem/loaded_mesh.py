@@ -42,7 +42,7 @@ _STEEP = 0.6
 #: Length of elements along a bar, which the mesh follows to its ends, over its own half length.
 _LONG = 0.4
 #: Size of the block in depths of eigenstrain, where there are no tractions.
-_DEPTHS = 8.0
+_DEPTHS = 12.0
 _TABLE = np.linspace(0.0, 1.0, 8001)
 
 
