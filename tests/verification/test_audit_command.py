@@ -69,3 +69,69 @@ def test_workers_of_a_cluster_give_the_same_verdicts(run, light, command, tmp_pa
     assert alone == cluster
     assert any(row["difference"] for rows in alone for row in rows)
     assert answers[0].code == answers[1].code
+
+
+RING = '''
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from eigencontact.plugin import InclusionShape, Length, Place, hookimpl
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ring(InclusionShape):
+    """Ring about an axis along z.
+
+    Parameters
+    ----------
+    center : (float, float, float)
+        Middle [m].
+    size : float
+        Of the section; twice that is the radius [m].
+    """
+
+    key: ClassVar[str] = "ring-of-a-file"
+
+    center: Place
+    size: Length
+
+    @property
+    def bounds(self):
+        reach = np.array([3.0, 3.0, 1.0]) * self.size
+        return tuple(np.subtract(self.center, reach)), tuple(np.add(self.center, reach))
+
+    def contains(self, x, y, z):
+        x0, y0, z0 = self.center
+        return (np.hypot(x - x0, y - y0) - 2.0 * self.size) ** 2 + (z - z0) ** 2 <= self.size**2
+
+
+@hookimpl
+def eigencontact_register():
+    return [Ring]
+'''
+
+
+@pytest.mark.slow
+def test_a_run_names_the_plugin_files_that_its_audit_needs(light, command, tmp_path, monkeypatch):
+    home, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
+    home.mkdir()
+    elsewhere.mkdir()
+    (home / "ring.py").write_text(RING, encoding="utf-8")
+    (home / "ring.toml").write_text(
+        """
+        title = "ring"
+        plugins = ["ring.py"]
+        body1 = { young-modulus = "210 GPa", poisson-ratio = 0.3 }
+        inclusions = { type = "ring-of-a-file", center = [0, 0, "3 um"], size = "1 um", eigenstrain = 1e-3 }
+        grid = { cells = 17, spacing = ["0.6 um", "0.6 um"] }
+        output = { pictures = false }
+        """,
+        encoding="utf-8",
+    )
+    monkeypatch.chdir(elsewhere)
+    assert command("run", str(home / "ring.toml"), "-q", "-o", "run").code == 0
+    told = command("verify", "run", "--quick", "--json", "-o", "out")
+    assert told.code == 0, told.err
+    assert json.loads(told.out)["counts"]["failed"] == 0

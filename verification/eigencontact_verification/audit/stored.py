@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene
 
-__all__ = ["Place", "StoredRegion", "StoredStep", "read_step"]
+__all__ = ["Place", "StoredRegion", "StoredStep", "plugin_files", "read_step"]
 
 FloatArray = NDArray[np.float64]
 
@@ -187,6 +187,14 @@ def read_step(path: str | Path, step: int | None = None) -> StoredStep:
             lattices=lattices,  # type: ignore[arg-type]
             histories=histories,
         )  # fmt: skip
+
+
+def plugin_files(path: str | Path) -> tuple[str, ...]:
+    """Plugin files that the scene of a run names: who solves its cases needs them too."""
+    from eigencontact.results.reader import open_results
+
+    with open_results(path) as data:
+        return tuple(tomllib.loads(str(data.attrs["scene"])).get("plugins", ()))
 
 
 def _regions(data: Any, at: int) -> list[StoredRegion]:

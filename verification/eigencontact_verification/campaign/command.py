@@ -142,6 +142,7 @@ def verify(
     solve: Callable[[], tuple[Report, dict[str, Path]]]
     try:
         from eigencontact_verification.audit.command import audit_results, is_results
+        from eigencontact_verification.audit.stored import plugin_files
         from eigencontact_verification.campaign import cases
         from eigencontact_verification.campaign.whole import campaign
 
@@ -149,7 +150,8 @@ def verify(
         own_shapes, own_laws = _of_files(files_given)
         if not (names or laws):
             names, laws = own_shapes, own_laws
-        executor = _executor(workers, (cluster, memory, threads), files_given)
+        needed = [*files_given, *(file for run in runs for file in plugin_files(run))]
+        executor = _executor(workers, (cluster, memory, threads), list(dict.fromkeys(needed)))
         options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
         options["show"] = not (quiet or as_json)
         chosen: tuple[Case, ...] = ()
