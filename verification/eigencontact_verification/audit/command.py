@@ -16,7 +16,10 @@ __all__ = ["audit_results", "is_results"]
 
 _METHOD = (
     "Each stored step is compared with finite elements that carry its tractions and have its layers, its inclusions, "
-    "and what its bodies remember as their own. They share no code with what is judged. The elements' own uncertainty, "
+    "and what its bodies remember as their own. They share no code with what is judged. What a homogeneous half-space "
+    "does under tractions is taken from point forces (Boussinesq, Cerruti): the elements are asked for what layers, "
+    "inclusions and damage change of it, and in a homogeneous body for the field of the tractions as smooth as a mesh "
+    "can carry them. The elements' own uncertainty, "
     "u_FE, is the sum of a grid convergence index (three meshes), half the distance of fixed and free outer faces, "
     "and, where the run cuts inclusions into cells, the change of their field over half a cell. "
     "A component agrees if |SA − FE| ≤ u_FE at every point of a profile and u_FE is at most {limit} of the field's "
