@@ -20,9 +20,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["recovered", "recovered_section_stress", "recovered_stress"]
+__all__ = ["recovered", "recovered_section_stress", "recovered_stress", "section_gauss_points"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 Contains = Callable[[FloatArray, FloatArray, FloatArray], NDArray[np.bool_]]
 
 _COUNT = 4
@@ -147,6 +148,25 @@ def _stencil(line: FloatArray, at: FloatArray, breaks: FloatArray, *, mirrored: 
     return np.where(lost, at[:, None], places), np.where(lost, 0.0, weights)
 
 
+def section_gauss_points(nodes: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Gauss points ``(m, 2)`` (r, z) of an axisymmetric mesh, on both sides of the axis, and the element of each.
+
+    Parameters
+    ----------
+    nodes : (2, 9, elements) array
+        Corners, middles of edges, centre.
+    """
+    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
+    places = []
+    for s in _OFFSETS:
+        for t in _OFFSETS:
+            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
+            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
+    gauss = np.concatenate(places)
+    # beyond the axis, so that points near it have neighbours
+    return np.concatenate([gauss, gauss * (-1.0, 1.0)]), np.tile(np.arange(nodes.shape[2]), 2 * len(places))
+
+
 def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, contains: Contains) -> FloatArray:
     """Stress ``(n, 3, 3)`` of an axisymmetric model at points ``(n, 3)`` of the plane y = 0.
 
@@ -161,16 +181,8 @@ def recovered_section_stress(solution: SolidSolution, points: FloatArray, *, con
     """
     from scipy.spatial import cKDTree
 
-    nodes = solution.grid.nodes  # (2, 9, elements); corners, middles of edges, centre
-    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
-    places = []
-    for s in _OFFSETS:
-        for t in _OFFSETS:
-            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
-            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
-    gauss = np.concatenate(places)
-    gauss = np.concatenate([gauss, gauss * (-1.0, 1.0)])  # beyond the axis, so that points near it have neighbours
-    element = np.tile(np.arange(nodes.shape[2]), 2 * len(places))
+    nodes = solution.grid.nodes
+    gauss, element = section_gauss_points(nodes)
     side = np.asarray(contains(gauss[:, 0], np.zeros(len(gauss)), gauss[:, 1]))
     own = np.asarray(contains(*points.T))
     found = np.empty((len(points), 3, 3))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from eigencontact_verification.fem.axisymmetric import AxisymmetricSolution
+from eigencontact_verification.fem.recovery import section_gauss_points
 
 __all__ = ["recovered"]
 
@@ -130,16 +131,8 @@ def _whole(solution: AxisymmetricSolution, points: FloatArray, continuous: Float
 
 def _fitted(solution: AxisymmetricSolution, r: FloatArray, z: FloatArray, own: IntArray) -> FloatArray:
     """What is continuous, (4, n), by cubics through the nearest Gauss points on the same side."""
-    nodes = solution.grid.nodes  # (2, 9, elements); corners, middles of edges, centre
-    lattice = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
-    places = []
-    for s in _OFFSETS:
-        for t in _OFFSETS:
-            first, second = ((2 * (x - 0.5) * (x - 1), 4 * x * (1 - x), 2 * x * (x - 0.5)) for x in (s, t))
-            places.append(np.einsum("ane,n->ea", nodes, np.array([first[i] * second[j] for i, j in lattice])))
-    gauss = np.concatenate(places)
-    gauss = np.concatenate([gauss, gauss * (-1.0, 1.0)])  # beyond the axis, so that points near it have neighbours
-    element = np.tile(np.arange(nodes.shape[2]), 2 * len(places))
+    nodes = solution.grid.nodes
+    gauss, element = section_gauss_points(nodes)
     side = _side(solution, np.abs(gauss[:, 0]), gauss[:, 1])
     found = np.empty((4, r.size))
     for key in np.unique(own):
