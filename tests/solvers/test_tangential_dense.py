@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from eigencontact.core.grid import Box, Grid
@@ -102,6 +102,10 @@ def test_prescribed_displacements_against_an_iteration_of_its_own(seed):
     size=st.sampled_from([1e-3, 0.3, 0.9, 0.999, 1.0 - 1e-9]),
     spread=st.sampled_from([0.0, 1.0, 6.0]),
 )
+# Bounds over fifteen decades: the energy of turning the smallest is below the round-off of the largest.
+@example(seed=122, by_force=(False, False, False), size=0.3, spread=6.0)
+@example(seed=5, by_force=(True, False, False), size=0.3, spread=6.0)
+@example(seed=307, by_force=(True, True, True), size=1.0 - 1e-9, spread=6.0)
 def test_friction_conditions_on_random_cells_under_random_controls(seed, by_force, size, spread):
     rng = np.random.default_rng(seed)
     bound = np.exp(spread * rng.normal(size=GRID.shape)) * (rng.random(GRID.shape) > 0.3)
