@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from time import monotonic
@@ -205,7 +206,7 @@ class Cluster:
                     yield task, Lost(f"its worker failed: {' '.join(f'{type(problem).__name__}: {problem}'.split())}")
                 else:
                     raise self._gone(finished, len(tasks))
-        except (OSError, RuntimeError) as problem:  # how a client that has lost its scheduler refuses
+        except (OSError, RuntimeError, CancelledError) as problem:  # how a client that has lost its scheduler refuses
             raise self._gone(finished, len(tasks)) from problem
         finally:
             with suppress(Exception):
