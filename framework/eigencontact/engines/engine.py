@@ -15,6 +15,7 @@ from typing import Any, Protocol, Self, TypeVar
 
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
+from eigencontact.engines.guard import refuse_unguarded
 
 __all__ = ["Engine", "Lost", "Processes", "Share", "ThisProcess"]
 
@@ -99,9 +100,15 @@ class Processes:
     ----------
     workers : int
         Processes.
+
+    Raises
+    ------
+    EigencontactError
+        A script that makes one without ``if __name__ == "__main__":``.
     """
 
     def __init__(self, workers: int) -> None:
+        refuse_unguarded(f"workers={workers}")
         self._workers = workers
 
     def __enter__(self) -> Self:

@@ -97,7 +97,7 @@ def open_sweep(results: str | Path) -> Sweep | None:
     except DAMAGE as problem:
         raise ResultsError(
             f"{folder / _SWEEP} must describe a sweep as this version writes it (got {type(problem).__name__}: "
-            f"{reason(problem)}); run the sweep again, finished variants are kept"
+            f"{reason(problem)}); move it away and run the sweep again, which reuses finished variants"
         ) from problem
 
 
