@@ -119,6 +119,7 @@ def _run(
 ) -> MapReport:  # fmt: skip
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.benchmarks.table import check_section, replace_section
     from eigencontact_verification.counting import counted
     from eigencontact_verification.maps.campaign import find
@@ -138,6 +139,7 @@ def _run(
     except ValueError as problem:
         raise SceneError(f"--markdown: {problem}") from None
     folder = output / item.name
+    writable_folder(folder)
     with counted(item.name) as tell:
         report = perform(item, folder, coarse=coarse, workers=workers, cluster=cluster, memory=needed, told=tell)
     files = write_map(report, folder)

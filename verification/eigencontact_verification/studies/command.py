@@ -111,6 +111,7 @@ def _run(
 ) -> None:
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.counting import counted
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
@@ -119,6 +120,7 @@ def _run(
     cluster = cluster_of(*on, say=lambda words: typer.echo(words, err=True))
     if cluster is not None and workers != 1:
         raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
+    writable_folder(output / item.name)
     total = len(item.coarse_rows if coarse else item.rows)
     found: list[Finished | Failed] = []
     with counted(item.name, "variant ") as tell:
