@@ -230,7 +230,7 @@ def test_a_scheduler_that_dies_and_one_that_goes_on(serial, tmp_path):
             if done == 3:
                 first.kill()
 
-        with pytest.raises(ClusterError, match=r"lost after [3-7] of 8.*the same command continues"):
+        with pytest.raises(ClusterError, match=r"lost after [3-7] of 8.*the same command resumes"):
             sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=address, told=told)
     kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/results.nc")}
     assert 3 <= len(kept) < 8
@@ -266,7 +266,9 @@ def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path
         with pytest.raises(ClusterError, match=r"threads of a task must be those of a worker at most \(got 4096, "):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, threads=4096))
         assert not sweep(SCENE, VARY, tmp_path / "enough", cluster=Cluster(address, threads=1)).failed
-        monkeypatch.setattr(Path, "touch", lambda _: None)
+        touch = Path.touch
+        unseen = lambda path: None if path.name.startswith(".eigencontact-") else touch(path)  # noqa: E731
+        monkeypatch.setattr(Path, "touch", unseen)
         with pytest.raises(ClusterError, match=f"must see the folder {tmp_path}"):
             sweep(SCENE, VARY, tmp_path, cluster=address)
 

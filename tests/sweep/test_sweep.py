@@ -243,7 +243,7 @@ def test_a_full_disk_is_said_once(tmp_path, monkeypatch):
         monkeypatch.setattr(Sink, "write", lambda sink, _: setattr(sink, "error", full))
         monkeypatch.setattr(Path, "write_text", lambda *_, **__: (_ for _ in ()).throw(full))
 
-    with pytest.raises(ResultsError, match=r"dataset of the sweep must be stored .*No space left.*the same sweep"):
+    with pytest.raises(ResultsError, match=r"dataset of the sweep must be .*No space left.*running the sweep again"):
         sweep(SCENE, {"steps.normal-load": ["0.5 N", "1 N"]}, tmp_path, told=fill)
     assert outcomes_seen[0] == ""
     assert "must be stored" in outcomes_seen[1]
@@ -406,6 +406,37 @@ def test_numbers_that_differ_by_their_residual_alone_are_not_drawn():
     loads = xr.DataArray([0.5, 0.5 - 1e-16], dims="a")
     data = xr.Dataset({"normal_load": loads, "max_pressure": ("a", [1.0, 1.1])}, {"a": [1.0, 2.0]})
     assert _drawn(data, []) == ["max_pressure"]
+
+
+def noise(size, spread, shape=None):
+    values = 52.24e-9 * (1.0 + spread * np.random.default_rng(0).permutation(np.linspace(0.0, 1.0, size)))
+    return values if shape is None else values.reshape(shape)
+
+
+@pytest.mark.parametrize(
+    ("spread", "error", "span", "words"),
+    [
+        (2e-4, 0.0064, 0.0128, "all values within 0.02 %; error of the worn volume 0.64 %"),
+        (2e-4, None, 0.01, "all values within 0.02 %; the scale spans 1 %"),
+        (0.02, 0.0064, None, ""),
+    ],
+)
+@pytest.mark.parametrize("dims", [("a",), ("a", "b")])
+def test_noise_is_drawn_as_noise(spread, error, span, words, dims):
+    """Of values that differ by less than their error the scale spans twice this error, and the title says so."""
+    shape = (5,) * len(dims)
+    attrs = {"units": "m", "long_name": "largest depth"}
+    data = {"max_worn_depth": (dims, noise(5 ** len(dims), spread, shape), attrs)}
+    if error is not None:
+        data["wear_error"] = (dims, np.full(shape, error))
+    figure = draw_sweep(xr.Dataset(data, {dim: np.linspace(1.0, 2.0, 5) for dim in dims}), "max_worn_depth")
+    axes = figure.axes[0]
+    low, high = axes.get_ylim() if len(dims) == 1 else axes.collections[0].get_clim()
+    assert axes.get_title() == "\n".join(filter(None, ("Largest depth", words)))
+    if span is None:
+        assert high - low < 1.2 * spread * 52.24 * 1.02
+    else:
+        assert (high - low) / (52.24 * (1.0 + spread)) == close(span, rel=1e-9)
 
 
 def test_values_by_ratio_are_marked_one_by_one():

@@ -232,7 +232,7 @@ class Cluster:
     def _gone(self, finished: int, total: int) -> ClusterError:
         return ClusterError(
             f"scheduler of {self._address} must stay until the end (lost after {finished} of {total}); "
-            "what is finished is kept, the same command continues"
+            "the same command resumes and reuses what is finished"
         )
 
     def _check(self, seen: Path | None) -> None:

@@ -20,7 +20,7 @@ __all__ = ["AGAIN", "DATASET", "DESCRIPTION", "TABLE", "open_folder"]
 #: What a sweep leaves beside the folders of its variants: all numbers, the same as text, what was varied.
 DATASET, TABLE, DESCRIPTION = "sweep.nc", "sweep.csv", "sweep.json"
 #: What a message says when the disk is full.
-AGAIN = "the same sweep continues with the finished variants"
+AGAIN = "running the sweep again reuses finished variants"
 
 
 def open_folder(

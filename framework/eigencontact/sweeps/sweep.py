@@ -218,7 +218,7 @@ def _as_netcdf(dataset: xarray.Dataset) -> bytes:
     except (OSError, RuntimeError) as problem:  # how HDF5 says that the disk of temporary files is full
         raise ResultsError(
             f"{DATASET} must be written to the folder of temporary files first (got: {reason(problem)}); free space "
-            f"there, {AGAIN}"
+            f"there; {AGAIN}"
         ) from problem
 
 

@@ -20,6 +20,10 @@ __all__ = ["draw_sweep"]
 _MAP, _CURVES = 5, len(COLOURS)
 #: Values spaced by ratios that are marked one by one.
 _MARKED = 8
+#: Least range of an axis as a part of the largest value: where values differ by less, it shows that they hardly differ.
+_LEAST_RANGE = 0.01
+#: Numbers whose relative error is another number, and what that is the error of.
+_ERRORS = {"worn_volume": ("wear_error", "worn volume"), "max_worn_depth": ("wear_error", "worn volume")}
 #: Marks that tell curves apart in print.
 _MARKS = "os^Dv<"
 
@@ -44,25 +48,48 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
         figure = new_figure(4.6, 3.2)
         axes = figure.add_subplot()
         dims = [str(dim) for dim in values.dims]
+        limits, remark = _limits(dataset, values)
         numeric = [dataset[dim].dtype.kind == "f" if dim in dataset else False for dim in dims]
         if len(dims) == 2 and all(numeric) and min(values.shape) >= _MAP:
-            _map(axes, values)
+            _map(axes, values, limits)
         else:
-            _curves(axes, dataset, values)
+            _curves(axes, dataset, values, limits)
         title = str(values.attrs.get("long_name", name)).replace("_", " ")
-        axes.set_title(title[:1].upper() + title[1:])
+        axes.set_title("\n".join(filter(None, (title[:1].upper() + title[1:], remark))))
     return figure
 
 
-def _map(axes: Axes, values: xarray.DataArray) -> None:
+def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[float, float] | None, str]:
+    """Limits of the axis of values that differ by less than their error or `_LEAST_RANGE`, and a sentence about it."""
+    finite = values.values[np.isfinite(values.values)]
+    largest = float(np.abs(finite).max()) if finite.size else 0.0
+    if finite.size < 2 or not largest:
+        return None, ""
+    spread = float(np.ptp(finite)) / largest
+    number, subject = _ERRORS.get(str(values.name), ("", ""))
+    errors = dataset[number].values if number in dataset else np.zeros(1)
+    error = float(np.nanmax(errors, initial=0.0))
+    least = max(_LEAST_RANGE, 2.0 * error)
+    if spread >= least:
+        return None, ""
+    middle, half = 0.5 * (finite.max() + finite.min()), 0.5 * least * largest
+    remark = f"all values within {100 * spread:.2g} %; "
+    remark += f"error of the {subject} {100 * error:.2g} %" if error else f"the scale spans {100 * least:.2g} %"
+    return (middle - half, middle + half), remark
+
+
+def _map(axes: Axes, values: xarray.DataArray, limits: tuple[float, float] | None) -> None:
     across, up = (str(dim) for dim in values.dims)
     scale = scale_for(values, str(values.attrs.get("units", "1")))
     x, y = _edges(_axis(axes, "x", values[across])), _edges(_axis(axes, "y", values[up]))
-    mesh = axes.pcolormesh(x, y, scale(values).T, cmap="viridis", rasterized=True)
+    low, high = (None, None) if limits is None else scale(limits)
+    mesh = axes.pcolormesh(x, y, scale(values).T, cmap="viridis", rasterized=True, vmin=low, vmax=high)
     axes.figure.colorbar(mesh, ax=axes, label=_with_unit(str(values.name), scale.unit))
 
 
-def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray) -> None:
+def _curves(
+    axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, limits: tuple[float, float] | None
+) -> None:
     first, *others = (str(dim) for dim in values.dims)
     scale = scale_for(values, str(values.attrs.get("units", "1")))
     along = _along(dataset, first)
@@ -73,6 +100,8 @@ def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray) -> No
         words = ", ".join(_value(dataset, dim, at) for dim, at in zip(others, place, strict=True))
         axes.plot(x, scale(chosen), marker=_MARKS[k % len(_MARKS)], color=COLOURS[k], label=words or None)
     axes.set_ylabel(_with_unit(str(values.name), scale.unit))
+    if limits is not None:
+        axes.set_ylim(*scale(limits))
     if len(places) > 1:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
         axes.legend(title=", ".join(_long(dataset, dim) for dim in others) + more, title_fontsize=8)
