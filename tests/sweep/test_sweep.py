@@ -23,7 +23,7 @@ from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import _drawn, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
 from eigencontact.sweeps.warned import warnings_in_words
-from eigencontact.viz.sweep import draw_sweep
+from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
 #: Cells few enough for tests, in a window that holds the contacts of all variants.
 SCENE = {
@@ -390,6 +390,24 @@ def test_figures_show_all_values(loads_and_radii, name):
     assert axes.get_xlabel() == "steps.normal-load [N]"
     drawn, found = axes.lines[2].get_ydata(), loads_and_radii.dataset[name].values[:, 2]
     assert drawn[1] / drawn[0] == close(found[1] / found[0], rel=1e-12)
+
+
+def test_profiles_of_all_variants_in_one_figure(loads_and_radii):
+    """Lines along x of the row in the middle; a failed variant has none."""
+    assert "pressure-profiles.png" in loads_and_radii.files
+    data = loads_and_radii.dataset.copy(deep=True)
+    data["pressure"][1, 2] = np.nan
+    (axes,) = draw_profiles(data, "pressure").axes
+    row = data.pressure.isel(y=15).values.reshape(6, -1)[:5]
+    assert np.array([line.get_ydata() for line in axes.lines]) == close(1e-9 * row, rel=1e-12)
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[:2] == ["125 mN, 50 µm", "125 mN, 100 µm"]
+    assert axes.get_legend().get_title().get_text() == "steps.normal-load, geometry.radius"
+    assert axes.get_xlabel() == "x [µm]"
+    paired = xr.Dataset({"pressure": (("variant", "y", "x"), np.ones((2, 1, 3)), {"units": "Pa"})},
+                        {"a": ("variant", [1.0, 2.0]), "y": [0.0], "x": [0.0, 1.0, 2.0]})  # fmt: skip
+    (axes,) = draw_profiles(paired, "pressure").axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["1", "2"]
 
 
 def test_a_map_of_two_parameters():

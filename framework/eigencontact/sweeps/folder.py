@@ -15,10 +15,12 @@ if TYPE_CHECKING:
     from eigencontact.sweeps.axes import Axis
     from eigencontact.sweeps.variants import Variant
 
-__all__ = ["AGAIN", "DATASET", "DESCRIPTION", "TABLE", "open_folder"]
+__all__ = ["AGAIN", "DATASET", "DESCRIPTION", "PROFILES", "TABLE", "open_folder"]
 
 #: What a sweep leaves beside the folders of its variants: all numbers, the same as text, what was varied.
 DATASET, TABLE, DESCRIPTION = "sweep.nc", "sweep.csv", "sweep.json"
+#: End of the name of the figure of a field.
+PROFILES = "-profiles"
 #: What a message says when the disk is full.
 AGAIN = "running the sweep again reuses finished variants"
 
@@ -38,7 +40,7 @@ def open_folder(
     axes, variants : sequence
         What is varied.
     drawn : iterable of str
-        Numbers of which figures may be drawn.
+        Names of the figures that may be drawn.
     overwrite : bool
         Replace the results of another sweep.
 

@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from eigencontact.sweeps.runner import Outcome
     from eigencontact.sweeps.variants import Variant
 
-__all__ = ["as_csv", "gathered", "values_in_words"]
+__all__ = ["FIELD", "as_csv", "gathered", "values_in_words"]
 
+#: Before the name of a field that is the name of a number as well.
+FIELD = "field_"
 #: Values of an axis that a line lists.
 _LISTED = 12
 
@@ -168,7 +170,7 @@ def _with_fields(
         for outcome in holding:
             values[outcome.place] = outcome.fields[name]
         attrs = {"units": unit_of(name), "long_name": QUANTITIES[name].long_name} if name in QUANTITIES else {}
-        dataset[f"field_{name}" if name in dataset else name] = ((*dims, "y", "x"), values, attrs)
+        dataset[f"{FIELD}{name}" if name in dataset else name] = ((*dims, "y", "x"), values, attrs)
     return dataset
 
 

@@ -15,8 +15,8 @@ from eigencontact.engines.engine import Processes
 from eigencontact.errors import EigencontactError, ResultsError, SceneError, nearest, shown
 from eigencontact.results.atomic import reason, replacing
 from eigencontact.sweeps.axes import Axis, axes_of
-from eigencontact.sweeps.folder import AGAIN, DATASET, DESCRIPTION, TABLE, open_folder
-from eigencontact.sweeps.gather import as_csv, gathered, values_in_words
+from eigencontact.sweeps.folder import AGAIN, DATASET, DESCRIPTION, PROFILES, TABLE, open_folder
+from eigencontact.sweeps.gather import FIELD, as_csv, gathered, values_in_words
 from eigencontact.sweeps.identity import sweep_digest
 from eigencontact.sweeps.runner import Outcome, outcomes
 from eigencontact.sweeps.variants import Variant, variants_of
@@ -97,7 +97,8 @@ def sweep(
     pairs : bool
         Take the values in step with each other, not each with each.
     fields : sequence of str
-        Surface fields at the last step to bring together; all variants must have the same cells.
+        Surface fields at the last step to store of all variants, which must have the same cells; with a folder,
+        also a figure of each with the profiles of all variants along x.
     scalars : sequence of str
         Numbers to draw; by default those that most look at.
     grid : {"own", "shared"}
@@ -175,7 +176,8 @@ def sweep(
     digest = ""
     if place is not None:
         digest = sweep_digest(loaded, axes, grid=grid)
-        open_folder(place, digest, axes, variants, scalars or _DRAWN, overwrite=overwrite)
+        drawn = [*(scalars or _DRAWN), *(f"{name}{PROFILES}" for name in fields)]
+        open_folder(place, digest, axes, variants, drawn, overwrite=overwrite)
     if say is not None:
         for line in values_in_words(axes, variants):
             say(line)
@@ -232,7 +234,7 @@ def _write(
 ) -> dict[str, str]:
     """Write dataset, table and figures."""
     from eigencontact.viz.style import save
-    from eigencontact.viz.sweep import draw_sweep
+    from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
     with replacing(folder / DATASET, "the dataset of the sweep", kept=AGAIN) as sink:
         sink.write(_as_netcdf(dataset))
@@ -246,6 +248,10 @@ def _write(
     for name in _drawn(dataset, scalars):
         save(draw_sweep(dataset, name), folder / f"{name}.png")
         files[f"{name}.png"] = f"{dataset[name].attrs.get('long_name', name)} against what was varied"
+    for name in (str(name) for name, values in dataset.data_vars.items() if "x" in values.dims):
+        file = f"{name.removeprefix(FIELD)}{PROFILES}.png"
+        save(draw_profiles(dataset, name), folder / file)
+        files[file] = f"{dataset[name].attrs.get('long_name', name)} along x, all variants in one figure"
     return files
 
 
