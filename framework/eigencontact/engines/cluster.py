@@ -20,7 +20,7 @@ from uuid import uuid4
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
 from eigencontact.engines.engine import Lost, Share
-from eigencontact.engines.guard import refuse_unguarded
+from eigencontact.engines.guard import GUARD, refuse_unguarded
 from eigencontact.errors import ClusterError, shown
 
 __all__ = ["Cluster", "cluster_of"]
@@ -109,8 +109,8 @@ class Cluster:
             words = " ".join(str(problem).split()) or type(problem).__name__
             if self._local:
                 raise ClusterError(
-                    f"cluster {address} must start its workers (got: {words}); a worker died while it started: leave "
-                    "it more memory, or start fewer workers"
+                    f"cluster {address} must start its workers (got: {words}); a worker died while it started: it ran "
+                    f"out of memory, was killed, or {GUARD}"
                 ) from None
             raise ClusterError(
                 f"cluster must be reachable within {_CONNECT:g} s (got {self._address}: {words})"

@@ -15,7 +15,7 @@ from typing import Any, Protocol, Self, TypeVar
 
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
-from eigencontact.engines.guard import refuse_unguarded
+from eigencontact.engines.guard import GUARD, refuse_unguarded
 
 __all__ = ["Engine", "Lost", "Processes", "Share", "ThisProcess"]
 
@@ -124,7 +124,7 @@ class Processes:
         lost = yield from self._pool(function, tasks, begin, self._workers)
         for task in lost:  # whose process died, or that of a neighbour: each again, alone, so that it takes none along
             if (yield from self._pool(function, [task], begin, 1)):
-                yield task, Lost("its process died, twice (of memory, or killed)")
+                yield task, Lost(f"its process died twice: it ran out of memory, was killed, or {GUARD}")
 
     def _pool(
         self,

@@ -12,7 +12,10 @@ from pathlib import Path
 
 from eigencontact.errors import EigencontactError
 
-__all__ = ["refuse_unguarded"]
+__all__ = ["GUARD", "refuse_unguarded"]
+
+#: Why processes may die when they start, for messages where no line of a script is at fault for certain.
+GUARD = 'its script starts it without `if __name__ == "__main__":`'
 
 
 def refuse_unguarded(what: str) -> None:
