@@ -54,7 +54,7 @@ def draw(
     style : str
         ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points) or ``"talk"``.
     """
-    from eigencontact.results.atomic import DAMAGE, reason
+    from eigencontact.results.atomic import DAMAGE, reason, writable_folder
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import results_file
     from eigencontact.results.stored import open_stored
@@ -70,7 +70,7 @@ def draw(
         if table is not None:
             stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
         refuse_foreign(target, names, summary=False, pictures=kind, vtk=vtk, animation=bool(animation))
-        make_folder(target)
+        writable_folder(target)
         try:
             shown = None if step is None or table is not None else place_of(dataset, step)
             named = {}
@@ -95,13 +95,6 @@ def draw(
 
 def _region_file(name: str) -> str:
     return f"region-{name}.nc"
-
-
-def make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as problem:
-        raise ResultsError(f"output folder {folder} must be writable (got {problem}); choose another with -o") from None
 
 
 def place_of(dataset: Results, step: int) -> int:
@@ -154,6 +147,7 @@ def region(
     5.2 GPa
     """
     from eigencontact.planning.revisit import region_table, revisit
+    from eigencontact.results.atomic import writable_folder
     from eigencontact.results.join import dataset_of, join_steps
     from eigencontact.results.ownership import refuse_foreign_file
     from eigencontact.results.reader import results_file
@@ -166,7 +160,7 @@ def region(
         return dataset_of([part])
     target = Path(folder) / _region_file(next(iter(record.regions)))
     refuse_foreign_file(target)
-    make_folder(target.parent)
+    writable_folder(target.parent)
     join_steps(target, [part])
     return open_results(target)
 

@@ -352,7 +352,8 @@ def test_a_missing_summary_and_a_missing_plan_are_told(hertz, tmp_path):
 
 def test_a_sweep_tells_every_variant_and_why_some_failed(tmp_path):
     vary = {"steps.normal-load": ["0.2 N", "0.4 N"], "geometry.radius": ["0.1 mm", "-1 mm"]}
-    found = ec.sweep(ec.load_scene("hertz", [*QUICK, "title=<b>bold</b>"]), vary, tmp_path)
+    scene = ec.load_scene("hertz", [*QUICK, "title=<b>bold</b>"])
+    found = ec.sweep(scene, vary, tmp_path, fields=["pressure"], grid="shared")
     page = Page(ec.report(tmp_path).read_text(encoding="utf-8"))
     assert page.all("h1")[0]["text"] == "<b>bold</b>"
     assert "2 of 4 variants converged." in page.id("top")["text"]
@@ -369,6 +370,7 @@ def test_a_sweep_tells_every_variant_and_why_some_failed(tmp_path):
         assert [float(one["attrs"]["value"]) for one in page.after(whole, "data")] == stored
         assert page.after(failed, "td")[0]["text"] == str(found.dataset["failed"].values[k, 1])
     drawn = [name for name in found.files if name.endswith(".png")]
+    assert "pressure-profiles.png" in drawn
     assert sorted(one["attrs"]["src"].partition(",")[2] for one in page.all("img")) == sorted(
         base64.b64encode((tmp_path / name).read_bytes()).decode() for name in drawn
     )

@@ -3,6 +3,7 @@
 import contextlib
 import multiprocessing
 import os
+import runpy
 import signal
 import socket
 import subprocess
@@ -17,7 +18,8 @@ from eigencontact.core.memory import machine_bytes
 from eigencontact.engines import cluster as engine_of_cluster
 from eigencontact.engines.cluster import Cluster, cluster_of
 from eigencontact.engines.versions import unlike, versions
-from eigencontact.errors import ClusterError, SceneError
+from eigencontact.errors import ClusterError, EigencontactError, SceneError
+from eigencontact.sweeps.runner import Outcome
 from eigencontact.sweeps.sweep import sweep
 from hooks.test_plugin_files import BOWL
 
@@ -41,6 +43,34 @@ def test_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ClusterError, match=r"install eigencontact\[cluster\]"):
         Cluster("local:2")
+
+
+@pytest.mark.parametrize("content", [b'{"a": 1}', b"[1]", b'{"address": 5}', b'{"address": ""}', b"\xff\xfe", b""])
+def test_files_without_the_address_of_a_scheduler(tmp_path, content):
+    pytest.importorskip("distributed")
+    path = tmp_path / "scheduler.json"
+    path.write_bytes(content)
+    with pytest.raises(ClusterError, match=r"file .*scheduler.json must hold the address of a scheduler \(got "):
+        sweep(SCENE, VARY, cluster=str(path))
+
+
+@pytest.mark.parametrize("what", ["workers=2", "cluster='local:2'"])
+@pytest.mark.parametrize(
+    ("before", "refused"), [("", True), ("for _ in range(1):\n    ", True), ("if __name__ == '__main__':\n    ", False)]
+)
+def test_a_script_without_the_guard_is_refused_before_a_process_starts(tmp_path, monkeypatch, what, before, refused):
+    if "cluster" in what:
+        pytest.importorskip("distributed")
+    monkeypatch.setattr("eigencontact.sweeps.sweep.outcomes", lambda variants, *_, **__: [  # nothing is run
+        Outcome(variant.place, {}, {}, "not run", 0.0) for variant in variants])  # fmt: skip
+    script = tmp_path / "loads.py"
+    call = f"sweep({SCENE}, {VARY}, {str(tmp_path / 'out')!r},\n{what})"
+    script.write_text(f"from eigencontact.sweeps.sweep import sweep\n{before}{call}\n", encoding="utf-8")
+    with pytest.raises(EigencontactError) as told:
+        runpy.run_path(str(script), run_name="__main__")
+    guard = 'loads.py, line {} must stand below `if __name__ == "__main__":` (got {} outside of it)'
+    assert (guard.format(2 + bool(before), what) in str(told.value)) == refused
+    assert refused != (tmp_path / "out").exists()
 
 
 def test_options_that_contradict():
@@ -110,7 +140,40 @@ def test_numbers_of_the_serial_sweep(serial, tmp_path, workers):
     same_to_the_bit(sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=engine), serial)
     assert f"{workers} workers" in said[0]
     assert "dashboard: http://127.0.0.1:" in said[0]
+    assert said[0].endswith("/status (this machine only)")
     assert not list(tmp_path.glob(".eigencontact-*"))
+
+
+@pytest.mark.slow
+def test_no_other_machine_reaches_a_cluster_of_this_one():
+    psutil = pytest.importorskip("psutil")
+    pytest.importorskip("distributed")
+    before = {end.laddr for end in psutil.Process().net_connections()}
+    with Cluster("local:1"):
+        processes = [psutil.Process(), *psutil.Process().children(recursive=True)]
+        ends = [end for process in processes for end in process.net_connections() if end.status == "LISTEN"]
+        new = {end.laddr for end in ends} - before
+    assert len(new) > 2
+    assert {address.ip for address in new} == {"127.0.0.1"}
+
+
+@pytest.mark.slow
+def test_a_worker_killed_while_it_starts():
+    dask = pytest.importorskip("dask")
+    with (
+        dask.config.set({"distributed.worker.preload": ["import os; os._exit(9)"]}),
+        pytest.raises(ClusterError, match=r"cluster local:1 must start its workers \(got: .*\); a worker died while"),
+    ):
+        sweep(SCENE, VARY, cluster="local:1")
+
+
+def test_a_worker_killed_while_it_is_asked(monkeypatch):
+    """Its answers are missing: the number of them, and how dask says so, are its own."""
+    pytest.importorskip("distributed")
+    engine = Cluster("local:1")
+    monkeypatch.setattr(engine, "_check", lambda _: max({}.values()))
+    with pytest.raises(ClusterError, match="workers of local:1 must stay while they are asked what they have"):
+        next(engine.map(max, [1], lambda _: 5))
 
 
 @pytest.mark.slow
@@ -167,7 +230,7 @@ def test_a_scheduler_that_dies_and_one_that_goes_on(serial, tmp_path):
             if done == 3:
                 first.kill()
 
-        with pytest.raises(ClusterError, match=r"lost after [3-7] of 8.*the same command continues"):
+        with pytest.raises(ClusterError, match=r"lost after [3-7] of 8.*the same command resumes"):
             sweep(SCENE, VARY, tmp_path, fields=["pressure"], cluster=address, told=told)
     kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/results.nc")}
     assert 3 <= len(kept) < 8
@@ -203,7 +266,9 @@ def test_a_folder_that_workers_do_not_see_and_memory_that_they_have_not(tmp_path
         with pytest.raises(ClusterError, match=r"threads of a task must be those of a worker at most \(got 4096, "):
             sweep(SCENE, VARY, tmp_path, cluster=Cluster(address, threads=4096))
         assert not sweep(SCENE, VARY, tmp_path / "enough", cluster=Cluster(address, threads=1)).failed
-        monkeypatch.setattr(Path, "touch", lambda _: None)
+        touch = Path.touch
+        unseen = lambda path: None if path.name.startswith(".eigencontact-") else touch(path)  # noqa: E731
+        monkeypatch.setattr(Path, "touch", unseen)
         with pytest.raises(ClusterError, match=f"must see the folder {tmp_path}"):
             sweep(SCENE, VARY, tmp_path, cluster=address)
 

@@ -1,6 +1,7 @@
 """Sweeps: what is varied, which variants run again, what fails without taking others along, one dataset of all."""
 
 import csv
+import errno
 import json
 import os
 import signal
@@ -13,14 +14,16 @@ import xarray as xr
 import eigencontact as ec
 from close import close
 from eigencontact.core.kept import Kept, kept_or_made
-from eigencontact.errors import PlanError, SceneError
+from eigencontact.errors import EigencontactError, PlanError, ResultsError, SceneError
 from eigencontact.execution.traction_field import TractionField
+from eigencontact.results.atomic import Sink
 from eigencontact.sweeps.axes import axes_of, axis_of_text
+from eigencontact.sweeps.identity import scene_digest, sweep_digest
 from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import _drawn, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
 from eigencontact.sweeps.warned import warnings_in_words
-from eigencontact.viz.sweep import draw_sweep
+from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
 #: Cells few enough for tests, in a window that holds the contacts of all variants.
 SCENE = {
@@ -124,11 +127,167 @@ def test_finished_variants_are_not_run_again(loads_and_radii, monkeypatch):
     assert again.dataset.max_pressure.values == close(loads_and_radii.dataset.max_pressure.values[1:, :2], rel=1e-15)
 
 
-def test_another_scene_in_the_same_folder_is_run(tmp_path):
-    first = sweep(SCENE, {"steps.normal-load": ["1 N"]}, tmp_path)
+def test_a_changed_scene_is_another_sweep(tmp_path):
+    """It is refused with both hashes, and replaces the first one when it is told to."""
+    vary = {"steps.normal-load": ["1 N"]}
+    first = sweep(SCENE, vary, tmp_path)
+    before = contents(tmp_path)
     larger = SCENE | {"geometry": {"type": "sphere", "radius": "200 um"}}
-    second = sweep(larger, {"steps.normal-load": ["1 N"]}, tmp_path)
+    hashes = [sweep_digest(ec.load_scene(scene), axes_of(vary), grid="own")[:16] for scene in (larger, SCENE)]
+    with pytest.raises(ResultsError, match=rf"this sweep, scene hash {hashes[0]} .*hash {hashes[1]}.*--overwrite"):
+        sweep(larger, vary, tmp_path)
+    with pytest.raises(ResultsError, match="of other keys"):
+        sweep(SCENE, {"geometry.radius": ["100 um"]}, tmp_path)
+    assert contents(tmp_path) == before
+    (tmp_path / "sweep.json").unlink()  # the dataset has the hash as well
+    with pytest.raises(ResultsError, match=rf"scene hash {hashes[1]}.; --overwrite"):
+        sweep(larger, vary, tmp_path)
+    (tmp_path / "sweep.json").write_text('{"scene_hash"', encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"must hold a complete sweep \(got: .*--overwrite"):
+        sweep(SCENE, vary, tmp_path)
+    second = sweep(larger, vary, tmp_path, overwrite=True)
     assert float(second.dataset.max_pressure[0]) < 0.9 * float(first.dataset.max_pressure[0])
+    assert sweep(larger, vary, tmp_path).dataset.max_pressure.equals(second.dataset.max_pressure)
+
+
+def test_a_data_file_belongs_to_the_scene(tmp_path):
+    """The tables stay the same when the file that they name changes."""
+    np.save(tmp_path / "gap.npy", np.full((16, 16), 1e-7) * np.hypot(*np.mgrid[-8:8, -8:8]))
+    scene = SCENE | {"geometry": {"type": "topography", "file": str(tmp_path / "gap.npy"), "height-unit": "m"},
+                     "grid": {"cells": 16, "size": "30 um"}}  # fmt: skip
+    axes = axes_of({"steps.normal-load": ["1 N"]})
+    before = sweep_digest(ec.load_scene(scene), axes, grid="own"), scene_digest(ec.load_scene(scene))
+    np.save(tmp_path / "gap.npy", np.full((16, 16), 2e-7))
+    after = sweep_digest(ec.load_scene(scene), axes, grid="own"), scene_digest(ec.load_scene(scene))
+    assert before[0] != after[0]
+    assert before[1] != after[1]
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+@pytest.mark.parametrize("name", ["sweep.nc", "sweep.csv", "sweep.json", "max_pressure.png"])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_files_of_others_are_never_replaced(tmp_path, name, overwrite):
+    (tmp_path / name).write_text("a,b\n1,2\n", encoding="utf-8")
+    with pytest.raises(ResultsError, match=rf"{name} must be a file that eigencontact wrote"):
+        sweep(SCENE, {"steps.normal-load": ["1 N"]}, tmp_path, overwrite=overwrite)
+    assert contents(tmp_path) == {tmp_path / name: b"a,b\n1,2\n"}
+
+
+def test_the_run_of_another_in_the_folder_of_a_variant_is_kept(tmp_path):
+    other = SCENE | {"geometry": {"type": "sphere", "radius": "200 um"}, "output": {"pictures": False, "vtk": False}}
+    run_folder = tmp_path / "normal-load=1N"
+    ec.run(other, run_folder)
+    before = contents(run_folder)
+    for _ in range(2):  # the refusal itself leaves nothing that makes the folder one of the sweep
+        found = sweep(SCENE, {"steps.normal-load": ["1 N", "2 N"]}, tmp_path)
+        assert "must be empty or of the scene" in found.failed["normal-load=1N"]
+    assert contents(run_folder) == before
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def flip(path):
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    path.write_bytes(bytes(data))
+
+
+def test_damaged_variants_are_computed_again(tmp_path):
+    loads = [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
+    axes = axes_of({"steps.normal-load": loads})
+    small = SCENE | {"grid": {"cells": 16, "size": "30 um"}}
+    variants = variants_of(ec.load_scene(small), axes, pairs=False, pictures=False)
+    first = [outcome.summary["max_pressure"] for outcome in outcomes(variants, tmp_path)]
+    kept = (tmp_path / "normal-load=1.0" / "results.nc").stat().st_mtime_ns
+    damages = [(name, damage) for name in ("results.nc", "summary.json") for damage in (cut, flip, Path.unlink)]
+    for load, (name, damage) in zip(loads, damages, strict=False):
+        damage(tmp_path / f"normal-load={load}" / name)
+    again = list(outcomes(variants, tmp_path))
+    assert [outcome.failed for outcome in again] == [""] * 7
+    assert [outcome.summary["max_pressure"] for outcome in again] == first
+    for outcome, (name, damage) in zip(again, damages, strict=False):
+        assert f"{name} was {'missing' if damage is Path.unlink else 'damaged'}" in outcome.problem
+    for variant, pressure in zip(variants, first, strict=True):
+        with ec.open_results(tmp_path / variant.label) as stored:
+            assert float(stored.max_pressure[-1]) == pressure
+    assert (tmp_path / "normal-load=1.0" / "results.nc").stat().st_mtime_ns == kept
+    assert [outcome.problem for outcome in outcomes(variants, tmp_path)] == [""] * 7
+
+
+def test_an_interrupted_variant_is_run_again(tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("eigencontact.app.run", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(SCENE, {"steps.normal-load": ["1 N"]}, tmp_path)
+    failed = tmp_path / "normal-load=1N" / "failed.json"
+    assert json.loads(failed.read_text(encoding="utf-8"))["failed"] == "it was interrupted"
+    assert sweep(SCENE, {"steps.normal-load": ["1 N"]}, tmp_path).failed == {}
+    assert not failed.exists()
+
+
+def test_a_full_disk_is_said_once(tmp_path, monkeypatch):
+    """It fills after the first variant: the next ones fail, and the sweep says that its dataset cannot be stored."""
+    full = OSError(errno.ENOSPC, "No space left on device")
+    outcomes_seen = []
+
+    def fill(outcome, done, total):
+        outcomes_seen.append(outcome.failed)
+        monkeypatch.setattr(Sink, "write", lambda sink, _: setattr(sink, "error", full))
+        monkeypatch.setattr(Path, "write_text", lambda *_, **__: (_ for _ in ()).throw(full))
+
+    with pytest.raises(ResultsError, match=r"dataset of the sweep must be .*No space left.*running the sweep again"):
+        sweep(SCENE, {"steps.normal-load": ["0.5 N", "1 N"]}, tmp_path, told=fill)
+    assert outcomes_seen[0] == ""
+    assert "must be stored" in outcomes_seen[1]
+    monkeypatch.undo()
+    assert sweep(SCENE, {"steps.normal-load": ["0.5 N", "1 N"]}, tmp_path).failed == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "words"),
+    [
+        ((None,), {}, "vary must be a table of values by key, or an array of texts .*got None"),
+        (("steps.normal-load=1,2",), {}, "vary must be a table of values by key, or an array of texts"),
+        (([3],), {}, "vary must be a table of values by key, or an array of texts"),
+        (({"steps.normal-load": np.array(1.0)},), {}, "vary.steps.normal-load must be an array of values"),
+        (({"steps.normal-load": {"from": 1, "to": 2, "count": 2, "log": "no"}},), {}, "log must be true or false"),
+        (({"steps.normal-load": [1]}, 3), {}, "folder must be a path, or None .*got 3"),
+        (({"steps.normal-load": [1]},), {"fields": "pressure"}, "fields must be an array of names .got 'pressure'"),
+        (({"steps.normal-load": [1]},), {"scalars": 3}, "scalars must be an array of names .got 3"),
+        (({"steps.normal-load": [1]},), {"pairs": "yes"}, "pairs must be true or false .got 'yes'"),
+        (({"steps.normal-load": [1]},), {"cluster": 3}, "cluster must be an address as text"),
+        (({"grid.size": [np.ones(2), np.ones(2)]},), {}, "each value once"),
+        (({"geometry.radius": ["abc", "def"]},), {}, r"2 failed; radius=abc: geometry.radius must be a length \[m\]"),
+    ],
+)
+def test_arguments_that_are_refused(arguments, options, words):
+    with pytest.raises(EigencontactError, match=words) as refused:
+        sweep(SCENE, *arguments, **options)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_value_that_is_no_quantity_fails_its_variant_alone(tmp_path):
+    found = sweep(SCENE, {"geometry.radius": ["abc", "100 um"]}, tmp_path)
+    assert list(found.failed) == ["radius=abc"]
+    assert list(found.dataset.geometry_radius.values) == ["abc", "100 um"]
+    assert np.isfinite(found.dataset.max_pressure.values[1])
+
+
+def test_values_are_said_as_they_were_understood():
+    said = []
+    sweep(SCENE, ["steps.normal-load=0,5 N", "body1.young-modulus=1e11:3e11:3"], say=said.append)
+    assert said == [
+        "steps.normal-load: 2 values: 0 N, 5 N; a comma separates values: write decimals with a point",
+        "body1.young-modulus: 3 values: 100 GPa, 200 GPa, 300 GPa",
+    ]
 
 
 def test_what_fails_is_told_and_stops_nothing(tmp_path):
@@ -218,8 +377,8 @@ def test_what_is_kept_is_bounded():
 
 
 def test_an_unknown_field_names_the_nearest():
-    failed = sweep(SCENE, {"steps.normal-load": [0.1]}, fields=["presure"]).failed
-    assert "did you mean 'pressure'?" in failed["normal-load=0.1"]
+    with pytest.raises(EigencontactError, match=r"normal-load=0.1: field must be .*did you mean 'pressure'\?"):
+        sweep(SCENE, {"steps.normal-load": [0.1]}, fields=["presure"])
 
 
 @pytest.mark.parametrize("name", ["max_pressure", "approach"])
@@ -231,6 +390,24 @@ def test_figures_show_all_values(loads_and_radii, name):
     assert axes.get_xlabel() == "steps.normal-load [N]"
     drawn, found = axes.lines[2].get_ydata(), loads_and_radii.dataset[name].values[:, 2]
     assert drawn[1] / drawn[0] == close(found[1] / found[0], rel=1e-12)
+
+
+def test_profiles_of_all_variants_in_one_figure(loads_and_radii):
+    """Lines along x of the row in the middle; a failed variant has none."""
+    assert "pressure-profiles.png" in loads_and_radii.files
+    data = loads_and_radii.dataset.copy(deep=True)
+    data["pressure"][1, 2] = np.nan
+    (axes,) = draw_profiles(data, "pressure").axes
+    row = data.pressure.isel(y=15).values.reshape(6, -1)[:5]
+    assert np.array([line.get_ydata() for line in axes.lines]) == close(1e-9 * row, rel=1e-12)
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[:2] == ["125 mN, 50 µm", "125 mN, 100 µm"]
+    assert axes.get_legend().get_title().get_text() == "steps.normal-load, geometry.radius"
+    assert axes.get_xlabel() == "x [µm]"
+    paired = xr.Dataset({"pressure": (("variant", "y", "x"), np.ones((2, 1, 3)), {"units": "Pa"})},
+                        {"a": ("variant", [1.0, 2.0]), "y": [0.0], "x": [0.0, 1.0, 2.0]})  # fmt: skip
+    (axes,) = draw_profiles(paired, "pressure").axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["1", "2"]
 
 
 def test_a_map_of_two_parameters():
@@ -247,6 +424,37 @@ def test_numbers_that_differ_by_their_residual_alone_are_not_drawn():
     loads = xr.DataArray([0.5, 0.5 - 1e-16], dims="a")
     data = xr.Dataset({"normal_load": loads, "max_pressure": ("a", [1.0, 1.1])}, {"a": [1.0, 2.0]})
     assert _drawn(data, []) == ["max_pressure"]
+
+
+def noise(size, spread, shape=None):
+    values = 52.24e-9 * (1.0 + spread * np.random.default_rng(0).permutation(np.linspace(0.0, 1.0, size)))
+    return values if shape is None else values.reshape(shape)
+
+
+@pytest.mark.parametrize(
+    ("spread", "error", "span", "words"),
+    [
+        (2e-4, 0.0064, 0.0128, "all values within 0.02 %; error of the worn volume 0.64 %"),
+        (2e-4, None, 0.01, "all values within 0.02 %; the scale spans 1 %"),
+        (0.02, 0.0064, None, ""),
+    ],
+)
+@pytest.mark.parametrize("dims", [("a",), ("a", "b")])
+def test_noise_is_drawn_as_noise(spread, error, span, words, dims):
+    """Of values that differ by less than their error the scale spans twice this error, and the title says so."""
+    shape = (5,) * len(dims)
+    attrs = {"units": "m", "long_name": "largest depth"}
+    data = {"max_worn_depth": (dims, noise(5 ** len(dims), spread, shape), attrs)}
+    if error is not None:
+        data["wear_error"] = (dims, np.full(shape, error))
+    figure = draw_sweep(xr.Dataset(data, {dim: np.linspace(1.0, 2.0, 5) for dim in dims}), "max_worn_depth")
+    axes = figure.axes[0]
+    low, high = axes.get_ylim() if len(dims) == 1 else axes.collections[0].get_clim()
+    assert axes.get_title() == "\n".join(filter(None, ("Largest depth", words)))
+    if span is None:
+        assert high - low < 1.2 * spread * 52.24 * 1.02
+    else:
+        assert (high - low) / (52.24 * (1.0 + spread)) == close(span, rel=1e-9)
 
 
 def test_values_by_ratio_are_marked_one_by_one():

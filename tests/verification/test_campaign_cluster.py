@@ -103,7 +103,7 @@ def test_a_scheduler_that_dies_and_one_that_goes_on(verify, after):
         seen = after(3, first.kill)
         broken = verify(*options)
     assert broken.code == 6
-    assert "the same command continues" in broken.err
+    assert "the same command resumes" in broken.err
     kept = {path: path.stat().st_mtime_ns for path in Path("cross-check", "solutions").rglob("*") if path.is_file()}
     assert kept
     with scheduler(port), worker(port, TESTS):

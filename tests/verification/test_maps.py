@@ -457,7 +457,7 @@ def test_an_interrupted_campaign_says_so_and_continues(toy, done, tmp_path):
         rest = running.communicate(timeout=60)[1]
     assert seen[1].startswith("2 of 16: ")
     assert running.returncode == 130
-    assert "the same command continues" in rest
+    assert "the same command resumes" in rest
     stamps = {path: path.stat().st_mtime_ns for path in (tmp_path / "toy" / "runs").glob("*/variant.json")}
     assert 2 <= len(stamps) < 16
     again = perform(read_campaign(toy), tmp_path / "toy")

@@ -6,6 +6,7 @@ others. Few tasks wait at the scheduler at a time, so that their number costs it
 
 from __future__ import annotations
 
+import json
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -19,7 +20,8 @@ from uuid import uuid4
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
 from eigencontact.engines.engine import Lost, Share
-from eigencontact.errors import ClusterError
+from eigencontact.engines.guard import GUARD, refuse_unguarded
+from eigencontact.errors import ClusterError, shown
 
 __all__ = ["Cluster", "cluster_of"]
 
@@ -60,6 +62,8 @@ class Cluster:
     ------
     ClusterError
         What is none of these; dask.distributed is not installed.
+    EigencontactError
+        A script that asks for ``local:N`` without ``if __name__ == "__main__":``.
 
     Examples
     --------
@@ -83,6 +87,8 @@ class Cluster:
         except ImportError:
             words = "cluster must have dask.distributed (not installed); install eigencontact[cluster]"
             raise ClusterError(words) from None
+        if self._local:
+            refuse_unguarded(f"cluster={address!r}")
         self._address, self._say = address, say
         self._memory, self._threads = memory or 0.0, threads or 0
         self._client: Any = None
@@ -93,16 +99,19 @@ class Cluster:
     def __enter__(self) -> Self:
         from distributed import Client
 
+        address = self._address
+        if Path(address).is_file():
+            address = _address_in(Path(address))
         try:
-            if self._local:
-                client = Client(self._open.enter_context(self._own()))
-            elif Path(self._address).is_file():
-                client = Client(scheduler_file=self._address, timeout=_CONNECT)
-            else:
-                client = Client(self._address, timeout=_CONNECT)
-        except (OSError, ValueError) as problem:  # TimeoutError is an OSError
+            client = Client(self._open.enter_context(self._own())) if self._local else Client(address, timeout=_CONNECT)
+        except (OSError, ValueError, RuntimeError) as problem:  # TimeoutError is an OSError
             self._open.close()
             words = " ".join(str(problem).split()) or type(problem).__name__
+            if self._local:
+                raise ClusterError(
+                    f"cluster {address} must start its workers (got: {words}); a worker died while it started: it ran "
+                    f"out of memory, was killed, or {GUARD}"
+                ) from None
             raise ClusterError(
                 f"cluster must be reachable within {_CONNECT:g} s (got {self._address}: {words})"
             ) from None
@@ -124,8 +133,8 @@ class Cluster:
         self._open.enter_context(dask.config.set(_LOCAL))
         return LocalCluster(
             n_workers=self._local, threads_per_worker=max(1, available_threads() // self._local),
-            memory_limit=int(machine_bytes() / self._local), processes=True, host="127.0.0.1",
-            dashboard_address=":0", silence_logs=logging.CRITICAL,
+            memory_limit=int(machine_bytes() / self._local), processes=True, silence_logs=logging.CRITICAL,
+            host="127.0.0.1", dashboard_address="127.0.0.1:0",  # no other machine may reach either
         )  # fmt: skip
 
     def map(
@@ -146,8 +155,16 @@ class Cluster:
         try:
             if seen is not None:
                 seen.touch()
-            self._check(seen)
-            self._client.register_plugin(Beginning(begin, seen), name=name)
+            try:
+                self._check(seen)
+                self._client.register_plugin(Beginning(begin, seen), name=name)
+            except ClusterError:
+                raise
+            except Exception as problem:
+                raise ClusterError(
+                    f"workers of {self._address} must stay while they are asked what they have (got "
+                    f"{type(problem).__name__}: {' '.join(str(problem).split())}); run the same command again"
+                ) from problem
             lost = deque[tuple[Task, str]]()
             for task, answer in self._answers(function, tasks, name, workers=0):
                 if isinstance(answer, Lost):
@@ -215,7 +232,7 @@ class Cluster:
     def _gone(self, finished: int, total: int) -> ClusterError:
         return ClusterError(
             f"scheduler of {self._address} must stay until the end (lost after {finished} of {total}); "
-            "what is finished is kept, the same command continues"
+            "the same command resumes and reuses what is finished"
         )
 
     def _check(self, seen: Path | None) -> None:
@@ -249,6 +266,7 @@ class Cluster:
             self._say(
                 f"cluster {self._address}: {len(facts)} workers, {sum(held.values())} threads, "
                 f"{memory / 1e9:.3g} GB each; dashboard: {self._client.dashboard_link}"
+                f"{' (this machine only)' if self._local else ''}"
             )
 
 
@@ -263,6 +281,21 @@ def cluster_of(
             raise ClusterError(f"threads must be with --cluster, whose workers they choose (got {threads})")
         return None
     return Cluster(address, memory=None if gigabytes is None else 1e9 * gigabytes, threads=threads, say=say)
+
+
+def _address_in(file: Path) -> str:
+    """Address of the scheduler that wrote a file."""
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as problem:
+        content = " ".join(str(problem).split())
+    address = content.get("address") if isinstance(content, dict) else None
+    if not isinstance(address, str) or not address:
+        raise ClusterError(
+            f"cluster file {file} must hold the address of a scheduler (got {shown(content)}); "
+            f"`dask scheduler --scheduler-file {file}` writes it"
+        )
+    return address
 
 
 def _asking(seen: str | None) -> Callable[[], dict[str, Any]]:

@@ -15,6 +15,7 @@ from typing import Any, Protocol, Self, TypeVar
 
 from eigencontact.core.memory import machine_bytes
 from eigencontact.core.parallel import available_threads
+from eigencontact.engines.guard import GUARD, refuse_unguarded
 
 __all__ = ["Engine", "Lost", "Processes", "Share", "ThisProcess"]
 
@@ -99,9 +100,15 @@ class Processes:
     ----------
     workers : int
         Processes.
+
+    Raises
+    ------
+    EigencontactError
+        A script that makes one without ``if __name__ == "__main__":``.
     """
 
     def __init__(self, workers: int) -> None:
+        refuse_unguarded(f"workers={workers}")
         self._workers = workers
 
     def __enter__(self) -> Self:
@@ -117,7 +124,7 @@ class Processes:
         lost = yield from self._pool(function, tasks, begin, self._workers)
         for task in lost:  # whose process died, or that of a neighbour: each again, alone, so that it takes none along
             if (yield from self._pool(function, [task], begin, 1)):
-                yield task, Lost("its process died, twice (of memory, or killed)")
+                yield task, Lost(f"its process died twice: it ran out of memory, was killed, or {GUARD}")
 
     def _pool(
         self,

@@ -10,13 +10,15 @@ __all__ = ["ClusterAddress", "TaskMemory", "TaskThreads"]
 
 ClusterAddress = Annotated[
     str | None,
-    typer.Option("--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N`."),
+    typer.Option(
+        "--cluster", metavar="ADDRESS", help="Scheduler of dask.distributed, its file, or `local:N` (N local workers)."
+    ),
 ]
 TaskMemory = Annotated[
     float | None,
-    typer.Option("--memory", metavar="GB", min=0.1, help="Of a task, on a cluster: workers that have less get none."),
+    typer.Option("--memory", metavar="GB", min=0.1, help="Memory that a run needs of a cluster's worker."),
 ]
 TaskThreads = Annotated[
     int | None,
-    typer.Option("--threads", metavar="N", min=1, help="Of a task, on a cluster: workers that have fewer get none."),
+    typer.Option("--threads", metavar="N", min=1, help="Threads that a run needs of a cluster's worker."),
 ]

@@ -121,8 +121,8 @@ def draw_chosen(
     **options : optional
         ``component``, ``zoom`` and ``cmap`` of `plot`.
     """
-    from eigencontact.afterwards import make_folder
     from eigencontact.afterwards import region as new_region
+    from eigencontact.results.atomic import writable_folder
     from eigencontact.results.ownership import refuse_foreign_file
     from eigencontact.results.reader import results_file
     from eigencontact.viz.looks import figure_look, look_of
@@ -143,7 +143,7 @@ def draw_chosen(
         folder = output or source.parent
         file = output if named and output is not None else folder / f"{chosen.name}{after}.{kind}"
         refuse_foreign_file(file)
-        make_folder(file.parent)
+        writable_folder(file.parent)
         save(chosen.figure, file, dpi_of(dpi))
     return {file: chosen.sentence}
 

@@ -99,7 +99,8 @@ def _target(beside: Path, file: str | Path | None) -> Path:
     except (OSError, TypeError, ValueError):
         allowed = False
     if not allowed:
-        raise ResultsError(f"the report must be a file .html in a folder that exists (got {shown(file)})")
+        got = shown(str(file))
+        raise ResultsError(f"the report must be a file .html in a folder that exists (got {got}); choose it with -o")
     return target
 
 

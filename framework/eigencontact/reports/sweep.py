@@ -11,7 +11,7 @@ from typing import Any
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, reason
 from eigencontact.results.layout import SCALARS
-from eigencontact.results.ownership import RESULTS, SUMMARY
+from eigencontact.results.ownership import RESULTS, SUMMARY, is_ours
 
 __all__ = ["Sweep", "content_of", "open_sweep"]
 
@@ -97,7 +97,7 @@ def open_sweep(results: str | Path) -> Sweep | None:
     except DAMAGE as problem:
         raise ResultsError(
             f"{folder / _SWEEP} must describe a sweep as this version writes it (got {type(problem).__name__}: "
-            f"{reason(problem)}); run the sweep again, finished variants are kept"
+            f"{reason(problem)}); move it away and run the sweep again, which reuses finished variants"
         ) from problem
 
 
@@ -119,6 +119,9 @@ def content_of(sweep: Sweep) -> dict[str, Any]:
     drawn = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
     against = ", ".join(sweep.vary)
     captions = {f"{name}.png": f"{words[:1].upper()}{words[1:]} against {against}." for name, words in drawn.items()}
+    for path in filter(is_ours, sorted(sweep.folder.glob("*-profiles.png"))):
+        subject = path.stem.removesuffix("-profiles").replace("_", " ")
+        captions[path.name] = f"{subject[:1].upper()}{subject[1:]} along x, for {against}."
     references = dict.fromkeys(text for summary in sweep.summaries for text in summary.get("references", []))
     cited = citations(list(references))
     return {

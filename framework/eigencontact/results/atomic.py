@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["DAMAGE", "Sink", "open_hdf5", "partial_name", "reason", "replacing"]
+__all__ = ["DAMAGE", "Sink", "open_hdf5", "partial_name", "reason", "replacing", "writable_folder"]
 
 
 #: What the HDF5 libraries raise on files that are damaged or not what they should be.
@@ -92,8 +92,30 @@ def reason(error: BaseException) -> str:
     return (getattr(error, "strerror", None) or str(error) or type(error).__name__).strip()
 
 
+def writable_folder(folder: Path) -> None:
+    """Make a folder with its parents where missing, and try to write in it.
+
+    Raises
+    ------
+    ResultsError
+        A file of that name, a folder that cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = partial_name(folder / "probe")
+        probe.touch()
+        probe.unlink()
+    except (OSError, ValueError) as error:  # ValueError: a zero in the path
+        raise ResultsError(
+            f"output folder {folder} must be a folder that can be written (got: {reason(error)}); "
+            "choose another with -o"
+        ) from error
+
+
 @contextmanager
-def replacing(path: Path, what: str, *, lasting: bool = True) -> Iterator[Sink]:
+def replacing(
+    path: Path, what: str, *, lasting: bool = True, kept: str = "--resume keeps the steps that are stored"
+) -> Iterator[Sink]:
     """Open a temporary file that becomes `path` when the block ends well, and vanishes when it does not.
 
     Parameters
@@ -105,6 +127,8 @@ def replacing(path: Path, what: str, *, lasting: bool = True) -> Iterator[Sink]:
     lasting : bool
         Whether it has to be on the disk when the block ends, so that it outlives a loss of power; a process that is
         killed loses nothing in either case.
+    kept : str
+        What the message says is not lost.
 
     Raises
     ------
@@ -130,7 +154,7 @@ def replacing(path: Path, what: str, *, lasting: bool = True) -> Iterator[Sink]:
         _discard(partial)
         raise ResultsError(
             f"{what} must be stored in {path.parent} (got: {reason(error)}); free space or make the folder "
-            "writable; --resume keeps the steps that are stored"
+            f"writable; {kept}"
         ) from error
     except _Inside as error:
         _discard(partial)

@@ -1,9 +1,9 @@
 """Whose a file is: a run and ``plot`` replace only files that this package wrote.
 
 Everything that it writes says so: results and stored steps by their format, ``summary.json`` by the hash of its scene,
-pictures, animations and VTK files by the name of the package inside, reports by their generator. Files of an earlier
-version that do not are known by the ``files`` of the summary beside them. Any other file is left alone, and what would
-have its name is refused before anything is computed.
+pictures, animations and VTK files by the name of the package inside, reports by their generator, tables of sweeps by
+the names of their columns. Files of an earlier version that do not are known by the ``files`` of the summary beside
+them. Any other file is left alone, and what would have its name is refused before anything is computed.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ __all__ = ["REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "
 #: The results of a finished run, the steps of an unfinished one, the numbers of a run, and the page about it.
 RESULTS, STEPS, SUMMARY, REPORT = "results.nc", "steps", "summary.json", "report.html"
 _NAME = b"eigencontact"
-#: What marks text of ours, which may speak of us in others' files.
-_MARKS = {".json": b'"scene_hash"', ".html": b'<meta name="generator" content="eigencontact '}
+#: What marks text of ours, which may speak of us in others' files; of tables the last names of their first line.
+_MARKS = {
+    ".json": b'"scene_hash"', ".html": b'<meta name="generator" content="eigencontact ', ".csv": b",failed,warnings\n",
+}  # fmt: skip
 _BLOCK = 1 << 20
 
 

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import partial_name, reason, replacing
+from eigencontact.results.atomic import partial_name, reason, replacing, writable_folder
 from eigencontact.results.history import history_name
 from eigencontact.results.join import join_steps
 from eigencontact.results.ownership import REPORT, RESULTS, STEPS, SUMMARY, is_ours, listed_files
@@ -110,8 +110,7 @@ class ResultStore:
             if not overwrite:
                 _refuse_conflict(folder, info, kept, resume=resume)
             store.made = [path for path in (folder, *folder.parents) if not path.exists()]
-            folder.mkdir(parents=True, exist_ok=True)
-            _probe(folder)
+            writable_folder(folder)
             if overwrite:
                 _remove_own(folder)
             if not (resume and store.finished):
@@ -326,13 +325,6 @@ def _refuse_conflict(folder: Path, info: RunInfo, kept: tuple[str | None, ...], 
             f"{folder} must not hold an unfinished run (got steps {sorted(_step_files(folder / STEPS))} of "
             f"{info.name!r}); --resume continues it, {choices}"
         )
-
-
-def _probe(folder: Path) -> None:
-    """Raise OSError unless a file can be made in the folder."""
-    probe = partial_name(folder / "probe")
-    probe.touch()
-    probe.unlink()
 
 
 def _remove_own(folder: Path) -> None:

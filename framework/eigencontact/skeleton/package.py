@@ -95,7 +95,8 @@ def write_package(name: str, *, kind: str = "inclusion-shape", folder: Path | No
             path.write_text(_fill(template, words), encoding="utf-8")
             written.append(path)
     except OSError as problem:
-        raise PluginError(f"folder must be one that can be written (got {problem}); choose another with -o") from None
+        got = f"{target}: {problem.strerror}"
+        raise PluginError(f"folder must be one that can be written (got {got}); choose another with -o") from None
     return NewPackage(target, tuple(written), key, kind)
 
 
@@ -120,7 +121,8 @@ def write_file(name: str, *, kind: str = "inclusion-shape", path: Path | None = 
         with target.open("x", encoding="utf-8") as file:
             file.write(_fill(f"{kind}{_MODULE}", words))
     except OSError as problem:
-        raise PluginError(f"file must be new, where it can be written (got {problem}); say another, -o") from None
+        got = f"{target}: {problem.strerror}"
+        raise PluginError(f"file must be new, where it can be written (got {got}); choose another with -o") from None
     return target
 
 

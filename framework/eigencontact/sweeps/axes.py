@@ -74,10 +74,12 @@ def axes_of(vary: Mapping[str, Any] | Sequence[str]) -> list[Axis]:
     Raises
     ------
     SceneError
-        Nothing to vary, a key twice, no values.
+        Nothing to vary, a key twice, no values; neither a table nor texts.
     """
     if isinstance(vary, Mapping):
         axes = [_of_table(str(key), value) for key, value in vary.items()]
+    elif isinstance(vary, str) or not isinstance(vary, Sequence) or not all(isinstance(text, str) for text in vary):
+        raise SceneError(f"vary must be a table of values by key, or an array of texts {_RULE} (got {shown(vary)})")
     else:
         axes = [axis_of_text(text) for text in vary]
     if not axes:
@@ -95,12 +97,14 @@ def _of_table(key: str, value: Any) -> Axis:
         if unknown or not {"from", "to", "count"} <= set(value):
             raise SceneError(f"vary.{key} must be an array, or a table of from, to, count and log (got {shown(value)})")
         ends = str(value["from"]), str(value["to"])
-        return Axis(key, _between(key, *ends, value["count"], log=bool(value.get("log"))))
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
+        if not isinstance(log := value.get("log", False), bool):
+            raise SceneError(f"vary.{key}.log must be true or false (got {shown(log)})")
+        return Axis(key, _between(key, *ends, value["count"], log=log))
+    if isinstance(value, np.ndarray) and value.ndim:
+        value = list(value)
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise SceneError(f"vary.{key} must be an array of values (got {shown(value)})")
-    return _checked(key, list(value))
+    return _checked(key, [item.tolist() if isinstance(item, np.ndarray | np.generic) else item for item in value])
 
 
 def _checked(key: str, values: list[Any]) -> Axis:

@@ -26,15 +26,21 @@ def sweep(
     *,
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="KEY=VALUES", help="`key=a,b,c` or `key=from:to:n` or `key=from:to:n:log`."),
+        typer.Option(
+            "--vary",
+            metavar="KEY=VALUES",
+            help="A key of the scene and its values: a list, `key=a,b,c`; `n` evenly spaced values, `key=from:to:n`; "
+            "or `n` values of equal ratio, `key=from:to:n:log`. A comma separates values. Repeatable.",
+        ),
     ] = None,
-    pairs: Annotated[bool, typer.Option("--pairs", help="Values in step with each other, not each with each.")] = False,
+    pairs: Annotated[bool, typer.Option("--pairs", help="Vary the keys together, not in all combinations.")] = False,
     changes: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a value.")] = None,
     field: Annotated[
-        list[str] | None, typer.Option("--field", metavar="NAME", help="Surface field to bring together: `pressure`.")
+        list[str] | None,
+        typer.Option("--field", metavar="NAME", help="Surface field to store of all variants: `pressure`."),
     ] = None,
     scalar: Annotated[
-        list[str] | None, typer.Option("--scalar", metavar="NAME", help="Number to draw: `max_pressure`.")
+        list[str] | None, typer.Option("--scalar", metavar="NAME", help="Result to draw: `max_pressure`; repeatable.")
     ] = None,
     shared_grid: Annotated[bool, typer.Option("--shared-grid", help="One window for all variants.")] = False,
     workers: Annotated[int, typer.Option("--workers", help="Processes that share the variants.")] = 1,
@@ -42,12 +48,17 @@ def sweep(
     memory: TaskMemory = None,
     threads: TaskThreads = None,
     pictures: Annotated[bool, typer.Option("--pictures", help="Also draw the pictures of each variant.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the results of another sweep in the folder.")
+    ] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default ./SCENE-sweep.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print files and failures as JSON.")] = False,
 ) -> None:
-    """Run every variant of a scene: one dataset, one table and a figure for each number. Finished ones are kept.
+    """Run every variant of a scene: one dataset, one table and a figure for each result.
+
+    Re-running resumes: finished variants are reused. A failed variant is reported and recorded; the others continue.
 
     Example: `eigencontact sweep hertz --vary steps.normal-load="0.1 N:10 N:7:log" --vary geometry.radius="1 mm,2 mm"`
     """
@@ -57,13 +68,14 @@ def sweep(
         on = cluster, memory, threads
         _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=on, told={
             "pairs": pairs, "fields": field or [], "scalars": scalar or [], "pictures": pictures,
+            "overwrite": overwrite,
             "grid": "shared" if shared_grid else "own",
         })  # fmt: skip
     except EigencontactError as problem:
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(problem.exit_code) from None
     except KeyboardInterrupt:
-        typer.echo("eigencontact: interrupted; finished variants are kept, the same command continues", err=True)
+        typer.echo("eigencontact: interrupted; the same command resumes and reuses finished variants", err=True)
         raise typer.Exit(130) from None
 
 
@@ -84,11 +96,19 @@ def _run(
     loaded = load_scene(given.pop("scene"), changes)
     folder = output or Path(f"{Path(scene).stem if Path(scene).is_file() else loaded.label}-sweep")
     options = {**given, **{name: value for name, value in told.items() if value not in (False, [], "own")}}
-    cluster = cluster_of(*on, say=lambda words: typer.echo(words, err=True))
+
+    def say(words: str) -> None:
+        typer.echo(words, err=True)
+
+    cluster = cluster_of(*on, say=say)
     with _progress(enabled=not as_json) as tell:
-        found = run_sweep(loaded, options.pop("vary"), folder, workers=workers, cluster=cluster, told=tell, **options)
+        found = run_sweep(
+            loaded, options.pop("vary"), folder, workers=workers, cluster=cluster, told=tell,
+            say=None if as_json else say, **options
+        )  # fmt: skip
     if as_json:
-        content = {"folder": str(folder), "files": found.files, "failed": found.failed, "warnings": found.warnings}
+        content = {"folder": str(folder)}
+        content |= {name: getattr(found, name) for name in ("files", "failed", "warnings", "problems")}
         typer.echo(json.dumps(content, indent=2))
     else:
         _report(found)
@@ -138,5 +158,7 @@ def _report(found: Any) -> None:
     console.print(files)
     for line in warnings_in_words(found.warnings, found.dataset["failed"].size):
         typer.echo(line)
+    for label, problem in found.problems.items():
+        typer.echo(f"eigencontact: variant {label}: {problem}", err=True)
     for label, reason in found.failed.items():
         typer.echo(f"eigencontact: variant {label} failed: {reason}", err=True)

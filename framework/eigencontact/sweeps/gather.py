@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.quantities import QUANTITIES, unit_of
-from eigencontact.core.units import parse_quantity
-from eigencontact.errors import ResultsError
+from eigencontact.core.units import parse_quantity, readable
+from eigencontact.errors import ResultsError, shown
 from eigencontact.reference.places import key_at
 from eigencontact.results.layout import SCALARS
 from eigencontact.sweeps.warned import codes_of
@@ -24,7 +24,13 @@ if TYPE_CHECKING:
     from eigencontact.sweeps.runner import Outcome
     from eigencontact.sweeps.variants import Variant
 
-__all__ = ["as_csv", "gathered"]
+__all__ = ["FIELD", "as_csv", "gathered", "values_in_words"]
+
+#: Before the name of a field that is the name of a number as well.
+FIELD = "field_"
+#: Values of an axis that a line lists.
+_LISTED = 12
+
 
 def gathered(
     axes: Sequence[Axis], variants: Sequence[Variant], found: Sequence[Outcome], title: str, *, pairs: bool
@@ -85,6 +91,15 @@ def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
 
 def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, dict[str, str]]:
     """Values of an axis in SI units, as the scenes hold them; texts where they are no numbers."""
+    written, unit = _in_si(axis, variants, k)
+    attrs = {"long_name": axis.key, **({"units": unit} if unit else {})}
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in written):
+        return np.array(written, dtype=float), attrs
+    return np.array([str(value) for value in axis.values]), {"long_name": axis.key}
+
+
+def _in_si(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[list[Any], str]:
+    """Values of the axis number `k`, quantities as numbers in SI units; and this unit, or nothing."""
     held: dict[int, Any] = {}
     key = None
     for variant in variants:
@@ -93,12 +108,29 @@ def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, d
             tables = variant.scene.resolved()
             held[at] = _at(tables, axis.key)
             key = key or key_at(variant.scene.known_plugins(), tables, axis.key)
-    written = [held.get(at, value) for at, value in enumerate(axis.values)]
-    if key is not None and key.unit:  # tables of plugins keep texts with units
-        written = [parse_quantity(value, key.unit, key.name) for value in written]
-    plain = all(isinstance(value, int | float) and not isinstance(value, bool) for value in written)
-    attrs = {"long_name": axis.key, **({"units": key.unit} if key is not None and key.unit else {})}
-    return (np.array(written, dtype=float), attrs) if plain else (np.array([str(v) for v in axis.values]), attrs)
+    unit = (key.unit if key is not None else "") or ""
+    written = []
+    for value in [held.get(at, value) for at, value in enumerate(axis.values)]:
+        try:
+            written.append(parse_quantity(value, unit, axis.key) if unit else value)
+        except ValueError:  # text that is no quantity: its variant is refused
+            written.append(value)
+    return written, unit
+
+
+def values_in_words(axes: Sequence[Axis], variants: Sequence[Variant]) -> list[str]:
+    """One line for each axis: its values as they were understood, with their unit, and a hint at a decimal comma."""
+    lines = []
+    for k, axis in enumerate(axes):
+        written, unit = _in_si(axis, variants, k)
+        texts = [value if isinstance(value, str) else readable(value, unit) if unit and isinstance(value, int | float)
+                 else shown(value) for value in written]  # fmt: skip
+        listed = texts if len(texts) <= _LISTED else [*texts[: _LISTED - 2], "...", texts[-1]]
+        plain = [isinstance(value, int | float) for value in axis.values]
+        mixed = bool(unit) and any(plain) and not all(plain)  # "0,5 N"
+        hint = "; a comma separates values: write decimals with a point" if mixed else ""
+        lines.append(f"{axis.key}: {len(texts)} {'value' if len(texts) == 1 else 'values'}: {', '.join(listed)}{hint}")
+    return lines
 
 
 def _at(table: Any, key: str) -> Any:
@@ -138,7 +170,7 @@ def _with_fields(
         for outcome in holding:
             values[outcome.place] = outcome.fields[name]
         attrs = {"units": unit_of(name), "long_name": QUANTITIES[name].long_name} if name in QUANTITIES else {}
-        dataset[f"field_{name}" if name in dataset else name] = ((*dims, "y", "x"), values, attrs)
+        dataset[f"{FIELD}{name}" if name in dataset else name] = ((*dims, "y", "x"), values, attrs)
     return dataset
 
 

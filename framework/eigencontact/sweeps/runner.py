@@ -1,7 +1,7 @@
 """Running the variants of a sweep: one after the other, in several processes, or on a cluster.
 
-What is finished stays finished: a folder that holds the results of the very same variant is read, not solved again.
-What fails is told, and stops nothing.
+A finished variant is read, not solved again: its folder says of which scene it is, and has checksums of its files. A
+damaged one is computed again. A failed variant is reported and recorded; the others continue.
 """
 
 from __future__ import annotations
@@ -19,7 +19,11 @@ import numpy as np
 from eigencontact.core.kept import Kept
 from eigencontact.engines.cluster import Cluster
 from eigencontact.engines.engine import Engine, Lost, Processes, Share, ThisProcess
-from eigencontact.errors import EigencontactError
+from eigencontact.errors import EigencontactError, ResultsError
+from eigencontact.results.atomic import replacing
+from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, refuse_foreign_file
+from eigencontact.sweeps.folder import AGAIN
+from eigencontact.sweeps.identity import checksum, scene_digest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Outcome", "outcomes"]
 
-#: Beside the results of a variant: the scene that they belong to, and what could not be done.
+#: Beside the results of a variant: the scene that they belong to, with checksums; and why there are none.
 _MARK, _FAILED = "variant.json", "failed.json"
 #: Memory of what the variants of a process share [bytes], and the part of its memory that it may be.
 _MOST_KEPT, _PART_KEPT = 1e9, 0.1
@@ -50,6 +54,8 @@ class Outcome:
         Why it failed.
     seconds : float
         Wall time [s].
+    problem : str
+        Damage of its earlier results, which were computed again.
     """
 
     place: tuple[int, ...]
@@ -57,6 +63,7 @@ class Outcome:
     fields: dict[str, NDArray[Any]]
     failed: str
     seconds: float
+    problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,7 @@ class _Task:
     variant: Variant
     folder: Path | None
     fields: tuple[str, ...]
+    overwrite: bool
 
 
 def outcomes(
@@ -75,6 +83,7 @@ def outcomes(
     fields: Sequence[str] = (),
     workers: int = 1,
     engine: Engine | None = None,
+    overwrite: bool = False,
 ) -> Iterator[Outcome]:
     """Outcome of each variant as it is finished.
 
@@ -90,10 +99,14 @@ def outcomes(
         Processes; with one the variants are run in this one.
     engine : Engine, optional
         Who runs them instead, a cluster for one.
+    overwrite : bool
+        Run finished variants again, and replace other results in their folders.
     """
     engine = engine or (ThisProcess() if workers == 1 else Processes(workers))
-    tasks = [_Task(variant, None if folder is None else (folder / variant.label).resolve(), tuple(fields))
-             for variant in variants]  # fmt: skip
+    tasks = [
+        _Task(variant, None if folder is None else (folder / variant.label).resolve(), tuple(fields), overwrite)
+        for variant in variants
+    ]
     if isinstance(engine, Cluster):
         engine.folder = folder
     begin = _Held.within
@@ -133,56 +146,100 @@ def _outcome(task: _Task, held: _Held) -> Outcome:
     began, variant = perf_counter(), task.variant
     summary: dict[str, Any] = {}
     fields: dict[str, Any] = {}
-    failed = variant.refused
+    failed, problem = variant.refused, ""
     try:
         if not failed:
             with held.kept.offered():
-                summary, fields = _computed(task, held.threads)
-    except (EigencontactError, MemoryError) as problem:
-        failed = " ".join(str(problem).split()) or type(problem).__name__
-    except Exception as problem:  # noqa: BLE001 - one variant must not take the others along, whatever it meets
-        failed = f"{type(problem).__name__}: {' '.join(str(problem).split())}"
-    if failed and task.folder is not None:
-        task.folder.mkdir(parents=True, exist_ok=True)
-        words = {"values": variant.values, "failed": failed}
-        (task.folder / _FAILED).write_text(json.dumps(words, indent=2, default=str) + "\n", encoding="utf-8")
-    return Outcome(variant.place, summary, fields, failed, perf_counter() - began)
+                summary, fields, problem = _computed(task, held.threads)
+    except (EigencontactError, MemoryError) as refusal:
+        failed = " ".join(str(refusal).split()) or type(refusal).__name__
+    except Exception as refusal:  # noqa: BLE001 - one variant must not take the others along, whatever it meets
+        failed = f"{type(refusal).__name__}: {' '.join(str(refusal).split())}"
+    if failed and task.folder is not None and _is_of_sweep(task.folder, task):
+        try:
+            _record(task, failed)
+        except (EigencontactError, OSError) as refusal:  # a full disk fails variants, and cannot hold the reason
+            if str(refusal) not in failed:
+                failed += f"; this reason is not recorded: {' '.join(str(refusal).split())}"
+    return Outcome(variant.place, summary, fields, failed, perf_counter() - began, problem)
 
 
-def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any]]:
+def _record(task: _Task, failed: str) -> None:
+    """Record in the folder of a variant why it has no results."""
+    assert task.folder is not None
+    task.folder.mkdir(parents=True, exist_ok=True)
+    refuse_foreign_file(task.folder / _FAILED)
+    words = {"scene_hash": None, "values": task.variant.values, "failed": failed}
+    with replacing(task.folder / _FAILED, "the reason of a failed variant", lasting=False, kept=AGAIN) as sink:
+        sink.write((json.dumps(words, indent=2, default=str) + "\n").encode())
+
+
+def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any], str]:
+    """Summary, fields, and damage of what was there; run it unless it is finished."""
     from eigencontact.afterwards import open_results
     from eigencontact.app import run
 
     scene, folder = task.variant.scene, task.folder
     assert scene is not None
-    mark = json.dumps(scene.resolved(), sort_keys=True)
-    if folder is not None and _holds(folder, mark):
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        if not task.fields:
-            return summary, {}
-        with open_results(folder) as dataset:
-            return summary, _chosen(dataset, task.fields)
+    problem, replaced = "", False
+    if folder is not None:
+        digest = scene_digest(scene)
+        mark = {} if task.overwrite else _mark(folder)
+        if mark.get("scene_hash") == digest:
+            problem = _damage(folder, mark)
+            if not problem:
+                summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+                if not task.fields:
+                    return summary, {}, ""
+                with open_results(folder) as dataset:
+                    return summary, _chosen(dataset, task.fields), ""
+        replaced = _is_of_sweep(folder, task)
+        if replaced:
+            _record(task, "it was interrupted")
     if threads is not None and scene.numerics.threads is None:
         numerics = scene.numerics.model_copy(update={"threads": threads})
         scene = scene.model_copy(update={"numerics": numerics})
-    result = run(scene, folder, overwrite=folder is not None and folder.exists())
+    result = run(scene, folder, overwrite=replaced)
     fields = _chosen(result.dataset, task.fields) if task.fields else {}
     if folder is not None:
         if task.fields:
             result.dataset.close()
+        content = {"scene_hash": digest, "checksums": {name: checksum(folder / name) for name in (RESULTS, SUMMARY)}}
+        with replacing(folder / _MARK, "the mark of a finished variant", lasting=False, kept=AGAIN) as sink:
+            sink.write(json.dumps(content).encode())
         (folder / _FAILED).unlink(missing_ok=True)
-        (folder / _MARK).write_text(mark, encoding="utf-8")
-    return result.summary, fields
+    return result.summary, fields, problem
 
 
-def _holds(folder: Path, mark: str) -> bool:
-    path = folder / _MARK
-    return path.is_file() and (folder / "summary.json").is_file() and path.read_text(encoding="utf-8") == mark
+def _is_of_sweep(folder: Path, task: _Task) -> bool:
+    """Whether results in a folder may be replaced: those of a run that no sweep marked as its own are protected."""
+    marked = any(is_ours(folder / name) for name in (_MARK, _FAILED))
+    return marked or task.overwrite or not any((folder / name).exists() for name in (RESULTS, STEPS))
+
+
+def _mark(folder: Path) -> dict[str, Any]:
+    """Hash of the scene and checksums that a finished variant left; empty where there are none."""
+    try:
+        mark = json.loads((folder / _MARK).read_text(encoding="utf-8"))
+        return {"scene_hash": mark["scene_hash"], "checksums": dict(mark["checksums"])}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return {}
+
+
+def _damage(folder: Path, mark: Mapping[str, Any]) -> str:
+    """What is wrong with the files of a finished variant, in words; empty where nothing is."""
+    for name in (RESULTS, SUMMARY):
+        path = folder / name
+        if not path.is_file():
+            return f"{path} was missing; the variant is computed again"
+        if checksum(path) != mark["checksums"].get(name):
+            return f"{path} was damaged (its checksum does not fit); the variant is computed again"
+    return ""
 
 
 def _chosen(dataset: Any, names: Sequence[str]) -> dict[str, Any]:
     """Surface fields at the last step."""
-    from eigencontact.errors import ResultsError, nearest
+    from eigencontact.errors import nearest
 
     known = [str(name) for name, field in dataset.data_vars.items() if field.dims[-2:] == ("y", "x")]
     for name in names:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,9 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from eigencontact.engines.cluster import Cluster
-from eigencontact.errors import SceneError, nearest, shown
+from eigencontact.engines.engine import Processes
+from eigencontact.errors import EigencontactError, ResultsError, SceneError, nearest, shown
+from eigencontact.results.atomic import reason, replacing
 from eigencontact.sweeps.axes import Axis, axes_of
-from eigencontact.sweeps.gather import as_csv, gathered
+from eigencontact.sweeps.folder import AGAIN, DATASET, DESCRIPTION, PROFILES, TABLE, open_folder
+from eigencontact.sweeps.gather import FIELD, as_csv, gathered, values_in_words
+from eigencontact.sweeps.identity import sweep_digest
 from eigencontact.sweeps.runner import Outcome, outcomes
 from eigencontact.sweeps.variants import Variant, variants_of
 
@@ -49,6 +52,8 @@ class SweepResult:
     warnings : dict of str to list of dict
         What makes numbers worth less than they look, by label of the variant, as in ``summary.json``: ``code``,
         ``words``, ``error``. Variants without any are left out.
+    problems : dict of str to str
+        Variants whose stored results were damaged and are computed again, by label.
     folder : Path or None
         Where it is stored; None for a sweep in memory.
     """
@@ -57,6 +62,7 @@ class SweepResult:
     files: dict[str, str] = field(default_factory=dict)
     failed: dict[str, str] = field(default_factory=dict)
     warnings: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
+    problems: dict[str, str] = field(default_factory=dict)
     folder: Path | None = None
 
 
@@ -72,7 +78,9 @@ def sweep(
     workers: int = 1,
     cluster: str | Cluster | None = None,
     pictures: bool = False,
+    overwrite: bool = False,
     told: Told | None = None,
+    say: Callable[[str], None] | None = None,
 ) -> SweepResult:
     """Run every variant of a scene; bring all numbers together.
 
@@ -84,32 +92,43 @@ def sweep(
         Values by dotted key, ``{"steps.normal-load": ["1 N", "2 N"]}`` or
         ``{"geometry.radius": {"from": 1e-4, "to": 1e-2, "count": 5, "log": True}}``; or texts as of ``--vary``.
     folder : str or Path, optional
-        Each variant has a folder in it, beside ``sweep.nc``, ``sweep.csv`` and figures. Variants that are finished
-        there are not run again. Without it everything stays in memory.
+        Each variant has a folder in it, beside ``sweep.nc``, ``sweep.csv`` and figures. Finished variants are reused;
+        a damaged one is computed again. Without it everything stays in memory.
     pairs : bool
         Take the values in step with each other, not each with each.
     fields : sequence of str
-        Surface fields at the last step to bring together; all variants must have the same cells.
+        Surface fields at the last step to store of all variants, which must have the same cells; with a folder,
+        also a figure of each with the profiles of all variants along x.
     scalars : sequence of str
         Numbers to draw; by default those that most look at.
     grid : {"own", "shared"}
         Whether each variant has the window that it asks for, or all have one that holds them.
     workers : int
-        Processes that share the variants.
+        Processes that share the variants. A script that asks for more than one needs ``if __name__ == "__main__":``
+        around the call, because each process imports the script.
     cluster : str, optional
         Workers of dask.distributed that run them instead: ``"local:4"`` for four processes of this machine, the
-        scheduler's address (``"tcp://host:8786"``) or file. The folder must be one that all machines share.
+        scheduler's address (``"tcp://host:8786"``) or file. The folder must be one that all machines share. For
+        ``local:N`` the same guard is needed as for `workers`.
     pictures : bool
         Whether each variant draws its own pictures.
+    overwrite : bool
+        Replace the results of another sweep in `folder`, and run finished variants again. Files that this package did
+        not write are never replaced.
     told : callable, optional
-        Told of each outcome, its number and how many there will be.
+        Gets each outcome, its number and how many there will be.
+    say : callable, optional
+        Gets a line for each key that is varied: its values as they were understood, with their unit.
 
     Raises
     ------
     SceneError, PlanError
         A description that no variant can follow; chosen fields on different cells, before anything is run.
     ResultsError
-        A folder that cannot be written.
+        A folder that cannot be written, that holds the sweep of another scene, or files of others under the names of
+        ours.
+    EigencontactError
+        Every variant failed, or a script has no guard for its processes.
     ClusterError
         A cluster that is not reachable, that is lost, or whose workers cannot do what is asked.
 
@@ -126,9 +145,22 @@ def sweep(
         raise SceneError(f"workers must be a whole number from 1 to 1024 (got {shown(workers)})")
     if cluster is not None and workers != 1:
         raise SceneError(f"workers must be without cluster, which has its own (got {shown(workers)})")
-    engine = Cluster(cluster) if isinstance(cluster, str) else cluster
+    if not (folder is None or isinstance(folder, str | Path)):
+        raise ResultsError(f"folder must be a path, or None for a sweep in memory (got {shown(folder)})")
+    for name, names in (("fields", fields), ("scalars", scalars)):
+        if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(n, str) for n in names):
+            raise SceneError(f"{name} must be an array of names (got {shown(names)})")
+    for name, flag in (("pairs", pairs), ("pictures", pictures), ("overwrite", overwrite)):
+        if not isinstance(flag, bool):
+            raise SceneError(f"{name} must be true or false (got {shown(flag)})")
     if grid not in ("own", "shared"):
         raise SceneError(f"grid of a sweep must be 'own' or 'shared' (got {shown(grid)})")
+    if not (cluster is None or isinstance(cluster, str | Cluster)):
+        raise SceneError(
+            f"cluster must be an address as text, or local:N (got {shown(cluster)}); a cluster of dask has it as its "
+            "scheduler_address"
+        )
+    engine = Cluster(cluster) if isinstance(cluster, str) else cluster or (Processes(workers) if workers > 1 else None)
     loaded = load_scene(scene)
     axes = axes_of(vary)
     place = None if folder is None else Path(folder)
@@ -141,30 +173,55 @@ def sweep(
         from eigencontact.sweeps.shared import refuse_different_cells
 
         refuse_different_cells(variants)
+    digest = ""
     if place is not None:
-        place.mkdir(parents=True, exist_ok=True)
-    found: list[Outcome] = []
-    for outcome in outcomes(variants, place, fields=fields, workers=workers, engine=engine):
-        found.append(outcome)
+        digest = sweep_digest(loaded, axes, grid=grid)
+        drawn = [*(scalars or _DRAWN), *(f"{name}{PROFILES}" for name in fields)]
+        open_folder(place, digest, axes, variants, drawn, overwrite=overwrite)
+    if say is not None:
+        for line in values_in_words(axes, variants):
+            say(line)
+    finished: list[Outcome] = []
+    for outcome in outcomes(variants, place, fields=fields, engine=engine, overwrite=overwrite):
+        finished.append(outcome)
         if told is not None:
-            told(outcome, len(found), len(variants))
-    dataset = gathered(axes, variants, found, loaded.title or loaded.label, pairs=pairs)
+            told(outcome, len(finished), len(variants))
+    finished.sort(key=lambda outcome: outcome.place)
+    dataset = gathered(axes, variants, finished, loaded.title or loaded.label, pairs=pairs)
     labels = {variant.place: variant.label for variant in variants}
-    failed = {labels[one.place]: one.failed for one in found if one.failed}
-    order = sorted(found, key=lambda one: one.place)
-    warnings = {labels[one.place]: list(said) for one in order if (said := one.summary.get("warnings"))}
-    files = {} if place is None else _write(place, axes, variants, found, dataset, scalars)
-    return SweepResult(dataset=dataset, files=files, failed=failed, warnings=warnings, folder=place)
+    failed = {labels[outcome.place]: outcome.failed for outcome in finished if outcome.failed}
+    if digest:
+        dataset.attrs["scene_hash"] = digest
+    files = {} if place is None else _write(place, axes, variants, finished, dataset, scalars)
+    if len(failed) == len(variants):
+        label, first = next(iter(failed.items()))
+        raise EigencontactError(
+            f"sweep must have a variant that can be solved (got {len(failed)} failed; {label}: {first})"
+        )
+    return SweepResult(
+        dataset=dataset,
+        files=files,
+        failed=failed,
+        warnings={labels[one.place]: list(said) for one in finished if (said := one.summary.get("warnings"))},
+        problems={labels[one.place]: one.problem for one in finished if one.problem},
+        folder=place,
+    )
 
 
 def _as_netcdf(dataset: xarray.Dataset) -> bytes:
     """Bytes of the dataset's file; by way of a file, as older versions of xarray do not write netCDF-4 to memory."""
     from tempfile import TemporaryDirectory
 
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "sweep.nc"
-        dataset.to_netcdf(path, engine="h5netcdf", format="NETCDF4")
-        return path.read_bytes()
+    try:
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / DATASET
+            dataset.to_netcdf(path, engine="h5netcdf", format="NETCDF4")
+            return path.read_bytes()
+    except (OSError, RuntimeError) as problem:  # how HDF5 says that the disk of temporary files is full
+        raise ResultsError(
+            f"{DATASET} must be written to the folder of temporary files first (got: {reason(problem)}); free space "
+            f"there; {AGAIN}"
+        ) from problem
 
 
 def _write(
@@ -176,28 +233,25 @@ def _write(
     scalars: Sequence[str],
 ) -> dict[str, str]:
     """Write dataset, table and figures."""
-    from eigencontact.results.atomic import replacing
     from eigencontact.viz.style import save
-    from eigencontact.viz.sweep import draw_sweep
+    from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
-    with replacing(folder / "sweep.nc", "the dataset of the sweep") as sink:
+    with replacing(folder / DATASET, "the dataset of the sweep", kept=AGAIN) as sink:
         sink.write(_as_netcdf(dataset))
-    with replacing(folder / "sweep.csv", "the table of the sweep") as sink:
+    with replacing(folder / TABLE, "the table of the sweep", kept=AGAIN) as sink:
         sink.write(as_csv(axes, variants, found).encode())
-    content = {
-        "vary": {axis.key: list(axis.values) for axis in axes},
-        "variants": [{"folder": one.label, "values": one.values} for one in variants],
-    }
-    with replacing(folder / "sweep.json", "the description of the sweep") as sink:
-        sink.write((json.dumps(content, indent=2, default=str) + "\n").encode())
     files = {
-        "sweep.nc": "all numbers by what was varied (opens in xarray)",
-        "sweep.csv": "the same as a table, one line for each variant",
-        "sweep.json": "what was varied, and the folder of each variant",
+        DATASET: "all numbers by what was varied (opens in xarray)",
+        TABLE: "the same as a table, one line for each variant",
+        DESCRIPTION: "what was varied, and the folder of each variant",
     }
     for name in _drawn(dataset, scalars):
         save(draw_sweep(dataset, name), folder / f"{name}.png")
         files[f"{name}.png"] = f"{dataset[name].attrs.get('long_name', name)} against what was varied"
+    for name in (str(name) for name, values in dataset.data_vars.items() if "x" in values.dims):
+        file = f"{name.removeprefix(FIELD)}{PROFILES}.png"
+        save(draw_profiles(dataset, name), folder / file)
+        files[file] = f"{dataset[name].attrs.get('long_name', name)} along x, all variants in one figure"
     return files
 
 

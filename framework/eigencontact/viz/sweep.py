@@ -1,4 +1,4 @@
-"""Figures of a sweep: a number against what was varied, as curves or as a map."""
+"""Figures of a sweep: a number against what was varied, as curves or as a map; profiles of a field of all variants."""
 
 from __future__ import annotations
 
@@ -7,19 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
+from eigencontact.viz.style import COLOURS, Scale, new_figure, paper_style, place, scale_for
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_sweep"]
+__all__ = ["draw_profiles", "draw_sweep"]
 
 #: Values of each of two numbers from which on a map shows more than curves; curves that a legend can hold.
 _MAP, _CURVES = 5, len(COLOURS)
 #: Values spaced by ratios that are marked one by one.
 _MARKED = 8
+#: Least range of an axis as a part of the largest value: where values differ by less, it shows that they hardly differ.
+_LEAST_RANGE = 0.01
+#: Numbers whose relative error is another number, and what that is the error of.
+_ERRORS = {"worn_volume": ("wear_error", "worn volume"), "max_worn_depth": ("wear_error", "worn volume")}
 #: Marks that tell curves apart in print.
 _MARKS = "os^Dv<"
 
@@ -44,35 +48,101 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
         figure = new_figure(4.6, 3.2)
         axes = figure.add_subplot()
         dims = [str(dim) for dim in values.dims]
+        limits, remark = _limits(dataset, values)
         numeric = [dataset[dim].dtype.kind == "f" if dim in dataset else False for dim in dims]
         if len(dims) == 2 and all(numeric) and min(values.shape) >= _MAP:
-            _map(axes, values)
+            _map(axes, values, limits)
         else:
-            _curves(axes, dataset, values)
+            _curves(axes, dataset, values, limits)
         title = str(values.attrs.get("long_name", name)).replace("_", " ")
-        axes.set_title(title[:1].upper() + title[1:])
+        axes.set_title("\n".join(filter(None, (title[:1].upper() + title[1:], remark))))
     return figure
 
 
-def _map(axes: Axes, values: xarray.DataArray) -> None:
+def draw_profiles(dataset: xarray.Dataset, name: str) -> Figure:
+    """Figure of a surface field of all variants along x, through the middle of the window.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep with this field.
+    name : str
+        Field to draw.
+
+    Returns
+    -------
+    Figure
+    """
+    middle = int(np.argmin(np.abs(dataset["y"].values - dataset["y"].values.mean())))
+    values = dataset[name].isel(y=middle)
+    dims = [str(dim) for dim in values.dims if dim != "x"]
+    scale, lengths = scale_for(values, str(values.attrs.get("units", "1"))), scale_for(dataset["x"], "m")
+    with paper_style():
+        figure = new_figure(4.6, 3.2)
+        axes = figure.add_subplot()
+        _lay_over(axes, dataset, values, dims, scale, lengths(dataset["x"]))
+        axes.set_xlabel(_with_unit("x", lengths.unit))
+        axes.set_ylabel(_with_unit(name, scale.unit))
+        title = str(values.attrs.get("long_name", name)).replace("_", " ")
+        axes.set_title(f"{title[:1].upper()}{title[1:]}, {place('y', float(dataset['y'][middle]))}")
+    return figure
+
+
+def _lay_over(
+    axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, dims: list[str], scale: Scale, x: Any
+) -> None:
+    """Draw a line for each variant that has the field, as many as a legend can hold."""
+    places = [at for at in np.ndindex(*(dataset.sizes[dim] for dim in dims)) if np.isfinite(values.values[at]).any()]
+    for k, at in enumerate(places[:_CURVES]):
+        words = ", ".join(_value(dataset, dim, n) for dim, n in zip(dims, at, strict=True))
+        axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=words)
+    more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
+    axes.legend(title=", ".join(_long(dataset, dim) for dim in dims) + more, title_fontsize=8)
+
+
+def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[float, float] | None, str]:
+    """Limits of the axis of values that differ by less than their error or `_LEAST_RANGE`, and a sentence about it."""
+    finite = values.values[np.isfinite(values.values)]
+    largest = float(np.abs(finite).max()) if finite.size else 0.0
+    if finite.size < 2 or not largest:
+        return None, ""
+    spread = float(np.ptp(finite)) / largest
+    number, subject = _ERRORS.get(str(values.name), ("", ""))
+    errors = dataset[number].values if number in dataset else np.zeros(1)
+    error = float(np.nanmax(errors, initial=0.0))
+    least = max(_LEAST_RANGE, 2.0 * error)
+    if spread >= least:
+        return None, ""
+    middle, half = 0.5 * (finite.max() + finite.min()), 0.5 * least * largest
+    remark = f"all values within {100 * spread:.2g} %; "
+    remark += f"error of the {subject} {100 * error:.2g} %" if error else f"the scale spans {100 * least:.2g} %"
+    return (middle - half, middle + half), remark
+
+
+def _map(axes: Axes, values: xarray.DataArray, limits: tuple[float, float] | None) -> None:
     across, up = (str(dim) for dim in values.dims)
     scale = scale_for(values, str(values.attrs.get("units", "1")))
     x, y = _edges(_axis(axes, "x", values[across])), _edges(_axis(axes, "y", values[up]))
-    mesh = axes.pcolormesh(x, y, scale(values).T, cmap="viridis", rasterized=True)
+    low, high = (None, None) if limits is None else scale(limits)
+    mesh = axes.pcolormesh(x, y, scale(values).T, cmap="viridis", rasterized=True, vmin=low, vmax=high)
     axes.figure.colorbar(mesh, ax=axes, label=_with_unit(str(values.name), scale.unit))
 
 
-def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray) -> None:
+def _curves(
+    axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, limits: tuple[float, float] | None
+) -> None:
     first, *others = (str(dim) for dim in values.dims)
     scale = scale_for(values, str(values.attrs.get("units", "1")))
     along = _along(dataset, first)
     x = _axis(axes, "x", along)
     places = list(product(*(range(dataset.sizes[dim]) for dim in others)))
-    for k, place in enumerate(places[:_CURVES]):
-        chosen = values.isel(dict(zip(others, place, strict=True)))
-        words = ", ".join(_value(dataset, dim, at) for dim, at in zip(others, place, strict=True))
+    for k, at in enumerate(places[:_CURVES]):
+        chosen = values.isel(dict(zip(others, at, strict=True)))
+        words = ", ".join(_value(dataset, dim, n) for dim, n in zip(others, at, strict=True))
         axes.plot(x, scale(chosen), marker=_MARKS[k % len(_MARKS)], color=COLOURS[k], label=words or None)
     axes.set_ylabel(_with_unit(str(values.name), scale.unit))
+    if limits is not None:
+        axes.set_ylim(*scale(limits))
     if len(places) > 1:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
         axes.legend(title=", ".join(_long(dataset, dim) for dim in others) + more, title_fontsize=8)
@@ -121,14 +191,14 @@ def _edges(order: Any) -> Any:
 
 
 def _value(dataset: xarray.Dataset, dim: str, at: int) -> str:
-    along = dataset[dim]
+    along = _along(dataset, dim)
     if along.dtype.kind != "f":
         return str(along.values[at])
     return scale_for(along.values[at], str(along.attrs.get("units", "1"))).text(along.values[at])
 
 
 def _long(dataset: xarray.Dataset, dim: str) -> str:
-    return str(dataset[dim].attrs.get("long_name", dim))
+    return str(_along(dataset, dim).attrs.get("long_name", dim))
 
 
 def _with_unit(name: str, unit: str) -> str:

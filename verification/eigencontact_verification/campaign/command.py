@@ -132,6 +132,7 @@ def verify(
     Examples: `eigencontact verify --quick --kernel cuboid`, `eigencontact verify --quick ./hertz`
     """
     from eigencontact.errors import EigencontactError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.benchmarks.table import check_section
 
     names, laws = [*(kernels or []), *(kernel or [])], law or []
@@ -168,6 +169,7 @@ def verify(
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
     try:
+        writable_folder(output)
         report, files = solve()
     except (EigencontactError, ValueError) as problem:
         if isinstance(problem, ValueError) and not isinstance(problem, EigencontactError) and not runs:

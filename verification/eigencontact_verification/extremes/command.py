@@ -43,6 +43,7 @@ def extremes(
     Example: `eigencontact extremes --quick --feature layers`
     """
     from eigencontact.errors import EigencontactError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.extremes.catalogue import KEYS, chosen
 
     try:
@@ -53,9 +54,13 @@ def extremes(
         for feature in found:
             typer.echo(f"{feature.key:<12}{len(feature.corners):>4} corners  {feature.title}")
         return
+    folder = output or Path("extremes")
     try:
+        writable_folder(folder)
         report = _computed(found, quick=quick, told=not (quiet or as_json))
-        _tell(report, output or Path("extremes"), markdown, as_json=as_json, quiet=quiet)
+        _tell(report, folder, markdown, as_json=as_json, quiet=quiet)
+    except EigencontactError as problem:
+        _leave(str(problem), problem.exit_code)
     except OSError as problem:
         _leave(f"the report cannot be written: {problem}", 2)
     except KeyboardInterrupt:

@@ -46,7 +46,9 @@ def campaign(
     form: Annotated[bool, typer.Option("--form", help="Print what a campaign may hold: keys.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled campaign, to start from.")] = False,
 ) -> None:  # fmt: skip
-    """Judge a model over its parameters: a map of verdicts and errors. What is finished is kept, the same continues.
+    """Judge a model over its parameters: a map of verdicts and errors.
+
+    Re-running resumes; finished runs are reused.
 
     A campaign is a TOML file: scenes, what is varied, who judges (another model, finite elements under the tractions of
     each run, a contact by finite elements), the tolerance, and where agreement is claimed. `--form` tells its keys.
@@ -75,7 +77,7 @@ def campaign(
     except OSError as problem:
         _leave(f"the report cannot be written: {problem}", 2)
     except KeyboardInterrupt:
-        _leave("interrupted; what is finished is kept, the same command continues", 130)
+        _leave("interrupted; the same command resumes and reuses what is finished", 130)
 
 
 def _leave(problem: str, code: int) -> NoReturn:
@@ -119,6 +121,7 @@ def _run(
 ) -> MapReport:  # fmt: skip
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.benchmarks.table import check_section, replace_section
     from eigencontact_verification.counting import counted
     from eigencontact_verification.maps.campaign import find
@@ -138,6 +141,7 @@ def _run(
     except ValueError as problem:
         raise SceneError(f"--markdown: {problem}") from None
     folder = output / item.name
+    writable_folder(folder)
     with counted(item.name) as tell:
         report = perform(item, folder, coarse=coarse, workers=workers, cluster=cluster, memory=needed, told=tell)
     files = write_map(report, folder)

@@ -35,7 +35,9 @@ def study(
     form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
 ) -> None:
-    """Compute a trend anew: a sweep as data, its numbers, and a figure with its source. Finished variants are kept.
+    """Compute a trend anew: a sweep as data, its numbers, and a figure with its source.
+
+    Re-running resumes; finished variants are reused.
 
     A study is a TOML file: a scene, what is varied, what is read and drawn, and where the trend was published. `--form`
     tells its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
@@ -55,7 +57,7 @@ def study(
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(problem.exit_code) from None
     except KeyboardInterrupt:
-        typer.echo("eigencontact: interrupted; finished variants are kept, the same command continues", err=True)
+        typer.echo("eigencontact: interrupted; the same command resumes and reuses finished variants", err=True)
         raise typer.Exit(130) from None
 
 
@@ -111,6 +113,7 @@ def _run(
 ) -> None:
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.counting import counted
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
@@ -119,6 +122,7 @@ def _run(
     cluster = cluster_of(*on, say=lambda words: typer.echo(words, err=True))
     if cluster is not None and workers != 1:
         raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
+    writable_folder(output / item.name)
     total = len(item.coarse_rows if coarse else item.rows)
     found: list[Finished | Failed] = []
     with counted(item.name, "variant ") as tell:

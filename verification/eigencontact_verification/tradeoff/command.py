@@ -65,7 +65,8 @@ def tradeoff(
     from rich.console import Console
 
     from eigencontact import app
-    from eigencontact.errors import EigencontactError
+    from eigencontact.errors import EigencontactError, ResultsError
+    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.tradeoff import report
     from eigencontact_verification.tradeoff.study import predict, study
     from eigencontact_verification.tradeoff.variant import Fidelities, variants
@@ -92,13 +93,15 @@ def tradeoff(
         if not (quiet or as_json or markdown):
             typer.echo(words, err=True)
 
+    folder = output or Path(f"{planned.name}-tradeoff")
     try:
+        writable_folder(folder)
         found = study(
             planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, told=told
         )  # fmt: skip
-        files = _write(found, output or Path(f"{planned.name}-tradeoff"))
+        files = _write(found, folder)
     except (EigencontactError, ValueError, OSError) as problem:
-        _leave(str(problem), 1)
+        _leave(str(problem), problem.exit_code if isinstance(problem, ResultsError) else 1)
     except KeyboardInterrupt:
         _leave("interrupted", 130)
     if as_json or markdown:
@@ -135,7 +138,6 @@ def _write(found: Study, folder: Path) -> dict[str, Path]:
     from eigencontact_verification.tradeoff.figure import draw
     from eigencontact_verification.tradeoff.report import as_data, as_markdown
 
-    folder.mkdir(parents=True, exist_ok=True)
     files = {ending: folder / f"tradeoff.{ending}" for ending in ("json", "md", "png")}
     files["json"].write_text(json.dumps(as_data(found, facts()), indent=2) + "\n", encoding="utf-8")
     files["md"].write_text(as_markdown(found), encoding="utf-8")
