@@ -158,6 +158,12 @@ def test_few_increments_are_told_where_shear_follows_from_pressure():
     assert ec.plan("fretting-mode-2").cautions == ()
 
 
+def test_few_increments_of_a_later_loading_from_nothing_are_told_too():
+    steps = "[{normal-load=1, increments=8}, {cycle=[{normal-load=0}, {normal-load=1, increments=2}], repeat=2}]"
+    (caution,) = ec.plan(ec.load_scene("fretting-mode-2", [f"steps={steps}"])).cautions
+    assert "the contact grows in 2 increments in steps.1.cycle.1, " in caution.words
+
+
 def test_a_load_that_turns_within_one_increment_is_told():
     few = ec.plan(ec.load_scene("fretting-mode-1", [f"steps.{n}.increments=1" for n in (1, 2)]))
     assert [c.words[:37] for c in few.cautions if "turns" in c.words] == ["steps.2 turns the motion along the su"]

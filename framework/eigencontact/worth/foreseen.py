@@ -27,6 +27,7 @@ from eigencontact.model.sources import Inhomogeneity, Patch
 from eigencontact.plugin import HasNativeGrid, NonLocal
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
+from eigencontact.scene.steps import named_ramps, normal_control, spaced_by_radius, start_of_normal
 
 __all__ = ["PROMISE", "coarse_contact", "foreseen", "measured", "worst_above"]
 
@@ -204,24 +205,43 @@ def _of_the_laws(model: Model) -> Iterator[Caution]:
 def _of_the_steps(model: Model) -> Iterator[Caution]:
     if model.friction is None or model.coupling is None:
         return
+    names = [name for name, _ in named_ramps(model.scene.steps)]
     steps = held_steps(model.scene.ramps)
-    first = model.scene.ramps[0].increments
-    if model.coupling.joins_normal and first < _GROWTH and not measured(model):
-        error = (_PER_INCREMENT if model.growth is None else _PER_EVEN_RADIUS) / first
-        words = (
-            f"the contact grows in {first} increment{'s' if first > 1 else ''}, and what comes into contact within one "
-            f"sticks where it is: where pressure makes the surfaces slip, the radius that sticks may be wrong by "
-            f"{percent(error)}; give the first step more increments"
-        )
-        yield Caution("load-steps", words, error)
+    loaded = list(_from_nothing(steps))
+    if model.coupling.joins_normal and loaded and not measured(model):
+        graded = frozenset[int]() if model.growth is None else spaced_by_radius(model.scene.steps, friction=True)[0]
+        errors = {
+            number: (_PER_EVEN_RADIUS if number in graded else _PER_INCREMENT) / steps[number].increments
+            for number in loaded
+            if steps[number].increments < _GROWTH
+        }
+        worst = max(errors, key=errors.__getitem__, default=None)
+        if worst is not None:
+            count = steps[worst].increments
+            words = (
+                f"the contact grows in {count} increment{'s' if count > 1 else ''} in {names[worst]}, and what comes "
+                "into contact within one sticks where it is: where pressure makes the surfaces slip, the radius that "
+                f"sticks may be wrong by {percent(errors[worst])}; give this step more increments"
+            )
+            yield Caution("load-steps", words, errors[worst])
     for number in _turns(steps):
         if steps[number].increments == 1:
             words = (
-                f"steps.{number} turns the motion along the surface in one increment: the way between its ends, and "
+                f"{names[number]} turns the motion along the surface in one increment: the way between its ends, and "
                 "the loop that it is part of, are not seen; give it more increments"
             )
             yield Caution("load-steps", words)
             return
+
+
+def _from_nothing(steps: Sequence[Step]) -> Iterator[int]:
+    """Held steps in which a contact grows from none at all."""
+    for number, step in enumerate(steps):
+        control = normal_control(step)
+        if control is not None and getattr(step, control) > 0.0:
+            start = start_of_normal(steps[number - 1] if number else None, control)
+            if start is not None and start <= 0.0:
+                yield number
 
 
 def _turns(steps: Sequence[Step]) -> Iterator[int]:
