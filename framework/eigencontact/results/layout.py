@@ -58,7 +58,7 @@ SCALARS: dict[str, Quantity] = {
     "twist": Quantity("rad", "twist of body 2 against body 1 about the z axis, from x to y"),
     "stick_radius": Quantity("m", "radius of the circle of equal stick area"),
     "slip_fraction": Quantity("1", "slipping part of the contact area"),
-    "dissipated_energy": Quantity("J", "work of friction so far"),
+    "dissipated_energy": Quantity("J", "work of friction so far in the increments that are solved"),
     "worn_volume": Quantity("m3", "volume that both bodies have lost"),
     "max_worn_depth": Quantity("m", "largest depth that both bodies together have lost"),
     "cycles": Quantity("1", "cycles done, those between solved ones included"),
