@@ -64,7 +64,12 @@ SCALARS: dict[str, Quantity] = {
     "cycles": Quantity("1", "cycles done, those between solved ones included"),
     "jump_cycles": Quantity("1", "cycles that the last solved one stands for"),
     "wear_energy": Quantity("J", "work of friction that wore, that of cycles between solved ones included"),
-    "wear_error": Quantity("1", "estimated error of the worn volume by jumps over cycles, relative"),
+    "wear_error": Quantity(
+        "1", "estimated error of the worn volume by jumps over cycles and by surfaces that move once a cycle, relative"
+    ),
+    "update_error": Quantity(
+        "1", "the part of it by surfaces that move once a cycle; negative where they lose too little"
+    ),
     "wear_lag": Quantity("1", "pressure of the step less that by which it slid to it, summed over the cells, relative"),
     "layer_lost_1": Quantity("m", "depth that the layers of body 1 have lost in the kernels"),
     "layer_lost_2": Quantity("m", "depth that the layers of body 2 have lost in the kernels"),

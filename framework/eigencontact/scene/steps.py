@@ -110,7 +110,8 @@ class Step(Table):
     tangential_load_x, tangential_load_y : float, optional
         Tangential force of body 2 on body 1 along x or y [N].
     shift_x, shift_y : float, optional
-        Motion of body 2 against body 1 along x or y [m].
+        Motion of body 2 against body 1 along x or y [m]. It makes the surfaces slip, and the contact stays where it is:
+        a shift should be small beside the contact radius. `travel_x` and `travel_y` move the contact.
     torsion_moment : float, optional
         Moment of body 2 on body 1 about the z axis [N m].
     twist : float, optional

@@ -29,7 +29,7 @@ from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 from eigencontact.scene.steps import named_ramps, normal_control, spaced_by_radius, start_of_normal
 
-__all__ = ["PROMISE", "coarse_contact", "foreseen", "measured", "worst_above"]
+__all__ = ["PROMISE", "coarse_contact", "foreseen", "measured", "shift_by_radius", "worst_above"]
 
 #: Share of the contact modulus that a pressure may reach: strains of a tenth, slopes of a fifth.
 _STIFF = 0.2
@@ -43,6 +43,8 @@ _GROWTH, _PER_INCREMENT, _PER_EVEN_RADIUS = 5, 0.18, 0.53
 PROMISE, _ACROSS = 0.02, 4
 #: Cells that the length of a law should reach: within one it does nothing, at 1.5 a neighbour weighs .31 of the cell.
 _WIDE = 2
+#: Shift by the radius of a contact that wears, above which it is warned of: the scar then is 9 % too short.
+_SHORT = 0.1
 #: Part of a cell below which a region touches the surface.
 _FLUSH = 1e-3
 
@@ -55,6 +57,7 @@ def foreseen(model: Model) -> tuple[Caution, ...]:
         *_of_the_regions(model),
         *_of_the_laws(model),
         *_of_the_steps(model),
+        *_of_the_shift(model),
     )
 
 
@@ -242,6 +245,35 @@ def _from_nothing(steps: Sequence[Step]) -> Iterator[int]:
             start = start_of_normal(steps[number - 1] if number else None, control)
             if start is not None and start <= 0.0:
                 yield number
+
+
+def shift_by_radius(model: Model) -> float:
+    """Largest shift of surfaces that wear, by the expected radius of the contact along it; 0 without any.
+
+    Infinite where no contact is expected.
+    """
+    if model.scene.wear is None:
+        return 0.0
+    extent = (0.0, 0.0) if model.expected is None else model.expected.extent
+    ratios = [0.0]
+    for name, side in zip(("shift_x", "shift_y"), extent, strict=True):
+        largest = max((abs(getattr(ramp, name) or 0.0) for ramp in model.scene.ramps), default=0.0)
+        if largest:
+            ratios.append(2.0 * largest / side if side else float("inf"))
+    return max(ratios)
+
+
+def _of_the_shift(model: Model) -> Iterator[Caution]:
+    """Surfaces that wear below a contact that would move over them."""
+    ratio = shift_by_radius(model)
+    if _SHORT < ratio < np.inf and not measured(model):
+        error = ratio / (1.0 + ratio)
+        words = (
+            f"the shift reaches {percent(ratio)} of the radius of the contact, more than {percent(_SHORT)}, and a "
+            f"shift keeps the contact where it is: the scar is {percent(error)} shorter along the shift than that of a "
+            "moving contact, and too deep in its middle; let travel-x or travel-y move the contact"
+        )
+        yield Caution("shift", words, error)
 
 
 def _turns(steps: Sequence[Step]) -> Iterator[int]:

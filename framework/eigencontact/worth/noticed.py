@@ -109,9 +109,12 @@ def _wear(model: Model, last: StepRecord, history: Sequence[Row]) -> Iterator[Ca
     error, allowed = last.scalars["wear_error"], table.error or _JUMPS
     if error > allowed:
         remedy = "wear.jump-error smaller" if table.error else "wear.cycles-per-update smaller, or wear.jump-error"
+        late = abs(last.scalars["update_error"])
+        if late > 0.5 * error:
+            remedy = "wear.update = 'increment', or let a cycle wear less"
         words = (
             f"surfaces that move once in one cycle or many make the worn volume wrong by {percent(error)}, by "
-            f"estimate, more than {percent(allowed)}; set {remedy}"
+            f"estimate, more than {percent(allowed)}, {percent(late)} of it by moving once a cycle; set {remedy}"
         )
         yield Caution("wear-jumps", words, error)
     box = Box.around(last.fields["pressure"] > 0)
