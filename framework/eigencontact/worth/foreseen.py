@@ -29,7 +29,7 @@ from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 from eigencontact.scene.steps import named_ramps, normal_control, spaced_by_radius, start_of_normal
 
-__all__ = ["PROMISE", "coarse_contact", "foreseen", "measured", "shift_by_radius", "worst_above"]
+__all__ = ["PROMISE", "coarse_contact", "foreseen", "from_nothing", "measured", "shift_by_radius", "worst_above"]
 
 #: Share of the contact modulus that a pressure may reach: strains of a tenth, slopes of a fifth.
 _STIFF = 0.2
@@ -210,7 +210,7 @@ def _of_the_steps(model: Model) -> Iterator[Caution]:
         return
     names = [name for name, _ in named_ramps(model.scene.steps)]
     steps = held_steps(model.scene.ramps)
-    loaded = list(_from_nothing(steps))
+    loaded = list(from_nothing(steps))
     if model.coupling.joins_normal and loaded and not measured(model):
         graded = frozenset[int]() if model.growth is None else spaced_by_radius(model.scene.steps, friction=True)[0]
         errors = {
@@ -237,7 +237,7 @@ def _of_the_steps(model: Model) -> Iterator[Caution]:
             return
 
 
-def _from_nothing(steps: Sequence[Step]) -> Iterator[int]:
+def from_nothing(steps: Sequence[Step]) -> Iterator[int]:
     """Held steps in which a contact grows from none at all."""
     for number, step in enumerate(steps):
         control = normal_control(step)
