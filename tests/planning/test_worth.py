@@ -149,6 +149,21 @@ def test_a_length_of_few_cells_is_told(cells, told):
     assert not told or "is 1.9 cells, fewer than 2" in found[0].words
 
 
+@pytest.mark.parametrize(("material", "told"), [("j2", True), ("isotropic", False)])
+def test_a_ball_that_yields_by_its_own_law_in_a_body_that_yields_is_told_by_number(material, told):
+    steel = "young-modulus='210 GPa', poisson-ratio=0.3"
+    law = f"type='j2', {steel}, hardening={{type='perfect', yield-stress='3.7 GPa'}}" if material == "j2" else steel
+    changes = ["grid.cells-per-contact-radius=5", "numerics.inclusion-pitch='3 um'", "stress=[]"]
+    planned = ec.plan(
+        ec.load_scene("hard-inclusion-in-plastic-matrix", [*changes, f"inclusions.0.material={{{law}}}"])
+    )
+    found = [caution for caution in planned.cautions if caution.code == "law-regions"]
+    assert len(found) == told
+    if told:
+        assert "'ball' yields by a law of its own in a body that yields" in found[0].words
+        assert found[0].error == close(1.8 / 5, rel=0.05)
+
+
 def test_few_increments_are_told_where_shear_follows_from_pressure():
     for spacing, error in (("even", 0.09), ("radius", 0.265)):
         few = ec.plan(ec.load_scene("fretting-mode-2", ["steps.increments=2", f"steps.spacing={spacing}"]))
