@@ -121,7 +121,8 @@ def worn(**table):
 #: Names of what a run without wear has not, or what only cycles have.
 OF_WEAR = (
     *("worn_depth", "worn_depth_1", "worn_volume", "max_worn_depth", "wear_energy", "energy_volume_residual"),
-    *("wear_total_energy", "wear_error", "reference_pressure", "reference_shear_x", "reference_shear_y"),
+    *("wear_total_energy", "wear_error", "update_error"),
+    *("reference_pressure", "reference_shear_x", "reference_shear_y"),
 )
 OF_CYCLES = ("cycles", "jump_cycles")
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from close import close
 from eigencontact.cli import app
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.worth.noticed import noticed
@@ -76,6 +77,28 @@ def test_the_rim_of_a_layer_is_told_and_a_ball_is_not():
     assert warning["code"] == "slow-place"
     assert "lies on an edge of 'cuboid 1'" in warning["words"]
     assert warned({"type": "sphere", "center": [0, 0, 4e-6], "radius": 3e-6}) == []
+
+
+@pytest.mark.parametrize(
+    ("increments", "spacing", "work", "told"),
+    [(16, "radius", 8e-9, 0.12), (16, "even", 8e-9, 0.375), (32, "radius", 8e-10, 0.21), (32, "radius", 8e-9, None)],
+)
+def test_few_increments_of_a_contact_that_yields_with_friction_are_told_by_number(increments, spacing, work, told):
+    """Excess of the work: .04 P δ / n^2.5; error of the displacement that stays: 1.2/n or 6/n of it."""
+    changes = [f"steps.0.increments={increments}", f"steps.0.spacing={spacing}", "grid.cells-per-contact-radius=4"]
+    planned = ec.plan(ec.load_scene("fretting-mode-2-plastic", [*changes, "stress=[]"]))
+    row = {
+        "normal_load": 12.307, "approach": 2e-6, "dissipated_energy": work, "max_plastic_strain": 0.01,
+        "max_pressure": 1e10, "shift_magnitude": 0.0, "twist": 0.0, "slip_fraction": 0.3, "tangential_load": 0.0,
+        "torsion_moment": 0.0, "contact_area_counted": 1e-9,
+    }  # fmt: skip
+    rows = [{**row, "step": n + 1.0, "time": (n + 1) / increments, "substeps": 1.0} for n in range(increments)]
+    last = StepRecord(index=increments, time=1.0, scalars=row, fields={}, regions={}, observed={})
+    found = [caution for caution in noticed(planned, last, rows) if caution.code == "plastic-steps"]
+    assert [caution.error for caution in found] == ([] if told is None else [close(told, rel=0.05)])
+    assert all(f"grows in {increments} increments" in caution.words for caution in found)
+    elastic = [{**row, "max_plastic_strain": 0.0} for row in rows]
+    assert "plastic-steps" not in [caution.code for caution in noticed(planned, last, elastic)]
 
 
 def test_the_command_prints_warnings_and_stores_them(tmp_path, capsys):

@@ -72,6 +72,13 @@ def test_bodies_may_be_exchanged(cycled):
     assert "equivalent_plastic_strain_1" not in other
 
 
+def test_bodies_yield_by_their_own_laws():
+    """Two laws under one pressure: the weaker body yields more."""
+    found = ec.run(scene(perfect("1.8 GPa"), perfect("2.4 GPa"), cells=8)).dataset
+    weaker, stronger = (float(found[f"equivalent_plastic_strain_{body}"][-1].max()) for body in (1, 2))
+    assert weaker > 3.0 * stronger > 1e-3
+
+
 @pytest.mark.slow
 def test_two_identical_bodies_behave_each_as_one_under_a_rigid_sphere_of_twice_the_radius():
     """EP-19: the total depth is twice that of one body under the gap r²/4R."""

@@ -101,6 +101,63 @@ def test_what_slides_within_a_step_slides_in_parts_of_it():
     assert found == close([1.0, 7.0], rel=1e-4)
 
 
+LOADING, UNLOADING = Step(normal_load=8.0, increments=4), Step(normal_load=0.0, increments=2)
+#: The same path written in several ways, and the increments that end with the loading.
+PATHS = {
+    "again": [LOADING, UNLOADING, LOADING],
+    "in a cycle": [Step(normal_load=0.0), Step(cycle=[LOADING, UNLOADING], repeat=3)],
+    "in a cycle that starts loaded": [LOADING, Step(cycle=[UNLOADING, LOADING], repeat=3)],
+    "with a shift that rests": [
+        LOADING, Step(shift_x=1e-6), UNLOADING, LOADING.model_copy(update={"shift_x": 1e-6, "increments": 4}),
+    ],
+    "after an approach": [Step(approach=1e-6), Step(approach=-1e-6), LOADING],
+}  # fmt: skip
+
+
+def increments(steps, growth):
+    """Where each ramp of several increments is cut, as parts of it, by its start and end load."""
+    history, point, cuts = LoadHistory(steps, friction=True, growth=growth), None, []
+    while (point := history.after(point)) is not None:
+        if point.number == 1:
+            cuts.append((history.ramp(point).normal_load, []))
+        cuts[-1][1].append(point.fraction)
+    return cuts
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_a_ramp_is_cut_by_its_path_however_a_scene_writes_it(path):
+    growth = contact_growth(RISING["paraboloid"][0], ContactEstimate(-A, A, -A, A), Control(normal_load=8.0))
+    loadings = [parts for load, parts in increments(PATHS[path], growth) if load == 8.0 and len(parts) > 1]
+    assert len(loadings) == {"again": 2, "in a cycle": 3, "in a cycle that starts loaded": 4}.get(path, len(loadings))
+    assert loadings
+    for parts in loadings:
+        assert parts == close((np.arange(1, 5) / 4) ** 3, rel=1e-4)
+    assert all(parts == [0.5, 1.0] for load, parts in increments(PATHS[path], growth) if load == 0.0 and len(parts) > 1)
+
+
+def test_a_ramp_from_above_the_surface_is_even_in_the_radius_once_it_touches():
+    growth = contact_growth(RISING["paraboloid"][0], ContactEstimate(-A, A, -A, A), Control(approach=1.0))
+    end = float(growth.approach[-1])
+    assert growth.parts("approach", -end, end, 2) == close([0.5 + 0.5 / 4, 1.0], rel=1e-4)
+
+
+def test_a_motion_along_the_surface_keeps_increments_even():
+    growth = contact_growth(RISING["paraboloid"][0], ContactEstimate(-A, A, -A, A), Control(normal_load=8.0))
+    moved = [LOADING, UNLOADING, LOADING.model_copy(update={"shift_x": 1e-6})]
+    assert increments(moved, growth)[-1][1] == [0.25, 0.5, 0.75, 1.0]
+
+
+def test_loading_again_after_the_contact_is_lost_is_the_first_loading_again():
+    """Dissimilar bodies, coupled in full: pressure, shear and stick follow from the increments of the loading."""
+    steps = "[{normal-load=12.307, increments=4}, {normal-load=0}, {normal-load=12.307, increments=4}]"
+    data = ec.run(small(f"steps={steps}", "grid.cells-per-contact-radius=8")).dataset
+    first, again = data.isel(step=3), data.isel(step=-1)
+    assert float(abs(first.shear_x).max()) > 0.05 * float(first.max_pressure)
+    for name in ("pressure", "shear_x", "shear_y"):
+        assert np.abs(again[name] - first[name]).max() < 1e-6 * float(first.max_pressure)
+    assert float(again.stick_radius) == close(float(first.stick_radius), rel=1e-9)
+
+
 def test_explain_says_what_is_even_in_the_radius():
     assert "5 steps, 5 of them even in the contact radius" in ec.plan(small()).explain()
     assert "even in the contact radius" not in ec.plan(small("steps.spacing=even")).explain()
@@ -117,9 +174,9 @@ REFUSED = {
         ["steps=[{normal-load=1}, {approach=1e-8, increments=3, spacing='radius'}]"],
         r"steps.1.spacing .*got 'radius' in a step that gives approach after one that gives normal-load",
     ),
-    "a cycle": (
-        ["steps=[{normal-load=1}, {cycle=[{normal-load=2, increments=3, spacing='radius'}], repeat=2}]"],
-        r"steps.1.cycle.0.spacing .*got 'radius' in a step of a cycle",
+    "a cycle that ends with another control": (
+        ["steps=[{normal-load=1}, {cycle=[{normal-load=2, increments=3, spacing='radius'}, {approach=0}], repeat=2}]"],
+        r"steps.1.cycle.0.spacing .*got 'radius' in a step that gives normal-load after one that gives approach",
     ),
     "a word": (["steps.spacing=area"], r"steps\.0\.spacing must be one of 'radius' or 'even'"),
 }  # fmt: skip
@@ -135,3 +192,8 @@ def test_refused(case):
 def test_a_contact_without_one_radius_is_refused_where_the_radius_is_asked_for():
     with pytest.raises(ec.EigencontactError, match=r"steps.1.spacing must be 'even' unless the gap rises on all sides"):
         ec.plan(ec.load_scene("rough-surface", ["steps.1.spacing=radius", "steps.1.increments=2"]))
+
+
+def test_explain_counts_the_loadings_of_cycles():
+    steps = "[{normal-load=12.307}, {cycle=[{normal-load=0}, {normal-load=12.307, increments=4}], repeat=3}]"
+    assert "16 steps, 12 of them even in the contact radius" in ec.plan(small(f"steps={steps}")).explain()

@@ -7,6 +7,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.core.units import readable
+from eigencontact.model.resolution import percent
 
 PRESSED = {"normal-load": "0.65 N"}
 CYCLE = [{"shift-x": "60 nm"}, {"shift-x": "-60 nm", "increments": 2}, {"shift-x": 0.0}]
@@ -126,3 +127,39 @@ def test_jumps_of_a_given_size_that_are_too_large_are_said():
 def test_explain_of_a_step_that_slides_along_a_direction():
     made = scene({"type": "archard", "coefficient": 1e-16}, [PRESSED, SLIDE | {"sliding-direction": "y"}], **BLUNT)
     assert "sliding-distance 1 mm" in ec.plan(made).explain()
+
+
+SHIFTED = {
+    "body1": {"young-modulus": 210e9, "poisson-ratio": 0.3}, "geometry": {"type": "sphere", "radius": 200e-6},
+    "friction": {"type": "coulomb", "coefficient": 0.5}, "wear": {"type": "dissipated-energy", "coefficient": 2e-12},
+    "grid": {"cells-per-contact-radius": 10}, "numerics": {"coupling": "none"},
+}  # fmt: skip
+
+
+def shifted(**last):
+    return ec.plan({**SHIFTED, "steps": [{"normal-load": 12.307}, last]})
+
+
+@pytest.mark.parametrize(("along", "shift", "told"), [("x", 3e-6, True), ("y", -3e-6, True), ("x", 1.8e-6, False)])
+def test_a_shift_that_is_not_small_beside_the_contact_is_told_by_number(along, shift, told):
+    planned = shifted(**{f"shift-{along}": shift, "increments": 4})
+    found = [caution for caution in planned.cautions if caution.code == "shift"]
+    assert len(found) == told
+    ratio = abs(shift) / (0.5 * planned.expected.extent[0])
+    if told:
+        assert found[0].error == close(ratio / (1 + ratio), rel=1e-12)
+        assert "the scar is 13 % shorter along the shift than that of a moving contact" in found[0].words
+    (left,) = [item.what for item in planned.left_out if "motion of the contact" in item.what]
+    assert left.endswith(f"shift-x and shift-y, up to {percent(ratio)} of its radius")
+
+
+def test_without_wear_or_shift_the_contact_does_not_move_over_the_body():
+    for planned in (shifted(**{"tangential-load-x": 1.0}), ec.plan("gross-slip")):
+        assert not [item for item in planned.left_out if "motion of the contact" in item.what]
+        assert "shift" not in [caution.code for caution in planned.cautions]
+
+
+@pytest.mark.parametrize(("scene", "motion"), [("pin-on-disc", "slides"), ("repeated-rolling", "rolls")])
+def test_a_geometry_slides_where_surfaces_rub(scene, motion):
+    (block,) = [block for block in ec.plan(scene).blocks if block.name == "separation"]
+    assert f", which {motion} along the surface" in block.why

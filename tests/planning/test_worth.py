@@ -149,6 +149,21 @@ def test_a_length_of_few_cells_is_told(cells, told):
     assert not told or "is 1.9 cells, fewer than 2" in found[0].words
 
 
+@pytest.mark.parametrize(("material", "told"), [("j2", True), ("isotropic", False)])
+def test_a_ball_that_yields_by_its_own_law_in_a_body_that_yields_is_told_by_number(material, told):
+    steel = "young-modulus='210 GPa', poisson-ratio=0.3"
+    law = f"type='j2', {steel}, hardening={{type='perfect', yield-stress='3.7 GPa'}}" if material == "j2" else steel
+    changes = ["grid.cells-per-contact-radius=5", "numerics.inclusion-pitch='3 um'", "stress=[]"]
+    planned = ec.plan(
+        ec.load_scene("hard-inclusion-in-plastic-matrix", [*changes, f"inclusions.0.material={{{law}}}"])
+    )
+    found = [caution for caution in planned.cautions if caution.code == "law-regions"]
+    assert len(found) == told
+    if told:
+        assert "'ball' yields by a law of its own in a body that yields" in found[0].words
+        assert found[0].error == close(1.8 / 5, rel=0.05)
+
+
 def test_few_increments_are_told_where_shear_follows_from_pressure():
     for spacing, error in (("even", 0.09), ("radius", 0.265)):
         few = ec.plan(ec.load_scene("fretting-mode-2", ["steps.increments=2", f"steps.spacing={spacing}"]))
@@ -156,6 +171,12 @@ def test_few_increments_are_told_where_shear_follows_from_pressure():
         assert caution.code == "load-steps"
         assert caution.error == close(error, rel=1e-12)
     assert ec.plan("fretting-mode-2").cautions == ()
+
+
+def test_few_increments_of_a_later_loading_from_nothing_are_told_too():
+    steps = "[{normal-load=1, increments=8}, {cycle=[{normal-load=0}, {normal-load=1, increments=2}], repeat=2}]"
+    (caution,) = ec.plan(ec.load_scene("fretting-mode-2", [f"steps={steps}"])).cautions
+    assert "the contact grows in 2 increments in steps.1.cycle.1, " in caution.words
 
 
 def test_a_load_that_turns_within_one_increment_is_told():

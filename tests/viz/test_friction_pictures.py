@@ -14,6 +14,7 @@ from eigencontact.viz.figures import draw_all
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
 from eigencontact.viz.friction_words import ZONE_COLOURS, driven
+from eigencontact.viz.style import scale_for
 from eigencontact.viz.vtk import write_vtk
 from eigencontact.viz.window import is_ragged
 from results import synthetic
@@ -312,9 +313,26 @@ def test_the_loop_is_that_of_the_scalars_and_its_last_cycle_is_tinted(stored):
     np.testing.assert_allclose(1e-3 * loop.get_ydata(), dataset["tangential_load_x"].values, rtol=1e-12, atol=1e-15)
     corners = main.patches[0].get_xy()
     np.testing.assert_allclose(1e-9 * corners[:9, 0], dataset["shift_x"].values[1:], rtol=1e-12, atol=1e-18)
-    title = figure.get_suptitle()
-    assert title.startswith("Cycle of steps 2 to 10: area of the loop ")
-    assert "energy ratio" in title
+    work = float(dataset["dissipated_energy"][-1] - dataset["dissipated_energy"][1])
+    heading, ratio = figure.get_suptitle().split("\n")
+    assert heading == f"Cycle of steps 2 to 10: work of friction {scale_for([work], 'J').text(work)}"
+    assert ratio.startswith("energy ratio ")
+
+
+@pytest.mark.parametrize(("share", "said"), [(1.0, False), (1.05, True)])
+def test_a_loop_of_coarse_increments_has_the_work_of_the_run_and_says_that_its_area_is_another(stored, share, said):
+    def spend(made, info):
+        """Gross slip of a square loop: the corners of the polygon are those of the loop, or cut off."""
+        way, force = ((0, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1))[made.index - 1]
+        made.scalars.update(
+            shift_x=1e-6 * way, tangential_load_x=0.1 * force, dissipated_energy=share * 1e-7 * max(0, made.index - 2)
+        )
+
+    title = fretting_loops(stored(6 * ((LOAD, 0.1, 0.0),), change=spend)).get_suptitle()
+    energy = share * 400
+    assert title.startswith(f"Cycle of steps 2 to 6: work of friction {energy:.3g} nJ\nenergy ratio")
+    assert title.split(" = ")[1].startswith(f"{share:.3g}")
+    assert title.endswith(", increments too coarse for the area of the drawn loop") == said
 
 
 def test_the_loop_of_torsion(stored):

@@ -8,11 +8,13 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.results.course import course_table
 from eigencontact.viz.animation import subject_of, thinned
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.frame import Film, Frame
+from eigencontact.viz.friction import dissipation_map
 from eigencontact.viz.friction_history import fretting_loops
-from eigencontact.viz.style import COLOURS
+from eigencontact.viz.style import COLOURS, scale_for
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces, solved_cycles, wears
 from viz.test_figures import overlaps
@@ -25,7 +27,7 @@ SHARES = {"body1": 0.7, "body2": 0.3}
 
 
 @pytest.fixture(scope="module")
-def worn():
+def worn(tmp_path_factory):
     """Runs in which both bodies wear: fretting of which some cycles are solved; a coated body slid upon."""
     known = {}
     layer = {"type": "bonded-layers", "layers": [{"thickness": 4e-6, **{k: 2 * v for k, v in STEEL.items() if v > 1},
@@ -63,9 +65,11 @@ def worn():
                 travel = [{"normal_load": 12.307, "travel_x": x, "increments": n} for x, n in ((-8e-6, 1), (8e-6, 4))]
                 scene["numerics"]["allow_coarse"] = True
                 scene["steps"] = travel
-            known[kind] = ec.run(scene).dataset
+            run.folders[kind] = tmp_path_factory.mktemp("worn")
+            known[kind] = ec.run({**scene, "output": {"pictures": False}}, run.folders[kind]).dataset
         return known[kind]
 
+    run.folders = {}
     return run
 
 
@@ -200,6 +204,28 @@ def test_the_map_says_volume_and_depth(worn):
     step = dataset.sizes["step"]
     title = f"Wear (step {step}, 12 cycles done)\n{volume:.3g} µm³ lost, at most {1e9 * depth.max():.3g} nm deep"
     assert figure.axes[0].get_title() == title
+
+
+def test_the_work_of_friction_counts_the_skipped_cycles(worn):
+    """The map is of the solved increments; its title tells their work apart from that of all cycles."""
+    dataset = worn("frets")
+    solved, whole = float(dataset["dissipated_energy"][-1]), float(dataset["wear_energy"][-1])
+    assert whole > 1.2 * solved
+    heading, numbers = dissipation_map(dataset).axes[0].get_title().split("\n")
+    assert heading.startswith("Work of friction in the solved increments at ")
+    texts = [scale_for([value], "J").text(value) for value in (whole, solved)]
+    assert numbers == f"{texts[0]} in all, with skipped cycles; {texts[1]} in the solved increments"
+    scalars = [name for name, variable in dataset.data_vars.items() if variable.dims == ("step",)]
+    rows = [{name: float(dataset[name][n]) for name in scalars} | {"step": n + 1} for n in range(dataset.sizes["step"])]
+    assert float(course_table(rows).splitlines()[-1].split()[-2]) == close(1e6 * whole, rel=1e-3)
+    assert course_table(rows).splitlines()[1].split()[-2] == "uJ"
+
+
+def test_the_report_shows_the_work_beside_the_volume_that_it_wore(worn):
+    worn("frets")
+    page = ec.report(worn.folders["frets"]).read_text(encoding="utf-8")
+    assert "<dt>wear energy</dt>" in page
+    assert "<dt>dissipated energy</dt>" not in page
 
 
 def test_an_animation_has_the_ends_of_cycles_and_scales_that_stay(worn):

@@ -29,7 +29,7 @@ _BAND = 2**17
 
 
 class Separation(Block):
-    """The initial gap; where the geometry rolls, at the place that it has reached, which is stored."""
+    """The initial gap; where the geometry rolls or slides, at the place that it has reached, which is stored."""
 
     name = "separation"
     provides = frozenset({"separation"})
@@ -39,7 +39,8 @@ class Separation(Block):
         self._geometries, self._grid = model.geometries, model.grid
         self._rolls = any(getattr(step, name) is not None for step in model.scene.ramps for name in TRAVEL)
         self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in model.geometries)
-        self.why += ", which rolls along the surface" if self._rolls else ""
+        motion = "rolls" if model.wear is None and model.friction is None else "slides"
+        self.why += f", which {motion} along the surface" if self._rolls else ""
         self._at: tuple[float, float] | None = None
         self._field = np.empty(0)
 

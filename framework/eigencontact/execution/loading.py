@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
-from typing import Literal
 
 from eigencontact.execution.step import CyclePlace, Slide
 from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.scene.holding import held_steps, held_travel
-from eigencontact.scene.steps import Segment, Step, ramps_of, segments_of, spaced_by_radius
+from eigencontact.scene.steps import (
+    Segment,
+    Step,
+    normal_control,
+    ramps_of,
+    segments_of,
+    spaced_by_radius,
+    start_of_normal,
+)
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
 from eigencontact.solvers.tangential.control import TangentialControl
 
 __all__ = ["LoadHistory", "LoadPoint", "control_at", "start_of_ramp", "tangential_control_at"]
+
+#: Start and ends of the increments of a ramp, as parts of it; None where they are even.
+Ends = tuple[float, ...] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,19 +83,20 @@ class LoadHistory:
         self._segments, ramps = segments_of(steps), ramps_of(steps)
         self._ramps = held_steps(ramps) if friction else ramps
         self._places = held_travel(ramps)
-        chosen = frozenset[int]() if growth is None else spaced_by_radius(steps, friction=friction)
-        self._ends = [
-            _even_in_radius(growth, self._ramps, place) if growth is not None and place in chosen else None
-            for place in range(len(ramps))
-        ]
+        graded = (frozenset[int](), frozenset[int]()) if growth is None else spaced_by_radius(steps, friction=friction)
+        self._ends = _ends_of_increments(growth, self._ramps, graded[0])
         # What a cycle does not mention is, from the second on, as its own end left it.
-        self._again: dict[int, tuple[Step, tuple[float, float]]] = {}
+        self._again: dict[int, tuple[Step, tuple[float, float], Ends]] = {}
         for part in self._segments:
             own = ramps[part.first : part.first + part.ramps]
             if part.repeat > 1:
                 twice = [*ramps[: part.first], *own, *own]
                 held, places = held_steps(twice) if friction else twice, held_travel(twice)
-                self._again |= {part.first + k: (held[k - len(own)], places[k - len(own)]) for k in range(len(own))}
+                ends = _ends_of_increments(growth, held, {place + len(own) for place in graded[1]})
+                self._again |= {
+                    part.first + k: (held[k - len(own)], places[k - len(own)], ends[k - len(own)])
+                    for k in range(len(own))
+                }
 
     def after(self, point: LoadPoint | None, *, cycles: int = 1) -> LoadPoint | None:
         """The next increment; None at the end. `cycles` are those that an ended one stands for, itself among them."""
@@ -106,7 +117,8 @@ class LoadHistory:
         return self._at(point.index + 1, part, 1, part.first, 1, 0)
 
     def _at(self, index: int, part: Segment, cycle: int, ramp: int, number: int, skipped: int) -> LoadPoint:
-        ends, count = self._ends[ramp], self._ramps[ramp].increments
+        count = self._ramps[ramp].increments
+        ends = self._ends[ramp] if cycle == 1 else self._again[ramp][2]
         before, fraction = ((number - more) / count if ends is None else ends[number - more] for more in (1, 0))
         begin = sum(one.ramps * one.repeat for one in self._segments[: self._segments.index(part)])
         time = begin + (cycle - 1) * part.ramps + (ramp - part.first) + fraction
@@ -161,7 +173,7 @@ class LoadHistory:
         ramp = self.ramp(point)
         if ramp.sliding_distance is not None:
             along = (0.0, 1.0) if ramp.sliding_direction == "y" else (1.0, 0.0)
-            even = self._ends[point.ramp] is None
+            even = (self._ends[point.ramp] if point.cycle == 1 else self._again[point.ramp][2]) is None
             part = 1.0 / ramp.increments if even else point.fraction - point.before
             return Slide(distance=ramp.sliding_distance * part, direction=along)
         if before is None:
@@ -185,12 +197,15 @@ class LoadHistory:
         return x0 + point.fraction * (x1 - x0), y0 + point.fraction * (y1 - y0)
 
 
-def _even_in_radius(growth: ContactGrowth, ramps: Sequence[Step], place: int) -> tuple[float, ...]:
-    """Start, and ends of the increments, of a ramp that are even in the contact radius."""
-    ramp, last = ramps[place], ramps[place - 1] if place else None
-    control: Literal["normal_load", "approach"] = "approach" if ramp.normal_load is None else "normal_load"
-    begin = 0.0 if last is None else getattr(last, control) or 0.0
-    return (0.0, *growth.parts(control, begin, getattr(ramp, control), ramp.increments))
+def _ends_of_increments(growth: ContactGrowth | None, ramps: Sequence[Step], graded: Collection[int]) -> list[Ends]:
+    """Start and ends of the increments of held ramps, as parts of each; None where they are even in the loads."""
+    out: list[Ends] = [None] * len(ramps)
+    for place in graded:
+        control = None if place >= len(ramps) else normal_control(ramps[place])
+        if growth is not None and control is not None:
+            begin = start_of_normal(ramps[place - 1] if place else None, control) or 0.0
+            out[place] = (0.0, *growth.parts(control, begin, getattr(ramps[place], control), ramps[place].increments))
+    return out
 
 
 def start_of_ramp(scalars: Mapping[str, float], last: Step | None) -> dict[str, float]:

@@ -94,7 +94,7 @@ class ContactGrowth:
         radii = start + (stop - start) * np.arange(count + 1) / count
         values = np.exp(np.interp(np.log(np.maximum(radii, np.exp(radius[0]) * _FLAT)), radius, known))
         values[radii <= least] = 0.0
-        found = (values - values[0]) / (values[-1] - values[0]) if start != stop else radii
+        found = (values - begin) / (end - begin) if start != stop else radii
         if start == stop or np.any(np.diff(found) <= 0.0):
             found = np.arange(count + 1) / count
         return (*found[1:-1].tolist(), 1.0)

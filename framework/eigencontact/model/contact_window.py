@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial, reduce
 from typing import Any
 
@@ -23,7 +23,7 @@ from eigencontact.model.window import Separation, automatic_grid, close_estimate
 from eigencontact.plugin import Geometry, HasNativeGrid, SurfaceInfluence
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.schema import Scene, Step
-from eigencontact.scene.steps import spaced_by_radius
+from eigencontact.scene.steps import named_ramps, spaced_by_radius
 from eigencontact.solvers.control import Control
 
 __all__ = ["ContactWindow", "contact_window", "contacts_of_steps"]
@@ -164,18 +164,24 @@ def _growth(
     scene: Scene, found: Sequence[tuple[ContactEstimate, Control, Separation]]
 ) -> ContactGrowth | None:
     """Growth of the contact where a load step is even in its radius."""
-    if not (found and spaced_by_radius(scene.steps, friction=scene.friction is not None)):
+    if not (found and any(spaced_by_radius(scene.steps, friction=scene.friction is not None))):
         return None
     contact, control, separation = max(found, key=lambda one: min(one[0].extent))
-    return contact_growth(separation, contact, control)
+    growth, loaded = contact_growth(separation, contact, control), [one for one in found if one[1].normal_load]
+    if growth is None or control.normal_load is not None or not loaded:
+        return growth
+    # The largest contact has no load of its own: another step gives the scale of the loads.
+    contact, control, _ = max(loaded, key=lambda one: min(one[0].extent))
+    at_contact = float(np.interp(0.5 * np.sqrt(np.prod(contact.extent)), growth.radius, growth.normal_load))
+    assert control.normal_load is not None
+    return replace(growth, normal_load=growth.normal_load * control.normal_load / at_contact)
 
 
 def _refuse_radius(scene: Scene, growth: ContactGrowth | None) -> None:
     if growth is not None:
         return
-    for number, step in enumerate(scene.steps):
+    for where, step in named_ramps(scene.steps):
         if step.spacing == "radius" and step.increments > 1:
-            where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
             raise SceneError(
                 f"{where}.spacing must be 'even' unless the gap rises on all sides of one place (got 'radius', and a "
                 "contact without one radius); leave it out"

@@ -11,7 +11,7 @@ from eigencontact.core.units import readable
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
-from eigencontact.scene.steps import solved_cycles, spaced_by_radius
+from eigencontact.scene.steps import segments_of, solved_cycles, spaced_by_radius
 from eigencontact.worth.foreseen import worst_above
 from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads, wear_lines
 
@@ -245,8 +245,12 @@ def _steps(plan: Plan) -> str:
     count = f"{'about ' if guessed else ''}{plan.steps} step{'s' if plan.steps != 1 else ''}"
     if plan.growth is None:
         return count
-    spaced = spaced_by_radius(plan.scene.steps, friction=plan.friction is not None)
-    graded = sum(plan.scene.ramps[place].increments for place in spaced)
+    first, repeated = spaced_by_radius(plan.scene.steps, friction=plan.friction is not None)
+    graded = sum(plan.scene.ramps[place].increments for place in first)
+    for segment in segments_of(plan.scene.steps):
+        passes = (segment.repeat if wear is None else solved_cycles(segment.repeat, wear)) - 1
+        places = repeated.intersection(range(segment.first, segment.first + segment.ramps))
+        graded += passes * sum(plan.scene.ramps[place].increments for place in places)
     return f"{count}, {graded} of them even in the contact radius"
 
 

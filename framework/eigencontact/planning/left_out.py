@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from eigencontact.model.bodies import layered_bodies
 from eigencontact.model.coupling import Coupling
 from eigencontact.model.model import Model
+from eigencontact.model.resolution import percent
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.planning.plan import LeftOut
 from eigencontact.scene.steps import solved_cycles
 from eigencontact.scene.wear import Wear
+from eigencontact.worth.foreseen import shift_by_radius
 
 __all__ = ["left_out"]
 
@@ -78,6 +82,15 @@ def _of_the_wear(model: Model, table: Wear) -> list[LeftOut]:
             "half-spaces stay flat, and the gap grows by the worn depth: true of depths small beside the contact",
         ),
     ]
+    ratio = shift_by_radius(model)
+    if ratio:
+        share = "" if ratio == inf else f", up to {percent(ratio)} of its radius"
+        out.append(
+            LeftOut(
+                f"motion of the contact over body 1 by shift-x and shift-y{share}",
+                "a shift makes the surfaces slip and keeps the contact where it is; travel-x and travel-y move it",
+            )
+        )
     for step in model.scene.steps:
         skipped = step.repeat - solved_cycles(step.repeat, table)
         if step.cycle is not None and skipped:

@@ -21,7 +21,7 @@ EFFORT = (
     *("inclusion_iterations", "substeps", "solve_seconds"),
 )
 #: Numbers that say how good the others are, beside the residuals.
-_ERRORS = ("wear_error", "wear_lag", "layer_error", "plastic_error")
+_ERRORS = ("wear_error", "update_error", "wear_lag", "layer_error", "plastic_error")
 #: Below these parts of the largest load, of that times the contact radius, and of that radius, forces, moments and
 #: lengths are round-off. Solvers balance moments to their tolerance only; friction and wear may be very small.
 _ROUND_OFF, _MOMENT, _LENGTH = 1e-9, 1e-6, 1e-12

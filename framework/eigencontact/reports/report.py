@@ -111,6 +111,8 @@ def _content(source: Source) -> dict[str, Any]:
     from eigencontact.reports.columns import EFFORT, columns, is_certificate, telling
     from eigencontact.reports.pictures import animation_of, pictures_of
     from eigencontact.reports.surfaces import surfaces
+    from eigencontact.results.cycles import skips_cycles
+    from eigencontact.viz.friction_words import history_of
 
     found = columns(source.dataset)
     numbers = telling(found)
@@ -123,6 +125,7 @@ def _content(source: Source) -> dict[str, Any]:
         "source": source,
         "rows": _rows(len(source.steps)),
         "numbers": numbers,
+        "work_name": "wear_energy" if skips_cycles(history_of(source.dataset)) else "dissipated_energy",
         "certificates": [column for column in found if is_certificate(column.name)],
         "effort": [column for column in found if column.name in EFFORT],
         "charts": [

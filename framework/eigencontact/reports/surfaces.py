@@ -33,7 +33,7 @@ _FIELDS: dict[str, tuple[str, int, bool]] = {
     "uplift": ("uplift of the surface by eigenstrain", 1, False),
     "gap": ("gap between the deformed surfaces", 1, False),
     "displacement_z": ("normal displacement of the surfaces, drawn into the body", -1, False),
-    "dissipated_energy_density": ("work of friction by area", 1, True),
+    "dissipated_energy_density": ("work of friction by area in the solved increments", 1, True),
 }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.rigid_modes import TANGENTIAL_MODES
+from eigencontact.results.cycles import friction_work
 
 __all__ = ["course_table", "driven_motions"]
 
@@ -67,8 +68,8 @@ def course_table(history: Sequence[Mapping[str, Any]]) -> str:
     """Table of a history, at most 80 columns wide: all steps of a few; of many the first, the last and turns.
 
     With friction the load, the motions that are driven and their forces, the part of the contact that sticks and the
-    work of friction since the start; without it load, approach, contact radius and largest pressure. Wear adds cycles
-    and the largest depth.
+    work of friction since the start, that of skipped cycles included; without it load, approach, contact radius and
+    largest pressure. Wear adds cycles and the largest depth.
 
     Parameters
     ----------
@@ -145,7 +146,9 @@ def _shown(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> list[tu
     if "slip_fraction" in columns:
         touches = columns["normal_load"] > 0.0
         found.append(("stick", "%", np.where(touches, 100.0 * (1.0 - columns["slip_fraction"]), np.nan)))
-        found.append(("work", "J", columns["dissipated_energy"]))
+        work = friction_work(columns)
+        assert work is not None
+        found.append(("work", "J", work))
     if "max_worn_depth" in columns:
         found.append(("worn", "m", columns["max_worn_depth"]))
     if "cycles" in columns and np.nanmax(columns["cycles"], initial=0.0) > 1.0:

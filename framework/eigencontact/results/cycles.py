@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Cycle", "last_cycle"]
+__all__ = ["Cycle", "friction_work", "last_cycle", "skips_cycles"]
 
 #: Loads and what they work on: normal, tangential, torsional.
 _PAIRS = tuple((mode.force, mode.displacement) for mode in (NORMAL_MODES[0], *TANGENTIAL_MODES))
@@ -36,8 +36,8 @@ class Cycle:
     first, last : int
         Positions along ``step`` of its two ends, which are the same state.
     area : float
-        Area of the loop, the closed integral of load over displacement of the motion [J], positive where the loop
-        takes up work.
+        Area of the polygon through the steps, the closed integral of load over displacement of the motion [J],
+        positive where the loop takes up work. Coarse increments cut the corners of a loop: its work is `dissipated`.
     work : float
         The same over all loads together, the normal one too [J].
     dissipated : float
@@ -58,9 +58,13 @@ class Cycle:
 
     @property
     def energy_ratio(self) -> float:
-        """Area over that of the rectangle around the loop, ``A = E / (4 Q* δ*)`` [-]: 0 elastic, 1 gross slip."""
+        """Work over the area of the rectangle around the loop, ``A = E / (4 Q* δ*)`` [-]: 0 elastic, 1 gross slip.
+
+        The work is that of friction, and the area of the polygon where that is not stored.
+        """
         around = 4.0 * self.load_amplitude * self.displacement_amplitude
-        return self.area / around if around > 0 else float("nan")
+        energy = self.dissipated if np.isfinite(self.dissipated) else self.area
+        return energy / around if around > 0 else float("nan")
 
 
 def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist"] = "shift") -> Cycle | None:
@@ -130,6 +134,25 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
         load_amplitude=amplitude(0),
         displacement_amplitude=amplitude(1),
     )
+
+
+def skips_cycles(history: Mapping[str, ArrayLike]) -> bool:
+    """Whether a history skips cycles between those that are solved."""
+    return "cycles" in history and bool(np.any(np.diff(np.asarray(history["cycles"], dtype=float)) > 1.0))
+
+
+def friction_work(history: Mapping[str, ArrayLike]) -> NDArray[np.float64] | None:
+    """Work of friction at each step [J], with that of skipped cycles; None where it is not stored.
+
+    Where cycles are skipped it is the work up to the last cycle that ended.
+
+    Examples
+    --------
+    >>> friction_work({"cycles": [0, 1, 100], "dissipated_energy": [0.0, 1.0, 2.0], "wear_energy": [0.0, 1.0, 100.0]})
+    array([  0.,   1., 100.])
+    """
+    name = "wear_energy" if skips_cycles(history) and "wear_energy" in history else "dissipated_energy"
+    return np.asarray(history[name], dtype=float) if name in history else None
 
 
 def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:

@@ -58,13 +58,18 @@ SCALARS: dict[str, Quantity] = {
     "twist": Quantity("rad", "twist of body 2 against body 1 about the z axis, from x to y"),
     "stick_radius": Quantity("m", "radius of the circle of equal stick area"),
     "slip_fraction": Quantity("1", "slipping part of the contact area"),
-    "dissipated_energy": Quantity("J", "work of friction so far"),
+    "dissipated_energy": Quantity("J", "work of friction so far in the increments that are solved"),
     "worn_volume": Quantity("m3", "volume that both bodies have lost"),
     "max_worn_depth": Quantity("m", "largest depth that both bodies together have lost"),
     "cycles": Quantity("1", "cycles done, those between solved ones included"),
     "jump_cycles": Quantity("1", "cycles that the last solved one stands for"),
     "wear_energy": Quantity("J", "work of friction that wore, that of cycles between solved ones included"),
-    "wear_error": Quantity("1", "estimated error of the worn volume by jumps over cycles, relative"),
+    "wear_error": Quantity(
+        "1", "estimated error of the worn volume by jumps over cycles and by surfaces that move once a cycle, relative"
+    ),
+    "update_error": Quantity(
+        "1", "the part of it by surfaces that move once a cycle; negative where they lose too little"
+    ),
     "wear_lag": Quantity("1", "pressure of the step less that by which it slid to it, summed over the cells, relative"),
     "layer_lost_1": Quantity("m", "depth that the layers of body 1 have lost in the kernels"),
     "layer_lost_2": Quantity("m", "depth that the layers of body 2 have lost in the kernels"),

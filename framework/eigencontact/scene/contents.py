@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from eigencontact.core.names import clashes
@@ -10,7 +9,7 @@ from eigencontact.core.rigid_modes import TANGENTIAL_MODES
 from eigencontact.errors import shown
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.labels import ordinal
-from eigencontact.scene.steps import Step, expected_points
+from eigencontact.scene.steps import Step, expected_points, named_ramps
 
 if TYPE_CHECKING:
     from eigencontact.scene.schema import Scene, StressRequest
@@ -76,7 +75,7 @@ def _check_steps(scene: Scene) -> None:
         )
     _check_number_of_steps(scene)
     controlled = False
-    for where, step in _places(scene):
+    for where, step in named_ramps(scene.steps):
         given = bool({"normal-load", "approach"} & set(step.prescribed))
         controlled = given or (controlled and scene.friction is not None)  # with friction a step keeps what was
         if scene.geometry and not controlled:
@@ -100,29 +99,19 @@ def _check_steps(scene: Scene) -> None:
     _check_spacing(scene)
 
 
-def _places(scene: Scene) -> Iterator[tuple[str, Step]]:
-    """Every plain step, and where it stands."""
-    for number, step in enumerate(scene.steps):
-        where = "steps" if len(scene.steps) == 1 else f"steps.{number}"
-        for place, ramp in enumerate(step.cycle or ()):
-            yield f"{where}.cycle.{place}", ramp
-        if step.cycle is None:
-            yield where, step
-
-
 def _check_spacing(scene: Scene) -> None:
-    """Where a radius starts from is known of one control that goes on."""
+    """Where a radius starts from follows from one control that goes on, in a cycle from its end as well."""
     before: str | None = ""
-    for where, step in _places(scene):
+    for where, step in named_ramps(scene.steps, again=True):
         own = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)
         held = own or (before if scene.friction is not None else None)
-        if step.spacing == "radius" and (".cycle." in where or own is None or before not in ("", own)):
-            got = "a step of a cycle" if ".cycle." in where else f"a step that gives {own or 'neither'}"
+        if step.spacing == "radius" and (own is None or before not in ("", own)):
+            got = f"a step that gives {own or 'neither'}"
             if own is not None and before not in ("", own):
                 got += f" after one that gives {before or 'neither'}"
             raise ValueError(
                 f"!{where}.spacing must be 'even' unless the step gives normal-load or approach, as the one before it "
-                f"does, outside of cycles (got 'radius' in {got}); leave it out"
+                f"does (got 'radius' in {got}); leave it out"
             )
         before = held
 

@@ -10,9 +10,9 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from eigencontact.core.quantities import Angle, Force, Moment
-from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES
+from eigencontact.core.rigid_modes import NORMAL_MODES, TANGENTIAL_MODES, RigidMode
 from eigencontact.scene.checks import at_least, both_alike, finite, in_range, non_negative, one_or_many
-from eigencontact.scene.holding import TRAVEL
+from eigencontact.scene.holding import TRAVEL, held_steps, held_travel
 from eigencontact.scene.table import FiniteLength, PositiveLength, Table
 from eigencontact.scene.wear import Wear
 
@@ -23,10 +23,13 @@ __all__ = [
     "Step",
     "each_impact",
     "expected_points",
+    "named_ramps",
+    "normal_control",
     "ramps_of",
     "segments_of",
     "solved_cycles",
     "spaced_by_radius",
+    "start_of_normal",
 ]
 
 #: Repeats of one cycle.
@@ -107,7 +110,8 @@ class Step(Table):
     tangential_load_x, tangential_load_y : float, optional
         Tangential force of body 2 on body 1 along x or y [N].
     shift_x, shift_y : float, optional
-        Motion of body 2 against body 1 along x or y [m].
+        Motion of body 2 against body 1 along x or y [m]. It makes the surfaces slip, and the contact stays where it is:
+        a shift should be small beside the contact radius. `travel_x` and `travel_y` move the contact.
     torsion_moment : float, optional
         Moment of body 2 on body 1 about the z axis [N m].
     twist : float, optional
@@ -121,9 +125,10 @@ class Step(Table):
     increments : int
         Parts in which the ramp is done.
     spacing : {"radius", "even"}, optional
-        Whether these parts are even in the contact radius, or in the loads and motions themselves. The first loading
-        with friction is even in the radius by default, where the gap rises on all sides of one place: what comes into
-        contact within an increment sticks where it is. All else is even in the loads.
+        Whether these parts are even in the contact radius, or in the loads and motions themselves. With friction, a
+        step that increases the normal load or the approach and moves nothing else is even in the radius by default,
+        where the gap rises on all sides of one place: what comes into contact within an increment sticks where it is.
+        All else is even in the loads.
     impacts : Impacts, optional
         Random places at each of which the geometry is pressed on and lifted.
     cycle : list of Step, optional
@@ -238,6 +243,25 @@ def ramps_of(steps: Sequence[Step]) -> list[Step]:
     return [ramp for step in steps for ramp in ([step] if step.cycle is None else step.cycle)]
 
 
+def named_ramps(steps: Sequence[Step], *, again: bool = False) -> list[tuple[str, Step]]:
+    """Ramps of `ramps_of` with their names in a scene; with `again`, each repeated cycle stands twice.
+
+    Examples
+    --------
+    >>> [name for name, _ in named_ramps([Step(normal_load=1.0), Step(cycle=[{"shift-x": 1e-6}], repeat=50)])]
+    ['steps.0', 'steps.1.cycle.0']
+    """
+    out = []
+    for number, step in enumerate(steps):
+        name = "steps" if len(steps) == 1 else f"steps.{number}"
+        if step.cycle is None:
+            out.append((name, step))
+            continue
+        named = [(f"{name}.cycle.{place}", ramp) for place, ramp in enumerate(step.cycle)]
+        out += named * (2 if again and step.repeat > 1 else 1)
+    return out
+
+
 def segments_of(steps: Sequence[Step]) -> list[Segment]:
     """Plain steps, and cycles, by their place among the ramps of `ramps_of`."""
     found, first = list[Segment](), 0
@@ -248,25 +272,97 @@ def segments_of(steps: Sequence[Step]) -> list[Segment]:
     return found
 
 
-def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> frozenset[int]:
-    """Ramps of `ramps_of` in several increments that are even in the contact radius, told so or by default.
+def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> tuple[frozenset[int], frozenset[int]]:
+    """Ramps of `ramps_of` whose increments are even in the contact radius, by the scene or by default.
+
+    The default depends on the path of a ramp alone: with friction, increments are even in the radius where the contact
+    grows and nothing else moves. It does not depend on what was loaded before, or on how the scene writes the ramp.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+        As of a scene.
+    friction : bool
+        Whether the contact has friction.
+
+    Returns
+    -------
+    first, repeated : frozenset of int
+        Those of the first pass through all ramps, and of the later passes through cycles, which start elsewhere.
 
     Examples
     --------
-    >>> loading = Step(normal_load=1.0, increments=20)
-    >>> spaced_by_radius([loading, Step(shift_x=1e-6, increments=8)], friction=True)
-    frozenset({0})
-    >>> spaced_by_radius([loading], friction=False)
+    >>> loading, unloading = Step(normal_load=1.0, increments=20), Step(normal_load=0.0, increments=20)
+    >>> spaced_by_radius([loading, Step(shift_x=1e-6, increments=8), unloading, loading], friction=True)[0]
+    frozenset({0, 3})
+    >>> spaced_by_radius([loading], friction=False)[0]
     frozenset()
     """
-    found, loaded = set[int](), False
-    for segment, step in zip(segments_of(steps), steps, strict=True):
-        first = friction and not loaded and not segment.cycle and step.prescribed in (["normal-load"], ["approach"])
-        chosen = "even" if step.spacing is None and not first else step.spacing or "radius"
-        if chosen == "radius" and step.increments > 1:
-            found.add(segment.first)
-        loaded = loaded or any(ramp.normal_load or ramp.approach for ramp in ramps_of([step]))
-    return frozenset(found)
+    ramps, segments, repeated = ramps_of(steps), segments_of(steps), set[int]()
+    first = _even_in_radius(ramps, friction=friction)
+    for segment in segments:
+        places = range(segment.first, segment.first + segment.ramps)
+        if segment.repeat > 1:
+            graded = _even_in_radius([*ramps[: places.stop], *ramps[places.start : places.stop]], friction=friction)
+            repeated |= {place for place in places if place + segment.ramps in graded}
+    return frozenset(first), frozenset(repeated)
+
+
+def _even_in_radius(ramps: Sequence[Step], *, friction: bool) -> set[int]:
+    held, places = held_steps(ramps), [(0.0, 0.0), *held_travel(ramps)]
+    return {
+        number
+        for number, ramp in enumerate(ramps)
+        if ramp.increments > 1
+        and ramp.spacing != "even"
+        and (
+            ramp.spacing == "radius"
+            or (
+                friction
+                and ramp.sliding_distance is None
+                and places[number] == places[number + 1]
+                and _grows_alone(held[number - 1] if number else None, held[number])
+            )
+        )
+    }
+
+
+def _grows_alone(before: Step | None, ramp: Step) -> bool:
+    """Whether the normal load or approach rises from one held step to the next, and all other motions rest."""
+    control = normal_control(ramp)
+    start = None if control is None else start_of_normal(before, control)
+    if control is None or start is None or getattr(ramp, control) <= start:
+        return False
+    return all(_rests(before, ramp, mode) for mode in (*NORMAL_MODES[1:], *TANGENTIAL_MODES))
+
+
+def _rests(before: Step | None, ramp: Step, mode: RigidMode) -> bool:
+    """Whether a ramp leaves a load or motion as it is; what no step has given yet is a motion of 0."""
+    force, motion = (getattr(ramp, name) for name in (mode.force, mode.displacement))
+    if before is None:  # nothing is loaded, nothing has moved
+        return not force and not motion
+    old_force, old_motion = (getattr(before, name) for name in (mode.force, mode.displacement))
+    if force is None and old_force is None:
+        return bool((motion or 0.0) == (old_motion or 0.0))
+    return bool(force == old_force)
+
+
+def normal_control(ramp: Step) -> Literal["normal_load", "approach"] | None:
+    """Which of load and approach a held step prescribes."""
+    if ramp.normal_load is not None:
+        return "normal_load"
+    return None if ramp.approach is None else "approach"
+
+
+def start_of_normal(before: Step | None, control: Literal["normal_load", "approach"]) -> float | None:
+    """Load [N] or approach [m] at which a ramp starts after a held step; None where it follows from a solution.
+
+    A step that ends without contact, by the other control, is a start at 0.
+    """
+    if before is None or (other := normal_control(before)) is None:
+        return 0.0
+    value: float = getattr(before, other)
+    return value if other == control else 0.0 if value <= 0.0 else None
 
 
 def solved_cycles(repeat: int, wear: Wear) -> int:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.results.cycles import friction_work, skips_cycles
 from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
 from eigencontact.viz.fitting import legend_below
-from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES, friction_heading
+from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES, friction_heading, history_of
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 from eigencontact.viz.window import (
     cell_edges,
@@ -153,6 +154,8 @@ def _strongest(size: NDArray[Any], apart: int) -> tuple[NDArray[Any], NDArray[An
 def dissipation_map(dataset: Results, step: int = -1) -> Figure:
     """Work of friction for each area up to a step, with the outline of the contact of that step.
 
+    Where cycles are skipped the map is that of the solved increments, as its title says, beside the work in all.
+
     Parameters
     ----------
     dataset : Results
@@ -163,10 +166,14 @@ def dissipation_map(dataset: Results, step: int = -1) -> Figure:
     density = _field(dataset, "dissipated_energy_density", step)
     density = np.where(density > 1e-6 * density.max(), density, 0.0)  # what the solver's error leaves is not work
     contact = _field(dataset, "contact_zone", step) > 0.5
-    title = friction_heading(dataset, step, "Work of friction so far")
-    if "dissipated_energy" in dataset:
-        spent = float(dataset["dissipated_energy"][step])
-        title += f"\n{scale_for([spent], 'J').text(spent)} in all"
+    history = history_of(dataset)
+    skips, work = skips_cycles(history), friction_work(history)
+    title = friction_heading(dataset, step, f"Work of friction {'in the solved increments' if skips else 'so far'}")
+    if work is not None:
+        title += f"\n{scale_for([work[step]], 'J').text(work[step])} in all"
+    if work is not None and skips:
+        spent = float(history["dissipated_energy"][step])
+        title += f", with skipped cycles; {scale_for([spent], 'J').text(spent)} in the solved increments"
     return masked_map(
         contact_window(dataset, contact | (density > 0)),
         density,

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
-from eigencontact.results.cycles import last_cycle
+from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
-from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven
+from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven, history_of
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, is_ragged, view_of
 
@@ -28,12 +28,9 @@ __all__ = ["fretting_loops", "zone_strip"]
 MARKERS = 60
 #: With more steps than this the last cycle alone is dark.
 MANY = 250
-
-
-def _history(dataset: Results) -> dict[str, NDArray[Any]]:
-    """Scalars of all steps by name."""
-    scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
-    return {str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars}
+#: Area of the polygon through the increments less the work of friction, relative, above which it is said: loops of 24
+#: increments and more in partial slip stay below it.
+_COARSE = 0.02
 
 
 def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
@@ -51,9 +48,9 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
     Returns
     -------
     matplotlib.figure.Figure
-        One panel for each loop. The last closed cycle is tinted; the title has its work from the area of the loop and,
-        as an independent number, from the local work of friction. An open circle marks the first step that is dark: of
-        long histories that is the last cycle, else all.
+        One panel for each loop. The last closed cycle is tinted; the title has its work of friction, and says where
+        the increments are too coarse for the area of the drawn loop to be that work. An open circle marks the first
+        step that is dark: of long histories that is the last cycle, else all.
     """
     modes = driven(dataset)
     with paper_style():
@@ -61,7 +58,7 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
         for axes, mode in zip(figure.subplots(1, len(modes), squeeze=False)[0], modes, strict=True):
             load, way, units, words = MODES[mode]
             forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
-            cycle = last_cycle(_history(dataset), "twist" if mode == "twist" else "shift")
+            cycle = last_cycle(history_of(dataset), "twist" if mode == "twist" else "shift")
             scales = scale_for(ways, units[1]), scale_for(forces, units[0])
             if on is None:
                 _loop(axes, scales[0](ways), scales[1](forces), cycle)
@@ -88,30 +85,30 @@ def _loop(axes: Axes, x: NDArray[Any], y: NDArray[Any], cycle: Cycle | None) -> 
 
 
 def _energy_words(dataset: Results, modes: list[str]) -> str:
-    """Work of friction: of the last closed cycle in two ways, else so far."""
+    """Work of friction of the last closed cycle, else of the whole history."""
     motion = "twist" if modes == ["twist"] else "shift"
-    cycle = last_cycle(_history(dataset), "twist" if motion == "twist" else "shift")
+    cycle = last_cycle(history_of(dataset), "twist" if motion == "twist" else "shift")
     if cycle is None:
         return _spent_words(dataset, -1) + (", no closed cycle" if "dissipated_energy" in dataset else "")
     steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
-    loops = "loop" if len(modes) == 1 else "loops"
-    words = (
-        f"Cycle of steps {steps[0]} to {steps[1]}: area of the {loops} {scale_for([cycle.work], 'J').text(cycle.work)}"
-    )
+    words = f"Cycle of steps {steps[0]} to {steps[1]}"
     if np.isfinite(cycle.dissipated):
-        words += f", local work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
+        words += f": work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
+    more = []
     if len(modes) == 1:
         ratio = "4 M\\varphi" if motion == "twist" else "4 Q\\delta"
-        words += f"\nenergy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}"
-    return words
+        more.append(f"energy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}")
+    if abs(cycle.work - cycle.dissipated) > _COARSE * abs(cycle.dissipated):
+        more.append("increments too coarse for the area of the drawn loop")
+    return "\n".join([words, *([", ".join(more)] if more else [])])
 
 
 def _spent_words(dataset: Results, step: int) -> str:
     """Work of friction up to a step, in words."""
-    if "dissipated_energy" not in dataset:
+    work = friction_work(history_of(dataset))
+    if work is None:
         return "Load and displacement"
-    spent = float(dataset["dissipated_energy"][step])
-    return f"Work of friction {scale_for([spent], 'J').text(spent)}"
+    return f"Work of friction {scale_for([work[step]], 'J').text(work[step])}"
 
 
 def zone_strip(dataset: Results) -> Figure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,9 +10,11 @@ from eigencontact.results.course import driven_motions
 from eigencontact.viz.style import moment, scale_for
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from eigencontact.results.stored import Results
 
-__all__ = ["MODES", "ZONES", "ZONE_COLOURS", "driven", "friction_heading"]
+__all__ = ["MODES", "ZONES", "ZONE_COLOURS", "driven", "friction_heading", "history_of"]
 
 #: Values of the field ``contact_zone`` are positions in these.
 ZONES = ("open", "slip", "stick")
@@ -26,10 +28,15 @@ MODES = {
 }
 
 
+def history_of(dataset: Results) -> dict[str, NDArray[Any]]:
+    """Scalars of all steps by name."""
+    scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
+    return {str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars}
+
+
 def driven(dataset: Results) -> list[str]:
     """Which of ``x``, ``y`` and ``twist`` the history loads; by-products of the others do not count."""
-    scalars = (name for name, variable in dataset.data_vars.items() if variable.dims == ("step",))
-    return driven_motions({str(name): np.asarray(dataset[name].values, dtype=float) for name in scalars})
+    return driven_motions(history_of(dataset))
 
 
 def friction_heading(dataset: Results, step: int, what: str) -> str:

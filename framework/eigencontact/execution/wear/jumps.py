@@ -59,9 +59,20 @@ class Jumps:
         self._table, self._area, self._softness = table, grid.cell_area, softness
 
     def decide(
-        self, state: WornState, cycle: CyclePlace, rate: Rate, energy: FloatArray, pressure: FloatArray, peak: float
+        self,
+        state: WornState,
+        cycle: CyclePlace,
+        rate: Rate,
+        energy: FloatArray,
+        pressure: FloatArray,
+        peak: float,
+        *,
+        in_its_end: bool,
     ) -> None:
-        """Set the next jump, and what it goes by, from a solved cycle: its rate, energy, pressure in its end, peak."""
+        """Set the next jump, and what it goes by, from a solved cycle: its rate, energy, pressure in its end, peak.
+
+        `in_its_end` says that the surfaces move in the end of the cycle alone.
+        """
         memory, last = state.memory, state.jump
         known, slope, wanted = memory.get("rate"), np.zeros_like(pressure), 1.0
         if known is not None:
@@ -71,6 +82,12 @@ class Jumps:
             missing = float(missed.sum()) * self._area
             # Of a solved cycle the surfaces move in its end, unless they move with each increment.
             state.error += 0.5 * (last - (self._table.update == "increment")) * missing
+            if in_its_end:
+                change = last * float((slope * pressure).sum()) * self._area
+                spent, kept = float(energy.sum()), float(memory["cycle_energy"].sum())
+                fading = spent / kept if kept > 0 else 1.0
+                # The first change stands for the cycle before it as well, which begins where nothing has slipped.
+                state.lag = fading * state.lag - (0.5 if memory["slope"].any() else 1.0) * change
             wanted = self._by_error(state, missing, float(rate.depth(pressure).sum()) * self._area)
             if _regime(rate.pressed, pressure) != _regime(known, pressure):
                 wanted = 1.0

@@ -57,6 +57,8 @@ class WornState:
         Values at the start of the cycle in progress, and rates of the last solved one.
     error : float
         Estimated error of the worn volume by jumps so far [m³].
+    lag : float
+        Estimated error of the worn volume by surfaces that move once a cycle [m³], negative where they lose too little.
     cycles : float
         Cycles done.
     jump : int
@@ -68,6 +70,7 @@ class WornState:
     cells: tuple[float, float] = (0.0, 0.0)
     memory: dict[str, FloatArray] = field(default_factory=dict)
     error: float = 0.0
+    lag: float = 0.0
     cycles: float = 0.0
     jump: int = 1
 
@@ -140,7 +143,8 @@ def recalled(
         cells=cells,
         energy=held.pop("total_energy"),
         memory=held,
-        error=last.scalars["wear_error"] * last.scalars["worn_volume"],
+        error=(last.scalars["wear_error"] - abs(last.scalars["update_error"])) * last.scalars["worn_volume"],
+        lag=last.scalars["update_error"] * last.scalars["worn_volume"],
         cycles=last.scalars["cycles"],
         jump=int(last.scalars["jump_cycles"]),
     )
@@ -158,7 +162,8 @@ def store(state: WornState, step: Step, grid: Grid, *, travels: bool = False) ->
         "cycles": state.cycles,
         "jump_cycles": float(state.jump),
         "wear_energy": float(state.energy.sum()) * area,
-        "wear_error": state.error / volume if volume > 0 else 0.0,
+        "wear_error": (state.error + abs(state.lag)) / volume if volume > 0 else 0.0,
+        "update_error": state.lag / volume if volume > 0 else 0.0,
     }
     coords = {"y": grid.y, "x": grid.x}
     for name, values in {"total_energy": state.energy, **own, **state.memory}.items():

@@ -145,7 +145,6 @@ class WornSurface:
         """Values at the start of a cycle."""
         state, zero = self._state, np.zeros(self._grid.shape)
         fields = {} if step.previous is None else step.previous.fields
-        state.memory.pop("cycle_energy", None)
         if self._within:
             state.memory |= {"start_depth": state.lost, "start_energy": state.energy}
         if self._travels and 2 in state.depth:
@@ -246,7 +245,9 @@ class WornSurface:
             rate = Rate(pressed=quotient(depth, pressure, loaded), steady=np.where(loaded, 0.0, depth))
             rate = filled(rate, loaded)
         start = memory.get("start_depth_2")
-        self._jumps.decide(state, cycle, rate, energy, pressure, float(peak.max()))
+        self._jumps.decide(
+            state, cycle, rate, energy, pressure, float(peak.max()), in_its_end=not (within or self._at_once)
+        )
         while state.jump > 1 and self._beyond(state.jump * rate.depth(pressure)) > self._opening:
             state.jump //= 2
         if cycle.left == 0:  # the last jump has its error too, and no other follows
