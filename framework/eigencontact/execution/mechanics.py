@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.grid import Grid
 from eigencontact.errors import NotConverged
-from eigencontact.execution.block import Block, Cost, Part
+from eigencontact.execution.block import Block, Cost, Part, Run
 from eigencontact.execution.contact import Contact, ContactAnswer
 from eigencontact.execution.coupled import Coupled, Solved
 from eigencontact.execution.increment import Increment
@@ -20,10 +19,9 @@ from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.step import Step
 from eigencontact.model.law_numbers import measured, named
 from eigencontact.model.model import Model
-from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.control import Control
 
-__all__ = ["Mechanics", "contact_of", "mechanics_of"]
+__all__ = ["Mechanics", "RunningMechanics", "contact_of", "mechanics_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -32,7 +30,50 @@ _HALVINGS = 5
 
 
 class Mechanics(Block):
-    """A contact, interiors, or both together.
+    """A contact, interiors, or both together, as they are planned.
+
+    A run makes a contact and interiors of its own: those of the plan only state kernels and prices.
+
+    Parameters
+    ----------
+    model : Model
+    contact : Contact or None
+    interiors : sequence of Interior
+        Some, where there is no contact.
+    directions : str
+        Of ``"xyz"``: along which the displacement of the surfaces by the interiors is needed.
+    """
+
+    settles = True
+
+    def __init__(self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str) -> None:
+        self._model, self._directions = model, directions
+        self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
+        self.name, self.why = self._parts[0].name, self._parts[0].why
+        self.kernels = [kernel for part in self._parts for kernel in part.kernels]
+        self.cost = sum((part.cost for part in self._parts), Cost())
+        self.requires = frozenset() if contact is None else contact.requires
+        lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in directions if interiors}
+        surface = frozenset() if contact is None else contact.fields
+        self.wanted = {**dict.fromkeys(sorted(surface), "every run"), **lifts}
+        self.provides = surface | frozenset(lifts).union(*(interior.remembers for interior in interiors))
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """See `Block.parts`."""
+        return self._parts
+
+    def start(self, run: Run) -> RunningMechanics:  # noqa: ARG002
+        """See `Block.start`."""
+        contact, interiors = contact_of(self._model), interiors_of(self._model, self._directions)
+        for part in (contact, *interiors):
+            if part is not None:
+                part.start()
+        return RunningMechanics(self._model, contact, interiors, self._directions)
+
+
+class RunningMechanics:
+    """A contact, interiors, or both together, in one run.
 
     An increment that does not converge is halved; what the first half leaves behind is the start of the second. So is
     one in which cells flow, where `numerics.plastic-error` asks for it: the whole and its halves differ by the error
@@ -40,60 +81,30 @@ class Mechanics(Block):
 
     Parameters
     ----------
+    model : Model
+        Window, numerics and the numbers of its laws.
     contact : Contact or None
+        Started.
     interiors : sequence of Interior
-        Some, where there is no contact.
-    grid : Grid
-        The window.
-    numerics : Numerics
-        Tolerance, and whether contact may reach the edge.
+        Started; others take their place as they grow.
     directions : str
-        Of ``"xyz"``: along which the displacement of the surfaces by the interiors is wanted.
-    numbers : iterable of str
-        Names of the numbers that the laws of the scene give.
+        See `Mechanics`.
     """
 
-    settles = True
-
-    def __init__(
-        self,
-        contact: Contact | None,
-        interiors: Sequence[Interior],
-        grid: Grid,
-        numerics: Numerics,
-        directions: str,
-        numbers: Iterable[str] = (),
-    ) -> None:
-        self._numbers = tuple(numbers)
-        self._contact, self._interiors, self._grid, self._numerics = contact, list(interiors), grid, numerics
+    def __init__(self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str) -> None:
+        self._grid, self._numerics, self._numbers = model.grid, model.numerics, tuple(named(model.laws))
+        self._contact, self._interiors = contact, list(interiors)
         self._directions = directions if interiors else ""
         self._tried: list[Solved] = []
         self._error = 0.0
-        self._coupled = Coupled(contact, self._interiors, numerics, self._directions, grid.shape)
-        parts: list[Part] = [*([] if contact is None else [contact]), *interiors]
-        self._parts = tuple(parts)
-        self.name, self.why = parts[0].name, parts[0].why
-        self.kernels = [kernel for part in parts for kernel in part.kernels]
-        self.cost = sum((part.cost for part in parts), Cost())
-        self.requires = frozenset() if contact is None else contact.requires
-        lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in self._directions}
-        own = frozenset() if contact is None else contact.fields
-        self.wanted = {**dict.fromkeys(sorted(own), "every run"), **lifts}
-        self.provides = own | frozenset(lifts).union(*(interior.remembers for interior in interiors))
+        self._couple()
 
-    @property
-    def parts(self) -> Sequence[Part]:
-        """See `Block.parts`."""
-        return self._parts
-
-    def start(self) -> None:
-        """See `Block.start`."""
-        for part in (self._contact, *self._interiors):
-            if part is not None:
-                part.start()
+    def _couple(self) -> None:
+        """Join the contact and the interiors as they are now."""
+        self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         began = perf_counter()
         found = self._with_enough_cells(step)
         last = found[-1]
@@ -144,8 +155,7 @@ class Mechanics(Block):
         """Go on with another contact: that of bodies whose layers have worn."""
         contact.start()
         self._contact = contact
-        shape = self._grid.shape
-        self._coupled = Coupled(contact, self._interiors, self._numerics, self._directions, shape)
+        self._couple()
 
     @property
     def softness(self) -> float:
@@ -169,8 +179,7 @@ class Mechanics(Block):
             except Outgrown as short:
                 short.larger.start()
                 self._interiors[self._interiors.index(short.interior)] = short.larger
-                shape = self._grid.shape
-                self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, shape)
+                self._couple()
 
     def _store(self, step: Step, contact: Contact, answers: Sequence[ContactAnswer]) -> None:
         """Fields and scalars of the contact; at the edge of the window it is refused."""
@@ -255,7 +264,7 @@ def mechanics_of(model: Model) -> Mechanics | None:
     interiors = interiors_of(model, directions)
     if contact is None and not interiors:
         return None
-    return Mechanics(contact, interiors, model.grid, model.numerics, directions, named(model.laws))
+    return Mechanics(model, contact, interiors, directions)
 
 
 def interiors_of(model: Model, directions: str) -> list[Interior]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from eigencontact.execution.beside_contact import Separation
-from eigencontact.execution.block import Block, Cost
+from eigencontact.execution.block import Block, Cost, Run, Running
 from eigencontact.execution.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics import Mechanics
 from eigencontact.execution.normal_contact import normal_cost
@@ -29,18 +29,29 @@ _NEAR = 0.6
 class WornSeparation(Separation):
     """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step."""
 
-    def __init__(self, model: Model, surface: WornSurface) -> None:
+    def __init__(self, model: Model, wear: Wear) -> None:
         super().__init__(model)
-        self._surface = surface
+        self._wear = wear
         self.why += ", and what has worn"
         if any(ramp.slides for ramp in model.scene.ramps):
             travels = any(getattr(ramp, name) is not None for ramp in model.scene.ramps for name in TRAVEL)
             jumps = any(step.repeat > 1 for step in model.scene.steps)
             self.cost = _moving(model, _TRAVELLING if travels else _JUMPING if jumps else _SLIDING)
 
+    def start(self, run: Run) -> Running:
+        """See `Block.start`."""
+        return _WornGap(super().start(run), run.started(self._wear.start))
+
+
+class _WornGap:
+    """The gap of worn surfaces: that of new ones, and the depth that the surfaces have lost."""
+
+    def __init__(self, new: Running, surface: WornSurface) -> None:
+        self._new, self._surface = new, surface
+
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
-        super().advance(step)
+        """See `Running.advance`."""
+        self._new.advance(step)
         step.fields["separation"] = self._surface.begin(step, step.fields["separation"])
         step.worn, step.bodies = self._surface.lost, self._surface.bodies
 
@@ -51,10 +62,10 @@ class Wear(Block):
     name = "wear"
     settles = True
 
-    def __init__(self, model: Model, surface: WornSurface) -> None:
+    def __init__(self, model: Model, mechanics: Mechanics) -> None:
         assert model.wear is not None
         assert model.scene.wear is not None
-        self._surface = surface
+        self._model, self._mechanics = model, mechanics
         bodies = model.scene.wear.parts
         which = " and ".join(f"body {body}" for body in bodies)
         self.why = f"{which} wear{'s' if len(bodies) == 1 else ''} by {model.wear.key!r}"
@@ -68,13 +79,9 @@ class Wear(Block):
         if not any(ramp.slides for ramp in model.scene.ramps):
             self.cost = _moving(model, _SLIPPING)
 
-    def start(self) -> None:
+    def start(self, run: Run) -> WornSurface:
         """See `Block.start`."""
-        self._surface.start()
-
-    def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
-        self._surface.end(step)
+        return WornSurface(self._model, run.started(self._mechanics.start))
 
 
 def _moving(model: Model, solves: float) -> Cost:
@@ -85,8 +92,8 @@ def _moving(model: Model, solves: float) -> Cost:
 
 def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
     """What moves the surfaces, before and after the contact."""
-    surface = WornSurface(model, mechanics)
-    yield WornSeparation(model, surface)
+    wear = Wear(model, mechanics)
+    yield WornSeparation(model, wear)
     if model.exposed is not None:
         yield ExposedMaterial(model.exposed)
-    yield Wear(model, surface)
+    yield wear
