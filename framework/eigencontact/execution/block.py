@@ -1,4 +1,4 @@
-"""Blocks: pieces of a computation that declare their inputs, outputs and cost, and the objects that compute in a run."""
+"""Blocks: what a piece of a computation requires, provides and costs, and the object that computes it in a run."""
 
 from __future__ import annotations
 
