@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
 __all__ = [
-    "AXES", "FORMAT", "RENAMED", "SCALARS", "TEXT", "Variable", "attributes", "axis_attributes", "described",
+    "AXES", "FORMAT", "SCALARS", "TEXT", "Variable", "attributes", "axis_attributes", "described",
     "variables",
 ]  # fmt: skip
 
@@ -97,9 +97,6 @@ SCALARS: dict[str, Quantity] = {
     ),
     "substeps": Quantity("1", "increments that the step was cut into, to converge or for the accuracy asked for"),
 }
-
-#: Names that variables of earlier versions have now. ``dataset.shift`` is a method of xarray.
-RENAMED = {"shift": "shift_magnitude"}
 
 #: Coordinates: unit and meaning.
 AXES = {
