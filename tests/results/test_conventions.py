@@ -5,7 +5,7 @@ import xarray as xr
 
 import eigencontact as ec
 from eigencontact.core.quantities import QUANTITIES
-from eigencontact.results.layout import SCALARS
+from eigencontact.reference.numbers import known_numbers
 
 SCENE = {
     "name": "pulled",
@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
     return target
 
 
-@pytest.mark.parametrize("name", [*SCALARS, *QUANTITIES])
+@pytest.mark.parametrize("name", [*known_numbers(), *QUANTITIES])
 def test_no_variable_is_hidden_by_a_method_of_xarray(name):
     assert not hasattr(xr.Dataset, name)
 

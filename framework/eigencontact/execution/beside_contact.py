@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
+from eigencontact.core.numbers import Number
 from eigencontact.execution.block import Block, Run, Running, Stateless
 from eigencontact.execution.precision import plane_round_off, settled
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
@@ -38,12 +39,16 @@ class Separation(Block):
     name = "separation"
     provides = frozenset({"separation"})
     settles = True
+    numbers = tuple(
+        Number(name=f"travel_{axis}", unit="m", meaning=f"place of the geometry along {axis}") for axis in "xy"
+    )
 
     def __init__(self, model: Model) -> None:
         self._geometries, self._grid = model.geometries, model.grid
         self._rolls = any(getattr(step, name) is not None for step in model.scene.ramps for name in TRAVEL)
         self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in model.geometries)
         self.why += ", which rolls along the surface" if self._rolls else ""
+        self.numbers = Separation.numbers if self._rolls else ()
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
+from eigencontact.core.numbers import Number
 from eigencontact.execution.step import Step
 from eigencontact.model.kernels import KernelUse
 
@@ -81,6 +82,8 @@ class Part:
         Prediction.
     precisions : sequence of Precision
         Choices of a precision, where the scene leaves them to the plan.
+    numbers : sequence of Number
+        Scalars that it puts into a step. As a class attribute: all that it may give, for the reference page.
     """
 
     name: str
@@ -88,6 +91,7 @@ class Part:
     kernels: Sequence[KernelUse] = ()
     cost: Cost = Cost()
     precisions: Sequence[Precision] = ()
+    numbers: Sequence[Number] = ()
 
 
 class Running(Protocol):

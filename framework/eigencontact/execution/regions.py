@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.numbers import Number
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
 from eigencontact.errors import SceneError
 from eigencontact.execution.block import Block, Cost, Run, Running
@@ -52,7 +53,19 @@ class Region(Block):
         Nothing causes a field there.
     """
 
+    numbers: Sequence[Number] = (
+        Number(
+            name="max_von_mises", unit="Pa", meaning="largest von Mises stress at the requested points", headline=True,
+            label="largest von Mises stress",
+        ),
+        Number(
+            name="max_von_mises_depth", unit="m", meaning="depth of the largest von Mises stress", headline=True,
+            label="  at depth",
+        ),
+    )  # fmt: skip
+
     def __init__(self, model: Model, request: StressRequest, asker: str = "") -> None:
+        self.numbers = Region.numbers if not asker and "stress" in request.fields else ()
         self._request, self._lattice, label = request, region_lattice(request, model.grid), request.label
         self._model = model
         self.name = f"stress-{label}"

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepResult", "read_sweep_file", "sweep"]
 
-#: Numbers of which figures are drawn unless others are named.
-_DRAWN = ("max_pressure", "contact_radius", "approach", "normal_load", "max_von_mises", "worn_volume", "max_uplift")
 #: Part of a number within which its values are the same: what a load is but for its residual.
 _SAME = 1e-9
 _KEYS = ("scene", "vary", "pairs", "fields", "grid", "scalars")
@@ -202,7 +200,7 @@ def _write(
 
 
 def _drawn(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
-    """Numbers to draw: those named, else those of `_DRAWN` that differ between variants."""
+    """Numbers to draw: those named, else headlines that differ between variants."""
     numbers = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind == "f" and "x" not in one.dims]
     for name in scalars:
         if name not in numbers:
@@ -210,7 +208,7 @@ def _drawn(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
     if scalars:
         return list(scalars)
     varied = {str(name).rpartition("steps_")[2] for name in dataset.coords}
-    wanted = [name for name in _DRAWN if name in numbers and name not in varied]
+    wanted = [name for name in numbers if dataset[name].attrs.get("headline") and name not in varied]
     finite = {name: dataset[name].values[dataset[name].notnull().values] for name in wanted}
     return [name for name, values in finite.items() if values.size and np.ptp(values) > _SAME * np.abs(values).max()]
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.elasticity import shear_ratios
+from eigencontact.core.numbers import Number
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.initial import moved_state
@@ -45,6 +46,14 @@ _LOOKS = 512
 
 class SweptCells(Cells):
     """Equivalent eigenstrain of the cells of one box, iterated on with the contact; see `Cells` for the parameters."""
+
+    numbers = (
+        *Cells.numbers,
+        Number(
+            name="law_residual", unit="1", role="certificate",
+            meaning="largest misfit of stress and strain to the law of a cell, by the largest stress",
+        ),
+    )  # fmt: skip
 
     def __init__(self, model: Model, body: int, directions: str) -> None:
         super().__init__(model, body, directions)
