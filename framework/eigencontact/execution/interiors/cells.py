@@ -15,11 +15,10 @@ from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.responding import Responding
-from eigencontact.execution.material_cells import MaterialCells
+from eigencontact.execution.material_cells import MaterialCells, is_empty
 from eigencontact.execution.precision import INNER, settled, volume_round_off
 from eigencontact.execution.routes.route import Pace
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.within_regions import is_empty
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model
