@@ -61,7 +61,7 @@ def test_public_names_have_docstrings(module):
 NOT_FOR_USERS = {"scene_table", "scene_inclusions", "tables"}
 #: Too far inside for an example of a few lines.
 NO_EXAMPLE = {
-    "CornerInfluence", "FileArrays", "GriddedData", "MadeOfLaws", "NotUnique", "OfBody", "PointSources", "SceneError",
+    "CornerInfluence", "FileArrays", "GriddedData", "NotUnique", "PointSources", "SceneError",
     "by_material", "integrated_chi", "read_arrays", "read_columns", "turned_derivatives",
 }  # fmt: skip
 

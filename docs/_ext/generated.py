@@ -17,6 +17,7 @@ from typer.main import get_command
 from eigencontact.cli import app as command_line
 from eigencontact.library import installed_plugins
 from eigencontact.listing import plugin_data
+from eigencontact.reference.numbers import numbers_as_markdown
 from eigencontact.reference.tables import all_tables
 from eigencontact.reference.text import as_markdown
 
@@ -78,9 +79,19 @@ def _command_page(docs: Path) -> None:
     write(docs / "reference" / "commands.md", "\n\n".join(parts) + "\n")
 
 
+def _number_page(docs: Path) -> None:
+    lead = (
+        "# Numbers of a run\n\nEvery scalar that a step may have, with its unit. A scene gives those of the blocks it "
+        "needs; laws and observers add their own. `results.nc` holds the values of all steps, `summary.json` one "
+        "value for the run. A *certificate* measures how well the equations of a step are met, an *error* estimates "
+        "what a result may be off by, an *effort* counts work.\n\n"
+    )
+    write(docs / "reference" / "numbers.md", lead + numbers_as_markdown(installed_plugins()) + "\n")
+
+
 def _generate(app: Sphinx, config: Config) -> None:
     docs = Path(app.srcdir)
-    for make in (_scene_page, _plugin_page, _command_page):
+    for make in (_scene_page, _plugin_page, _number_page, _command_page):
         make(docs)
     for name, text in api_pages():
         write(docs / "api" / "generated" / f"{name}.md", text)

@@ -113,13 +113,6 @@ def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
     return plan(scene).explain()
 
 
-#: Numbers of a run that a notebook shows.
-_IN_HTML = (
-    "normal_load", "approach", "contact_radius", "contact_area", "max_pressure", "max_von_mises", "tangential_load",
-    "shift_magnitude", "slip_fraction", "worn_volume", "max_uplift",
-)  # fmt: skip
-
-
 def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
     """What makes numbers worth less than they look, in one text."""
     return "; ".join(str(one["words"]) for one in warnings)
@@ -159,14 +152,10 @@ class RunResult:
     def _repr_html_(self) -> str:
         from eigencontact.core.html_table import html_table
         from eigencontact.core.units import readable
+        from eigencontact.results.summary import headlines
 
-        units, numbers = self.summary["units"], self.summary
-        rows = [("steps", str(numbers["steps"]))] + [
-            (name.replace("_", " "), f"{value:.4g}" if unit == "1" else readable(value, unit.replace("m2", "m^2")))
-            for name in _IN_HTML
-            if (value := numbers.get(name)) is not None
-            for unit in [units[name]]
-        ]
+        numbers = self.summary
+        rows = [("steps", str(numbers["steps"])), *headlines(numbers)]
         rows += [("wall time", readable(self.seconds, "s")), ("folder", str(self.folder or "none: in memory"))]
         return html_table(numbers["title"] or numbers["name"], rows, _cautions(numbers["warnings"]))
 

@@ -153,26 +153,14 @@ def _report(name: str, result: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from eigencontact.core.units import readable
     from eigencontact.results.course import course_table
+    from eigencontact.results.summary import headlines
 
     console, summary = Console(highlight=False), result.summary
     numbers = Table.grid(padding=(0, 2))
-    rows = (
-        ("normal load", "normal_load", "N"),
-        ("approach", "approach", "m"),
-        ("contact radius (area-equivalent)", "contact_radius", "m"),
-        ("contact area", "contact_area", "m^2"),
-        ("largest pressure", "max_pressure", "Pa"),
-        ("largest von Mises stress", "max_von_mises", "Pa"),
-        ("  at depth", "max_von_mises_depth", "m"),
-        ("largest uplift of the surface", "max_uplift", "m"),
-        ("largest sink of the surface", "max_sink", "m"),
-    )
-    for text, key, unit in rows:
-        if summary.get(key) is not None and (summary[key] or key not in ("max_uplift", "max_sink")):
-            numbers.add_row(text, readable(float(summary[key]), unit))
-    if summary["gap_residual"] is not None:
+    for words, value in headlines(summary):
+        numbers.add_row(words, value)
+    if summary.get("gap_residual") is not None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
     console.print(numbers)
@@ -187,7 +175,7 @@ def _report(name: str, result: Any) -> None:
         files.add_row(f"  {file}", text)
     console.print(files)
     solved = f"computed in {summary['compute_seconds']:.3g} s"
-    if summary["iterations"] is not None:
+    if summary.get("iterations") is not None:
         solved = f"solved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
         solved += f"{summary['convolutions']} convolutions)"
     console.print(f"\n{solved}; everything, pictures included, in {result.seconds:.3g} s")

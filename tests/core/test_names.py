@@ -8,7 +8,7 @@ import pytest
 from eigencontact import EigencontactError, load_scene
 from eigencontact.core.names import PICTURES, clashes, is_folder_name, to_folder_name
 from eigencontact.core.quantities import QUANTITIES
-from eigencontact.results.layout import SCALARS
+from eigencontact.reference.numbers import known_numbers
 
 UNSAFE = ["..", ".", ".hidden", "-o", "a/b", "a\\b", "a b", "end.", "con", "NUL.txt", "lpt1", "ü", "a\n", "a\x00"]
 
@@ -78,7 +78,7 @@ def suffixed():
     return sorted(
         {
             name.removesuffix(f"_{part}")
-            for name in (*QUANTITIES, *SCALARS)
+            for name in (*QUANTITIES, *known_numbers())
             for part in parts
             if name.endswith(f"_{part}")
         }

@@ -35,7 +35,7 @@ def test_the_ball_lifts_the_surface_as_davies_says():
     assert result.summary["max_sink"] == 0.0
     assert "pressure" not in data
     assert "contact_modulus" not in data.attrs
-    assert result.summary["normal_load"] is None
+    assert "normal_load" not in result.summary
 
 
 def test_fields_of_a_region_agree_with_the_library_and_with_each_other():

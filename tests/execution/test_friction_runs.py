@@ -10,7 +10,7 @@ from close import close
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.errors import NotConverged, ResultsError
 from eigencontact.execution.loading import control_at, start_of_ramp, tangential_control_at
-from eigencontact.results.layout import SCALARS
+from eigencontact.reference.numbers import known_numbers
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 from eigencontact.solvers.tangential.contact import FrictionalContact
@@ -142,7 +142,7 @@ def test_every_result_has_its_unit_and_the_summary_its_numbers(pulled):
         assert data[name].attrs["units"] == unit == QUANTITIES[name].unit
     for name in ("tangential_load_x", "tangential_load", "shift_x", "shift_magnitude", "torsion_moment", "twist",
                  "stick_radius", "slip_fraction", "dissipated_energy", "bound_residual", "stick_residual"):  # fmt: skip
-        assert data[name].attrs["units"] == SCALARS[name].unit == summary["units"][name]
+        assert data[name].attrs["units"] == known_numbers()[name].unit == summary["units"][name]
         assert summary[name] == float(data[name][-1])
     assert summary["tangential_convolutions"] == int(data.tangential_convolutions.sum()) > 0
     assert set(np.unique(data.contact_zone)) == {0.0, 1.0, 2.0}

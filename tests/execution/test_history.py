@@ -97,15 +97,6 @@ def test_a_watcher_is_told_of_every_step():
     assert sum(page[0] == "iterated" for page in diary.pages) >= 2
 
 
-def test_a_run_leaves_its_plan_as_it_was_and_gives_the_memory_of_solvers_back():
-    plan = ec.plan(ec.load_scene("hertz", ["stress=[]", "grid.cells-per-contact-radius=8"]))
-    parts = [part for block in plan.blocks for part in (block, *block.parts)]
-    before = [dict(vars(part)) for part in parts]
-    first = ec.run(plan).summary
-    assert [dict(vars(part)) for part in parts] == before
-    assert ec.run(plan).summary["max_pressure"] == first["max_pressure"]
-
-
 def test_two_observers_of_one_kind_keep_their_numbers_apart():
     observers = "[{type='probe', points=[[0.0, 0.0]]}, {type='probe', field='gap', points=[[7e-6, 0.0]]}]"
     result = ec.run(ec.load_scene("hertz", [*SMALL, f"observers={observers}"]))

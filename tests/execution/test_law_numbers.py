@@ -77,7 +77,7 @@ def test_numbers_are_zero_where_nothing_yields():
     summary = ec.run(scene({"type": "perfect", "yield-stress": "9 GPa"})).summary
     names = ("max_plastic_strain", "plastic_volume", "plastic_work", "print_depth", "pile_up")
     assert [summary[name] for name in names] == [0.0] * 5
-    assert summary["law_residual"] is None
+    assert "law_residual" not in summary
 
 
 def test_damage_has_its_largest_value():

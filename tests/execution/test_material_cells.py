@@ -6,7 +6,7 @@ import pytest
 from close import close
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
-from eigencontact.execution.material_cells import MaterialCells, is_linear
+from eigencontact.execution.material_cells import MaterialCells
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact_plugins.eigenstrain_fields.uniform import Uniform
@@ -124,6 +124,6 @@ def test_a_map_of_linear_constants_is_linear(tmp_path):
     axis = np.array([0.0, 1.0])
     ones = np.ones((2, 2, 2))
     np.savez(tmp_path / "map.npz", x=axis, y=axis, z=axis, young_modulus=1e9 * ones, poisson_ratio=0.3 * ones)
-    assert is_linear(ElasticityMap(file=str(tmp_path / "map.npz")))
-    assert is_linear(Void())
-    assert not is_linear(STEEL)
+    assert ElasticityMap(file=str(tmp_path / "map.npz")).linear
+    assert Void().linear
+    assert not STEEL.linear

@@ -6,6 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
+from eigencontact.execution.block import Run
 from eigencontact.execution.driver import drive
 from eigencontact.execution.step import Step
 from eigencontact.plugin import LayeredMedium
@@ -121,8 +122,7 @@ def test_stress_is_that_below_the_worn_surface_of_thinner_layers():
     made = ec.plan(fresh)
     region = next(block for block in made.blocks if block.name == "stress-section")
     step = Step(index=1, time=1.0, fields={"pressure": worn.fields["pressure"]})
-    region.start()
-    region.advance(step)
+    Run().started(region.start).advance(step)
     one, other = (part.regions["section"].fields["stress"] for part in (worn, step))
     assert left < 0.99 * H
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()

@@ -119,7 +119,7 @@ def test_layers():
 
 
 def test_looks(pressed):
-    assert repr(pressed).startswith("ContactResult(load 650 mN, approach 348")
+    assert repr(pressed).startswith("ContactResult(normal load 650 mN, approach 348")
     html = pressed._repr_html_()
     assert "<th" in html
     assert "81 x 81" in html

@@ -8,7 +8,6 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.app import installed_plugins
-from eigencontact.hooks.hookspecs import OLD_HOOKS
 from eigencontact.plugin import KINDS
 
 GOOD = '''
@@ -175,14 +174,7 @@ def test_a_package_registers_all_or_nothing(install):
     assert installed_plugins().named("bowl") == []
 
 
-# ---------------------------------------------------------------- one hook, and its old names
-
-
-@pytest.mark.parametrize("name", OLD_HOOKS)
-def test_old_names_of_the_hook_work_whatever_they_return(name, install):
-    install(GOOD.replace("eigencontact_register", name))
-    assert installed_plugins().broken == []
-    assert ec.make("bowl", bend="1 mm").kind == "geometry"
+# ---------------------------------------------------------------- one hook
 
 
 def test_one_hook_may_return_classes_of_several_kinds(install):

@@ -12,6 +12,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
+from eigencontact.core.numbers import Number
 from eigencontact.reports.columns import Column
 
 SECTIONS = (
@@ -334,7 +335,7 @@ def test_a_run_that_is_not_finished_says_so(tmp_path):
     ],
 )
 def test_numbers_are_told_in_units_of_engineers(unit, value, shown, label):
-    column = Column("worn_volume", "", unit, [0.0, None, value])
+    column = Column(Number(name="worn_volume", unit=unit, meaning=""), [0.0, None, value])
     assert (column.text(value), column.label, column.text(None)) == (shown, label, "")
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.tensors import hydrostatic, principal, to_mandel, von_mises
+from eigencontact.reference.numbers import known_numbers
 from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
 RADIUS, E_STAR, LOAD = 105e-6, 230.77e9, 0.65
@@ -13,6 +14,7 @@ RADIUS, E_STAR, LOAD = 105e-6, 230.77e9, 0.65
 
 def info(nx=24, ny=20, size_x=16e-6, size_y=16e-6, steps=2, scene_hash="a" * 64, name="synthetic", title="Sphere"):
     return RunInfo(
+        numbers=known_numbers(),
         title=title,
         name=name,
         grid=Grid(nx=nx, ny=ny, dx=size_x / nx, dy=size_y / ny),

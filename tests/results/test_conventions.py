@@ -1,14 +1,11 @@
 """What results say of themselves to tools that know the conventions CF, and names that xarray keeps for itself."""
 
-import h5py
 import pytest
 import xarray as xr
 
 import eigencontact as ec
 from eigencontact.core.quantities import QUANTITIES
-from eigencontact.results.layout import RENAMED, SCALARS
-from eigencontact.results.stepfile import read_step, stored_rows
-from eigencontact.results.stored import open_stored
+from eigencontact.reference.numbers import known_numbers
 
 SCENE = {
     "name": "pulled",
@@ -32,7 +29,7 @@ def folder(tmp_path_factory):
     return target
 
 
-@pytest.mark.parametrize("name", [*SCALARS, *QUANTITIES])
+@pytest.mark.parametrize("name", [*known_numbers(), *QUANTITIES])
 def test_no_variable_is_hidden_by_a_method_of_xarray(name):
     assert not hasattr(xr.Dataset, name)
 
@@ -52,20 +49,3 @@ def test_axes_by_the_conventions(folder):
     assert down == {"deep_z", "spots_z"}
     assert found["deep_z"]["standard_name"] == "depth"
     assert "unknown" not in units
-
-
-def test_results_of_the_time_before_the_name_changed_open(folder):
-    file = folder / "results.nc"
-    with h5py.File(file, "r+") as stored:
-        for earlier, now in RENAMED.items():
-            stored.move(now, earlier)
-        key = str(stored.attrs["scene_hash"])
-    with ec.open_results(folder) as data:
-        assert "shift" not in data
-        last = float(data.shift_magnitude[-1])
-        assert last == float(data.shift_x[-1]) > 0
-    with open_stored(folder) as data:
-        assert float(data["shift_magnitude"][-1]) == last
-    assert stored_rows(file)[-1]["shift_magnitude"] == last
-    assert read_step(file, key, 2).scalars["shift_magnitude"] == last
-    file.unlink()  # whoever has it open, on any system, has closed it

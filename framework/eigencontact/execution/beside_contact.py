@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
-from eigencontact.execution.block import Block
+from eigencontact.core.numbers import Number
+from eigencontact.execution.block import Block, Run, Running, Stateless
 from eigencontact.execution.precision import plane_round_off, settled
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
 from eigencontact.execution.step import Step
@@ -17,8 +19,11 @@ from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.separation import sum_separations
-from eigencontact.plugin import HasReferencePressure
+from eigencontact.plugin import Geometry, HasReferencePressure
 from eigencontact.scene.holding import TRAVEL
+
+if TYPE_CHECKING:
+    from eigencontact.convolution import Convolver
 
 __all__ = ["ReferencePressure", "Separation", "TangentialDisplacement", "blocks_beside_contact"]
 
@@ -34,6 +39,9 @@ class Separation(Block):
     name = "separation"
     provides = frozenset({"separation"})
     settles = True
+    numbers = tuple(
+        Number(name=f"travel_{axis}", unit="m", meaning=f"place of the geometry along {axis}") for axis in "xy"
+    )
 
     def __init__(self, model: Model) -> None:
         self._geometries, self._grid = model.geometries, model.grid
@@ -41,17 +49,29 @@ class Separation(Block):
         self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in model.geometries)
         motion = "rolls" if model.wear is None and model.friction is None else "slides"
         self.why += f", which {motion} along the surface" if self._rolls else ""
-        self._at: tuple[float, float] | None = None
-        self._field = np.empty(0)
+        self.numbers = Separation.numbers if self._rolls else ()
+
+    def start(self, run: Run) -> Running:  # noqa: ARG002
+        """See `Block.start`."""
+        return _TravellingGap(self._geometries, self._grid, travels=self._rolls)
+
+
+class _TravellingGap:
+    """The initial gap at the place that the geometry has reached; it is computed where the place changes."""
+
+    def __init__(self, geometries: Sequence[Geometry], grid: Grid, *, travels: bool) -> None:
+        self._geometries, self._grid, self._travels = geometries, grid, travels
+        self._place: tuple[float, float] | None = None
+        self._separation = np.empty(0)
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
-        if step.travel != self._at:
+        """See `Running.advance`."""
+        if step.travel != self._place:
             y, x = self._grid.axes()
-            self._field = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
-            self._at = step.travel
-        step.fields["separation"] = self._field
-        if self._rolls:
+            self._separation = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
+            self._place = step.travel
+        step.fields["separation"] = self._separation
+        if self._travels:
             step.scalars |= dict(zip(TRAVEL, step.travel, strict=True))
 
 
@@ -75,12 +95,12 @@ class TangentialDisplacement(Block):
         sampling = max(sampling_seconds(influence, body, periodic=model.periodic) for body in bodies)
         self.cost = spectra_cost(self._layout, 1, sampling, self._numerics, kernels=2)
 
-    def start(self) -> None:
+    def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
         from eigencontact.convolution import Convolver
 
         layout, grid, precision = self._layout, self._grid, self._numerics.precision
-        self._kernels = []
+        kernels = []
         for pair in self._pairs:
             if layout.periodic:
                 ky, kx = layout.wavenumbers(grid.dy, grid.dx)
@@ -90,16 +110,23 @@ class TangentialDisplacement(Block):
                 half_widths = (0.5 * grid.dx, 0.5 * grid.dy)
                 table = pair.table(layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, half_widths)
                 spectrum = layout.spectrum(table, pair.parity, precision=precision)
-            self._kernels.append([spectrum])
-        self._convolver = Convolver(layout, precision=precision, threads=self._numerics.threads)
+            kernels.append([spectrum])
+        return _ConvolvedPressure(Convolver(layout, precision=precision, threads=self._numerics.threads), kernels)
+
+
+class _ConvolvedPressure:
+    """Displacement along the surface as a convolution of the pressure."""
+
+    def __init__(self, convolver: Convolver, kernels: list[list[Any]]) -> None:
+        self._convolver, self._kernels = convolver, kernels
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         values = self._convolver.apply(step.fields["pressure"][None], self._kernels)
         step.fields["displacement_x"], step.fields["displacement_y"] = np.asarray(values, dtype=float)
 
 
-class ReferencePressure(Block):
+class ReferencePressure(Stateless):
     """Closed form of the pressure, where the geometry has one that holds for this step.
 
     For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
@@ -123,7 +150,7 @@ class ReferencePressure(Block):
         self._geometry = geometry
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         if step.scalars["normal_load"] <= 0 or step.scalars["tilt_x"] or step.scalars["tilt_y"]:
             return
         y, x = self._grid.axes()

@@ -1,20 +1,23 @@
-"""Blocks: pieces of a computation that say what they need, give and cost, and that advance a load step."""
+"""Blocks: what a piece of a computation requires, provides and costs, and the object that computes it in a run."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
+from eigencontact.core.numbers import Number
 from eigencontact.execution.step import Step
 from eigencontact.model.kernels import KernelUse
 
 if TYPE_CHECKING:
     from eigencontact.execution.precision import Precision
 
-__all__ = ["Block", "Cost", "Part"]
+__all__ = ["Block", "Cost", "Part", "Run", "Running", "Stateless"]
+
+Started = TypeVar("Started")
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +82,8 @@ class Part:
         Prediction.
     precisions : sequence of Precision
         Choices of a precision, where the scene leaves them to the plan.
+    numbers : sequence of Number
+        Scalars that it puts into a step. As a class attribute: all that it may give, for the reference page.
     """
 
     name: str
@@ -86,10 +91,36 @@ class Part:
     kernels: Sequence[KernelUse] = ()
     cost: Cost = Cost()
     precisions: Sequence[Precision] = ()
+    numbers: Sequence[Number] = ()
+
+
+class Running(Protocol):
+    """A block in one run: it holds the operators and solvers, and ends with the run."""
+
+    def advance(self, step: Step) -> None:
+        """Read the required quantities from the step and add the provided ones."""
+        ...
+
+
+class Run:
+    """The started blocks of one run.
+
+    A plan declares blocks and holds no operators; a run starts each block once. Blocks that compute together reach each
+    other here. All memory of solvers ends with this object, and a plan can be run any number of times.
+    """
+
+    def __init__(self) -> None:
+        self._started: dict[Callable[[Run], Any], Any] = {}
+
+    def started(self, start: Callable[[Run], Started]) -> Started:
+        """Running object of a block, by its method `Block.start`; the first call makes the object."""
+        if start not in self._started:
+            self._started[start] = start(self)
+        return cast("Started", self._started[start])
 
 
 class Block(Part, ABC):
-    """One piece of work: declared when a scene is planned, started when it is run, called once a load step.
+    """One piece of work: declared when a scene is planned, started once a run; the running object sees every load step.
 
     Attributes
     ----------
@@ -112,9 +143,18 @@ class Block(Part, ABC):
         """What is solved together in it."""
         return (self,)
 
-    def start(self) -> None:
-        """Build what the steps need; nothing is built, and no solver imported, before."""
+    @abstractmethod
+    def start(self, run: Run) -> Running:
+        """Build the operators and solvers of a run; no operator is built, and no solver imported, before."""
+
+
+class Stateless(Block):
+    """A block that builds nothing and keeps nothing from step to step: it runs as it is."""
+
+    def start(self, run: Run) -> Running:  # noqa: ARG002
+        """See `Block.start`."""
+        return self
 
     @abstractmethod
     def advance(self, step: Step) -> None:
-        """Read what the block requires from the step, and add what it provides."""
+        """See `Running.advance`."""

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.numbers import Number
 from eigencontact.execution.block import Part
 from eigencontact.execution.increment import Increment
 from eigencontact.results.records import StepRecord
@@ -18,13 +19,20 @@ from eigencontact.solvers.control import Control
 from eigencontact.solvers.solution import NormalOptions
 from eigencontact.solvers.tangential.control import TangentialControl
 
-__all__ = ["Contact", "ContactAnswer", "Fields", "normal_options", "scaled_forces"]
+__all__ = ["COUPLING_RESIDUAL", "Contact", "ContactAnswer", "Fields", "normal_options", "scaled_forces"]
 
 FloatArray = NDArray[np.float64]
 Fields = Mapping[str, FloatArray]
 _Control = TypeVar("_Control", Control, TangentialControl)
 
 _FORCES = ("normal_load", "moment_x", "moment_y", "tangential_load_x", "tangential_load_y", "torsion_moment")
+
+
+#: Of contacts whose displacements are joined, and of contacts over interiors.
+COUPLING_RESIDUAL = Number(
+    name="coupling_residual", unit="1",
+    meaning="last change of the displacement that joins what is solved in turn, relative", role="certificate",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.numbers import accumulate, by_name
 from eigencontact.core.tractions import ALONG
 from eigencontact.errors import NotConverged
 from eigencontact.execution.contact import Contact, ContactAnswer
@@ -163,9 +164,7 @@ class Coupled:
     def _solved(self, answer: ContactAnswer | None, scalars: dict[str, float]) -> Solved:
         for interior in self._interiors:
             interior.check()
-            for name, value in interior.scalars().items():
-                known = scalars.get(name, 0.0)
-                scalars[name] = max(known, value) if name.endswith("residual") else known + value
+            accumulate(by_name(interior.numbers), scalars, interior.scalars())
         remembered = {name: item for interior in self._interiors for name, item in interior.remembered().items()}
         return Solved(
             contact=answer, displacement=self._displaced(self._directions), remembered=remembered, scalars=scalars

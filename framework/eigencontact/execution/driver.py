@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
 from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall
-from eigencontact.execution.block import Block, Part
+from eigencontact.execution.block import Block, Run, Running
 from eigencontact.execution.loading import (
     LoadHistory,
     LoadPoint,
@@ -95,13 +94,6 @@ def drive(
         Each newly accepted step.
     """
     done, course = done or {}, _Course(plan, watcher, stopwatch or Stopwatch())
-    with course.started_blocks():
-        yield from _steps(plan, course, done, watcher)
-
-
-def _steps(
-    plan: Drivable, course: _Course, done: Mapping[int, Callable[[], StepRecord]], watcher: Watcher | None
-) -> Iterator[StepRecord]:
     last: StepRecord | None = None
     before: LoadPoint | None = None
     while (point := course.history.after(before, cycles=_stands_for(last))) is not None:
@@ -117,7 +109,7 @@ def _steps(
         course.passes(point, last)
         step = course.step(point, before, last)
         try:
-            spent = course.advance(plan.blocks, step)
+            spent = course.advance(step)
         except DomainTooSmall as problem:
             problem.step = step
             raise
@@ -142,36 +134,25 @@ class _Course:
         self._plan, self._watcher, self._stopwatch = plan, watcher, stopwatch
         self._friction, self._contact = plan.scene.friction is not None, bool(plan.scene.geometry)
         self.history = LoadHistory(plan.scene.steps, friction=self._friction, growth=plan.growth)
-        self._started = False
+        self._running: list[tuple[Block, Running]] = []
         self._ramp_start: dict[str, float] = {}
 
-    @contextmanager
-    def started_blocks(self) -> Iterator[None]:
-        """In the end leave the blocks as they were before they were started: solvers hold much memory."""
-        parts: list[Part] = [part for block in self._plan.blocks for part in (block, *block.parts)]
-        before = [(vars(part), dict(vars(part))) for part in parts]
-        try:
-            yield
-        finally:
-            for now, then in before:
-                now.clear()
-                now.update(then)
-
     def start(self) -> None:
-        """Start the blocks, once."""
-        if not self._started:
+        """Start the blocks before the first step that is solved."""
+        if not self._running:
             with self._stopwatch.on("set-up"):
-                for block in self._plan.blocks:
-                    block.start()
-        self._started = True
+                run = Run()
+                self._running = [(block, run.started(block.start)) for block in self._plan.blocks]
 
-    def advance(self, blocks: Iterable[Block], step: Step) -> dict[str, float]:
-        """Let blocks advance a step; returns the time of each [s]."""
+    def advance(self, step: Step, *, settling: bool = False) -> dict[str, float]:
+        """Advance all blocks, or those that settle alone, by a step; returns the time of each [s]."""
         spent = dict[str, float]()
-        for block in blocks:
+        for block, running in self._running:
+            if settling and not block.settles:
+                continue
             before = self._stopwatch.seconds.get(block.name, 0.0)
             with self._stopwatch.on(block.name):
-                block.advance(step)
+                running.advance(step)
             spent[block.name] = self._stopwatch.seconds[block.name] - before
         return spent
 
@@ -213,7 +194,7 @@ class _Course:
             step = self.step(ramp_end, None, last)
             assert step.cycle is not None
             step.cycle = replace(step.cycle, settling=True)
-            self.advance((block for block in self._plan.blocks if block.settles), step)
+            self.advance(step, settling=True)
             last = step.record()
         last.fields.update(counts)
         return replace(point, skipped=0), replace(last, index=point.index - 1)

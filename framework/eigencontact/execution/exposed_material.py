@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.block import Block
+from eigencontact.execution.block import Stateless
 from eigencontact.execution.step import Step
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.model import Model
@@ -15,7 +15,7 @@ from eigencontact.model.model import Model
 __all__ = ["ExposedMaterial", "exposed_facts"]
 
 
-class ExposedMaterial(Block):
+class ExposedMaterial(Stateless):
     """Topmost material of each column at the surface that the contact of a step meets."""
 
     name = "exposed-material"
@@ -29,7 +29,7 @@ class ExposedMaterial(Block):
         self.why = f"what of body {exposed.body} is at the surface: {', '.join(names)}"
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         step.fields["exposed_material"] = self._exposed.at(step.worn.get(self._exposed.body)).astype(float)
 
 

@@ -12,14 +12,23 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
+from eigencontact.core.numbers import Number
 from eigencontact.core.rigid_modes import NORMAL_MODES
 from eigencontact.core.tractions import ALONG
 from eigencontact.execution.block import Cost
-from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
+from eigencontact.execution.contact import (
+    COUPLING_RESIDUAL,
+    Contact,
+    ContactAnswer,
+    Fields,
+    normal_options,
+    scaled_forces,
+)
 from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.normal_contact import (
     NORMAL_FIELDS,
+    NORMAL_NUMBERS,
     beyond_homogeneous,
     cell_deflection,
     normal_cost,
@@ -58,6 +67,37 @@ _APPLICATIONS, _ROUNDS = 20, 4
 _NORMAL = (*(name for pair in NORMAL_MODES for name in pair), *TRAVEL)
 
 
+#: Scalars that friction adds to those of every contact.
+FRICTION_NUMBERS = (
+    Number(name="tangential_load_x", unit="N", meaning="tangential load along x, on body 1"),
+    Number(name="tangential_load_y", unit="N", meaning="tangential load along y, on body 1"),
+    Number(name="tangential_load", unit="N", meaning="magnitude of the tangential load", headline=True),
+    Number(name="shift_x", unit="m", meaning="shift of body 2 against body 1 along x"),
+    Number(name="shift_y", unit="m", meaning="shift of body 2 against body 1 along y"),
+    Number(name="shift_magnitude", unit="m", meaning="shift, magnitude", headline=True, label="shift"),
+    Number(name="torsion_moment", unit="N m", meaning="torsion moment about the z axis, on body 1"),
+    Number(name="twist", unit="rad", meaning="twist of body 2 against body 1 about the z axis, from x to y"),
+    Number(name="stick_radius", unit="m", meaning="radius of the circle of equal stick area"),
+    Number(name="slip_fraction", unit="1", meaning="slipping part of the contact area", headline=True),
+    Number(name="dissipated_energy", unit="J", meaning="work of friction so far in the increments that are solved"),
+    Number(name="bound_residual", unit="1", meaning="relative excess of the shear over its bound", role="certificate"),
+    Number(name="stick_residual", unit="1", meaning="relative slip of sticking cells", role="certificate"),
+    Number(
+        name="alignment_residual", unit="1", meaning="relative slip across the shear, or along it, of slipping cells",
+        role="certificate",
+    ),
+    COUPLING_RESIDUAL,
+    Number(
+        name="coupling_rounds", unit="1", meaning="normal and tangential solves until they agreed", role="effort",
+        over="sum",
+    ),
+    Number(
+        name="tangential_convolutions", unit="1", meaning="convolutions of the tangential operator", role="effort",
+        over="sum",
+    ),
+)  # fmt: skip
+
+
 def friction_fields(components: str) -> frozenset[str]:
     """Surface fields that a contact with shear along some directions has besides those of every contact."""
     if not components:
@@ -70,6 +110,7 @@ class ContactWithFriction(Contact):
     """Pressure, shear, stick and slip. What a step needs of the last one is taken from its stored record alone."""
 
     name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
+    numbers = (*NORMAL_NUMBERS, *FRICTION_NUMBERS)
 
     def __init__(self, model: Model) -> None:
         assert model.coupling is not None

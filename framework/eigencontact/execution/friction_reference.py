@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import contact_modulus
-from eigencontact.execution.block import Block
+from eigencontact.execution.block import Stateless
 from eigencontact.execution.exposed_material import exposed_facts
 from eigencontact.execution.step import Step
 from eigencontact.model.bodies import without_layers
@@ -29,7 +29,7 @@ _TURN = 1e-4
 _UNIFORM = 1e-9
 
 
-class ShearBound(Block):
+class ShearBound(Stateless):
     """The largest shear that the friction law allows at each cell, with the pressure of the step."""
 
     name, why = "shear-bound", "what the friction law allows, drawn beside the shear"
@@ -44,7 +44,7 @@ class ShearBound(Block):
             self.requires = self.requires | {"exposed_material"}
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         y, x = self._axes
         pressure = step.fields["pressure"]
         slipped = np.zeros_like(pressure) if step.previous is None else step.previous.fields["slip_distance"]
@@ -53,7 +53,7 @@ class ShearBound(Block):
         step.fields["shear_bound"] = checked_shear_bound(self._law, asked)
 
 
-class ReferenceShear(Block):
+class ReferenceShear(Stateless):
     """Closed form of the shear of a geometry whose pressure has one, while it holds.
 
     Under a constant normal load P and a tangential load Q that rises from zero in one direction, and with one
@@ -83,7 +83,7 @@ class ReferenceShear(Block):
         self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         scalars, pressure = step.scalars, step.fields["pressure"]
         coefficient = _coefficient(pressure, step.fields["shear_bound"])
         if coefficient is None or any(scalars[name] for name in ("tilt_x", "tilt_y", "twist")):

@@ -15,9 +15,9 @@ from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.plugin import ConstitutiveLaw, LinearLaw, MadeOfLaws, VariesInSpace
+from eigencontact.plugin import ConstitutiveLaw, LinearLaw
 
-__all__ = ["LinearContent", "MaterialCells", "is_linear", "risen"]
+__all__ = ["LinearContent", "MaterialCells", "is_empty", "risen", "uniform_elasticity"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
@@ -39,12 +39,16 @@ class LinearContent:
     normal: FloatArray
 
 
-def is_linear(law: ConstitutiveLaw) -> bool:
-    """Whether a law is elastic, with constants that may depend on the place."""
-    if isinstance(law, VariesInSpace):
-        origin = np.zeros(1)
-        law = law.at(origin, origin, origin)
-    return isinstance(law, LinearLaw)
+def uniform_elasticity(source: Inhomogeneity) -> LinearLaw | None:
+    """Law of a region that is elastic with the same constants all over; None for others."""
+    return source.law if isinstance(source.law, LinearLaw) and not source.law.varies else None
+
+
+def is_empty(source: Inhomogeneity) -> bool:
+    """Whether a region carries no stress at all."""
+    law = uniform_elasticity(source)
+    # The factors are bounded for every material; a rigid one has no stiffness to ask for.
+    return law is not None and not np.any(law.factors(1.0)[1])
 
 
 class MaterialCells:
@@ -72,7 +76,7 @@ class MaterialCells:
         self._mix()
         for source, number, (place, share) in zip(sources, self._numbers, self._new, strict=True):
             filled = (self.index[place] == number) & (self.fraction[place] >= _HALF) & (share > _LEAST)
-            if not is_linear(source.law) and share.any():
+            if not source.law.linear and share.any():
                 assert source.lattice is not None
                 rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
                 require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
@@ -97,7 +101,7 @@ class MaterialCells:
         return {
             member: padded[place[1:]]
             for member, (place, _) in enumerate(self._new)
-            if is_linear(self._sources[member].law)
+            if self._sources[member].law.linear
         }
 
     def _risen_to(self, member: int, values: FloatArray) -> tuple[Place, FloatArray]:
@@ -131,7 +135,7 @@ class MaterialCells:
     @property
     def linear(self) -> LinearContent:
         """Cells of laws that are linear, cut ones included; a law that is not fills whole cells."""
-        linear = [law for law in self.laws if is_linear(law)]
+        linear = [law for law in self.laws if law.linear]
         numbers = np.array([0, *(linear.index(law) + 1 if law in linear else 0 for law in self.laws)])
         others = np.isin(self.index, [n for n, law in enumerate(self.laws, 1) if law not in linear])
         index = np.where(others, 0, numbers[self.index])
@@ -144,10 +148,8 @@ class MaterialCells:
         found = []
         for number, law in enumerate(self.laws, 1):
             filled = (self.index == number) & (self.fraction >= _HALF)
-            if isinstance(law, MadeOfLaws):
-                found += [(part, filled & where.reshape(self.shape)) for part, where in law.laws_at(*places)]
-            elif not is_linear(law):
-                found.append((law, filled))
+            if not law.linear:
+                found += [(layer, filled & where.reshape(self.shape)) for layer, where in law.laws_at(*places)]
         return [(law, cells) for law, cells in found if cells.any()]
 
     def rim(self, width: tuple[int, int, int] = (1, 1, 1)) -> NDArray[np.bool_]:

@@ -2,37 +2,114 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.grid import Grid
+from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.errors import NotConverged
-from eigencontact.execution.block import Block, Cost, Part
-from eigencontact.execution.contact import Contact, ContactAnswer
+from eigencontact.execution.block import Block, Cost, Part, Run
+from eigencontact.execution.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
 from eigencontact.execution.coupled import Coupled, Solved
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.step import Step
-from eigencontact.model.law_numbers import measured, named
+from eigencontact.model.law_numbers import measured, numbers_of_laws
 from eigencontact.model.model import Model
-from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.control import Control
 
-__all__ = ["Mechanics", "contact_of", "mechanics_of"]
+__all__ = ["Mechanics", "RunningMechanics", "contact_of", "mechanics_of"]
 
 FloatArray = NDArray[np.float64]
+
+#: Scalars of a contact, of surfaces that eigenstrain displaces, of bodies with laws, and of `numerics.plastic-error`.
+_OF_CONTACT = (
+    Number(
+        name="substeps", unit="1", role="effort", over="sum",
+        meaning="increments that the step was cut into, to converge or for the accuracy asked for",
+    ),
+    Number(name="solve_seconds", unit="s", meaning="wall time of the solver", role="effort", over="sum"),
+)  # fmt: skip
+_OF_INTERIORS = (
+    Number(
+        name="max_uplift", unit="m", meaning="largest uplift of the surface by eigenstrain, out of the body",
+        headline=True, label="largest uplift of the surface",
+    ),
+    Number(
+        name="max_sink", unit="m", meaning="largest sinking of the surface by eigenstrain, into the body",
+        headline=True, label="largest sink of the surface",
+    ),
+)  # fmt: skip
+_OF_COUPLING = (
+    COUPLING_RESIDUAL,
+    Number(
+        name="coupling_iterations", unit="1", meaning="rounds of contact and inhomogeneities until they agreed",
+        role="effort", over="sum",
+    ),
+)  # fmt: skip
+_OF_LAWS = (
+    Number(name="print_depth", unit="m", meaning="depth of the residual imprint in the surfaces"),
+    Number(name="pile_up", unit="m", meaning="height of the wall around the residual imprint"),
+)
+_PLASTIC_ERROR = Number(
+    name="plastic_error", unit="1", role="error",
+    meaning="estimated error of the strain of cells that flow, by halving, in parts of the load's",
+)  # fmt: skip
 
 #: Times that a load step may be halved.
 _HALVINGS = 5
 
 
 class Mechanics(Block):
-    """A contact, interiors, or both together.
+    """A contact, interiors, or both together, as they are planned.
+
+    A run makes a contact and interiors of its own: those of the plan only state kernels and prices.
+
+    Parameters
+    ----------
+    model : Model
+    contact : Contact or None
+    interiors : sequence of Interior
+        Some, where there is no contact.
+    directions : str
+        Of ``"xyz"``: along which the displacement of the surfaces by the interiors is needed.
+    """
+
+    settles = True
+    numbers: Sequence[Number] = (*_OF_CONTACT, *_OF_INTERIORS, *_OF_COUPLING, *_OF_LAWS, _PLASTIC_ERROR)
+
+    def __init__(self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str) -> None:
+        self._model, self._directions = model, directions
+        self.numbers = tuple(_numbers(model, contact, interiors, directions))
+        self._parts: tuple[Part, ...] = (*([] if contact is None else [contact]), *interiors)
+        self.name, self.why = self._parts[0].name, self._parts[0].why
+        self.kernels = [kernel for part in self._parts for kernel in part.kernels]
+        self.cost = sum((part.cost for part in self._parts), Cost())
+        self.requires = frozenset() if contact is None else contact.requires
+        lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in directions if interiors}
+        surface = frozenset() if contact is None else contact.fields
+        self.wanted = {**dict.fromkeys(sorted(surface), "every run"), **lifts}
+        self.provides = surface | frozenset(lifts).union(*(interior.remembers for interior in interiors))
+
+    @property
+    def parts(self) -> Sequence[Part]:
+        """See `Block.parts`."""
+        return self._parts
+
+    def start(self, run: Run) -> RunningMechanics:  # noqa: ARG002
+        """See `Block.start`."""
+        contact, interiors = contact_of(self._model), interiors_of(self._model, self._directions)
+        for part in (contact, *interiors):
+            if part is not None:
+                part.start()
+        return RunningMechanics(self._model, contact, interiors, self._directions, by_name(self.numbers))
+
+
+class RunningMechanics:
+    """A contact, interiors, or both together, in one run.
 
     An increment that does not converge is halved; what the first half leaves behind is the start of the second. So is
     one in which cells flow, where `numerics.plastic-error` asks for it: the whole and its halves differ by the error
@@ -40,71 +117,47 @@ class Mechanics(Block):
 
     Parameters
     ----------
+    model : Model
+        Window, numerics and the numbers of its laws.
     contact : Contact or None
+        Started.
     interiors : sequence of Interior
-        Some, where there is no contact.
-    grid : Grid
-        The window.
-    numerics : Numerics
-        Tolerance, and whether contact may reach the edge.
+        Started; others take their place as they grow.
     directions : str
-        Of ``"xyz"``: along which the displacement of the surfaces by the interiors is wanted.
-    numbers : iterable of str
-        Names of the numbers that the laws of the scene give.
+        See `Mechanics`.
+    declared : mapping of str to Number
+        Of `Mechanics.numbers`.
     """
 
-    settles = True
-
     def __init__(
-        self,
-        contact: Contact | None,
-        interiors: Sequence[Interior],
-        grid: Grid,
-        numerics: Numerics,
-        directions: str,
-        numbers: Iterable[str] = (),
-    ) -> None:
-        self._numbers = tuple(numbers)
-        self._contact, self._interiors, self._grid, self._numerics = contact, list(interiors), grid, numerics
+        self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str,
+        declared: Mapping[str, Number],
+    ) -> None:  # fmt: skip
+        self._grid, self._numerics, self._declared = model.grid, model.numerics, declared
+        self._of_laws = tuple(number.name for number in numbers_of_laws(model.laws))
+        self._contact, self._interiors = contact, list(interiors)
         self._directions = directions if interiors else ""
         self._tried: list[Solved] = []
         self._error = 0.0
-        self._coupled = Coupled(contact, self._interiors, numerics, self._directions, grid.shape)
-        parts: list[Part] = [*([] if contact is None else [contact]), *interiors]
-        self._parts = tuple(parts)
-        self.name, self.why = parts[0].name, parts[0].why
-        self.kernels = [kernel for part in parts for kernel in part.kernels]
-        self.cost = sum((part.cost for part in parts), Cost())
-        self.requires = frozenset() if contact is None else contact.requires
-        lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in self._directions}
-        own = frozenset() if contact is None else contact.fields
-        self.wanted = {**dict.fromkeys(sorted(own), "every run"), **lifts}
-        self.provides = own | frozenset(lifts).union(*(interior.remembers for interior in interiors))
+        self._couple()
 
-    @property
-    def parts(self) -> Sequence[Part]:
-        """See `Block.parts`."""
-        return self._parts
-
-    def start(self) -> None:
-        """See `Block.start`."""
-        for part in (self._contact, *self._interiors):
-            if part is not None:
-                part.start()
+    def _couple(self) -> None:
+        """Join the contact and the interiors as they are now."""
+        self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         began = perf_counter()
         found = self._with_enough_cells(step)
         last = found[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
         step.history |= last.remembered
-        spent: dict[str, float] = defaultdict(float)
-        for one in (*found, *self._tried):
-            for name, value in one.scalars.items():
-                spent[name] += value
-        for name in [name for name in spent if name.endswith("residual")]:
-            spent[name] = max(one.scalars[name] for one in found)
+        spent: dict[str, float] = {}
+        for increment in found:
+            accumulate(self._declared, spent, increment.scalars)
+        for increment in self._tried:
+            efforts = {n: value for n, value in increment.scalars.items() if self._declared[n].role == "effort"}
+            accumulate(self._declared, spent, efforts)
         answers = [one.contact for one in found if one.contact is not None]
         if self._contact is not None:
             self._store(step, self._contact, answers)
@@ -117,9 +170,9 @@ class Mechanics(Block):
             sunk = last.displacement["z"]
             step.scalars["max_uplift"] = max(0.0, -float(sunk.min()))
             step.scalars["max_sink"] = max(0.0, float(sunk.max()))
-        if self._numbers:
+        if self._of_laws:
             states = (state for interior in self._interiors for state in interior.states())
-            step.scalars |= dict.fromkeys(self._numbers, 0.0) | measured(states)
+            step.scalars |= dict.fromkeys(self._of_laws, 0.0) | measured(states)
             step.scalars["print_depth"] = step.scalars.get("max_sink", 0.0)
             step.scalars["pile_up"] = step.scalars.get("max_uplift", 0.0)
 
@@ -144,8 +197,7 @@ class Mechanics(Block):
         """Go on with another contact: that of bodies whose layers have worn."""
         contact.start()
         self._contact = contact
-        shape = self._grid.shape
-        self._coupled = Coupled(contact, self._interiors, self._numerics, self._directions, shape)
+        self._couple()
 
     @property
     def softness(self) -> float:
@@ -169,8 +221,7 @@ class Mechanics(Block):
             except Outgrown as short:
                 short.larger.start()
                 self._interiors[self._interiors.index(short.interior)] = short.larger
-                shape = self._grid.shape
-                self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, shape)
+                self._couple()
 
     def _store(self, step: Step, contact: Contact, answers: Sequence[ContactAnswer]) -> None:
         """Fields and scalars of the contact; at the edge of the window it is refused."""
@@ -227,6 +278,24 @@ class Mechanics(Block):
         return found + self._accurate(second, _memory(found), found[-1], None, depth + 1)
 
 
+def _numbers(
+    model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str
+) -> Iterator[Number]:
+    """Scalars of the steps of a scene."""
+    if contact is not None:
+        yield from contact.numbers
+    for interior in interiors:
+        yield from interior.numbers
+    if interiors and "z" in directions:
+        yield from _OF_INTERIORS
+    laws = numbers_of_laws(model.laws)
+    yield from (*laws, *(_OF_LAWS if laws else ()))
+    if contact is not None:
+        yield from (*(_OF_COUPLING if any(interior.responds for interior in interiors) else ()), *_OF_CONTACT)
+    if model.numerics.plastic_error is not None:
+        yield _PLASTIC_ERROR
+
+
 def _memory(found: Sequence[Solved]) -> Any:
     """What the contact needs of increments that are solved."""
     last = found[-1].contact
@@ -255,7 +324,7 @@ def mechanics_of(model: Model) -> Mechanics | None:
     interiors = interiors_of(model, directions)
     if contact is None and not interiors:
         return None
-    return Mechanics(contact, interiors, model.grid, model.numerics, directions, named(model.laws))
+    return Mechanics(model, contact, interiors, directions)
 
 
 def interiors_of(model: Model, directions: str) -> list[Interior]:

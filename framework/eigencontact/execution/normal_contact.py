@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
 from eigencontact.core.grid import Grid
+from eigencontact.core.numbers import Number
 from eigencontact.execution.block import Cost
 from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.increment import Increment
@@ -29,6 +30,7 @@ from eigencontact.solvers.solution import NormalSolution
 
 __all__ = [
     "NORMAL_FIELDS",
+    "NORMAL_NUMBERS",
     "NormalContact",
     "beyond_homogeneous",
     "cell_deflection",
@@ -40,6 +42,33 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 
+#: Scalars of every contact.
+NORMAL_NUMBERS = (
+    Number(name="normal_load", unit="N", meaning="normal load", headline=True),
+    Number(name="approach", unit="m", meaning="approach of distant points", headline=True),
+    Number(name="tilt_x", unit="rad", meaning="tilt about the x axis"),
+    Number(name="tilt_y", unit="rad", meaning="tilt about the y axis"),
+    Number(name="moment_x", unit="N m", meaning="moment about the x axis"),
+    Number(name="moment_y", unit="N m", meaning="moment about the y axis"),
+    Number(
+        name="contact_radius", unit="m", meaning="radius of the circle of equal contact area", headline=True
+    ),
+    Number(
+        name="contact_area", unit="m2", meaning="contact area, corrected for cells cut by the edge of the contact",
+        headline=True,
+    ),
+    Number(name="contact_area_counted", unit="m2", meaning="area of the loaded cells"),
+    Number(name="max_pressure", unit="Pa", meaning="largest contact pressure", headline=True),
+    Number(
+        name="gap_residual", unit="1", meaning="relative gap where there is pressure", role="certificate"
+    ),
+    Number(
+        name="penetration_residual", unit="1", meaning="relative penetration where there is none", role="certificate"
+    ),
+    Number(name="load_residual", unit="1", meaning="relative error of the load", role="certificate"),
+    Number(name="iterations", unit="1", meaning="iterations of the solver", role="effort", over="sum"),
+    Number(name="convolutions", unit="1", meaning="convolutions of the solver", role="effort", over="sum"),
+)  # fmt: skip
 #: Surface fields of every contact.
 NORMAL_FIELDS = frozenset({"pressure", "gap", "displacement_z"})
 
@@ -49,6 +78,7 @@ class NormalContact(Contact):
 
     name, why = "normal-contact", "pressure, contact area, approach"
     fields = NORMAL_FIELDS
+    numbers = NORMAL_NUMBERS
 
     def __init__(self, model: Model) -> None:
         grid, box = model.grid, model.contact_box

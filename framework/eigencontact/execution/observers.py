@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from eigencontact.errors import EigencontactError, PluginError
-from eigencontact.execution.block import Block
+from eigencontact.execution.block import Block, Stateless
 from eigencontact.execution.step import Step
 from eigencontact.model.model import Model
 from eigencontact.plugin import RegionView, RememberedView, StepView
@@ -17,7 +17,7 @@ from eigencontact.results.records import RegionRecord
 __all__ = ["Observe", "observers_of"]
 
 
-class Observe(Block):
+class Observe(Stateless):
     """One observer, which sees what every run of this scene has, and the regions that it asks for."""
 
     def __init__(self, model: Model, number: int, seen: frozenset[str]) -> None:
@@ -30,7 +30,7 @@ class Observe(Block):
         self.provides, self.wanted = frozenset({f"observed:{number}"}), {f"observed:{number}": self.why}
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         known = step.regions | step.looks
         seen = StepView(
             index=step.index,

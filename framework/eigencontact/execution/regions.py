@@ -10,9 +10,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.numbers import Number
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
 from eigencontact.errors import SceneError
-from eigencontact.execution.block import Block, Cost
+from eigencontact.execution.block import Block, Cost, Run, Running
 from eigencontact.execution.precision import Precision
 from eigencontact.execution.step import Step
 from eigencontact.model.kernels import KernelUse
@@ -52,29 +53,55 @@ class Region(Block):
         Nothing causes a field there.
     """
 
+    numbers: Sequence[Number] = (
+        Number(
+            name="max_von_mises", unit="Pa", meaning="largest von Mises stress at the requested points", headline=True,
+            label="largest von Mises stress",
+        ),
+        Number(
+            name="max_von_mises_depth", unit="m", meaning="depth of the largest von Mises stress", headline=True,
+            label="  at depth",
+        ),
+    )  # fmt: skip
+
     def __init__(self, model: Model, request: StressRequest, asker: str = "") -> None:
+        self.numbers = Region.numbers if not asker and "stress" in request.fields else ()
         self._request, self._lattice, label = request, region_lattice(request, model.grid), request.label
-        self._model, self._bodies = model, model.bodies
+        self._model = model
         self.name = f"stress-{label}"
         self._stored = not asker
         self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
         self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self._stored else {}
-        self._causes = list(_causes(model, request, self._lattice))
-        if not self._causes:
+        causes = list(_causes(model, request, self._lattice))
+        if not causes:
             raise SceneError(
                 f"stress region {label!r} must lie in a body with eigenstrain (body{request.body} has none, "
                 "and there is no contact); set body"
             )
-        self.requires = frozenset().union(*(cause.requires for cause in self._causes))
-        self.kernels = [kernel for cause in self._causes for kernel in cause.kernels]
-        self._note = "; ".join(cause.note for cause in self._causes if cause.note)
+        self.requires = frozenset().union(*(cause.requires for cause in causes))
+        self.kernels = [kernel for cause in causes for kernel in cause.kernels]
+        self._note = "; ".join(cause.note for cause in causes if cause.note)
         self.why += f"; {self._note}" if self._note else ""
-        self.cost = sum((cause.cost for cause in self._causes), Cost())
-        self.precisions = [precision for cause in self._causes for precision in cause.precisions]
+        self.cost = sum((cause.cost for cause in causes), Cost())
+        self.precisions = [precision for cause in causes for precision in cause.precisions]
+
+    def start(self, run: Run) -> Running:  # noqa: ARG002
+        """See `Block.start`."""
+        return _Evaluated(self._model, self._request, self._lattice, self._note, stored=self._stored)
+
+
+class _Evaluated:
+    """Fields of a region in one run, with causes that hold operators."""
+
+    def __init__(
+        self, model: Model, request: StressRequest, lattice: RegionLattice, note: str, *, stored: bool
+    ) -> None:
+        self._model, self._request, self._lattice, self._note, self._stored = model, request, lattice, note, stored
+        self._bodies, self._causes = model.bodies, list(_causes(model, request, lattice))
 
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
+        """See `Running.advance`."""
         fields: dict[str, FloatArray] = {}
         if step.bodies is not None and step.bodies != self._bodies:
             self._bodies = step.bodies

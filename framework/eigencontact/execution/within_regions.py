@@ -12,17 +12,17 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
 from eigencontact.execution.cell_strain import fractions_in, place_in
+from eigencontact.execution.material_cells import is_empty, uniform_elasticity
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.plugin import LinearLaw, VariesInSpace
 from eigencontact.solvers.cell_conditions import compliance
 
 if TYPE_CHECKING:
     from eigencontact.solvers.within_cells import WithinCells
 
-__all__ = ["empty_points", "is_empty", "read_by_own_laws", "rises", "whole_cells"]
+__all__ = ["empty_points", "read_by_own_laws", "rises", "whole_cells"]
 
 #: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.material_cells`.
 _LEAST = 1e-3
@@ -32,17 +32,6 @@ _SOFTER = 1.0 - 1e-9
 
 FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
-
-
-def _has_one_stiffness(source: Inhomogeneity) -> bool:
-    """Whether a region is elastic with the same constants all over."""
-    return isinstance(source.law, LinearLaw) and not isinstance(source.law, VariesInSpace)
-
-
-def is_empty(source: Inhomogeneity) -> bool:
-    """Whether a region carries no stress at all."""
-    law = source.law  # the factors are bounded for every material; a rigid one has no stiffness to ask for
-    return _has_one_stiffness(source) and not np.any(law.factors(1.0)[1])  # type: ignore[attr-defined]
 
 
 def rises(model: Model, body: int) -> bool:
@@ -63,7 +52,7 @@ def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, poin
         share = fractions_in(source, source.shape, grid)
         part = out[place_in(box, source.lattice)]
         part[share > _LEAST] = 0
-        if _has_one_stiffness(source):
+        if uniform_elasticity(source) is not None:
             part[share > 1.0 - _LEAST] = number
     return out
 
@@ -115,10 +104,11 @@ def read_by_own_laws(
 
 def _softer(source: Inhomogeneity, matrix: Material) -> FloatArray | None:
     """Mandel stiffness of a region of one stiffness and prestrain if it is softer than the body, else None."""
-    if not (_has_one_stiffness(source) and source.field.uniform):
+    law = uniform_elasticity(source)
+    if law is None or not source.field.uniform:
         return None
     try:
-        stiffness = source.law.stiffness_matrix()  # type: ignore[attr-defined]
+        stiffness = law.stiffness_matrix()
     except SceneError:  # it is not finite
         return None
     ratios = np.linalg.eigvals(stiffness @ compliance(matrix)).real

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.core.html_table import html_table
+from eigencontact.core.numbers import Number
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
 from eigencontact.library import field_points, installed_plugins
@@ -27,12 +28,6 @@ __all__ = ["ContactResult"]
 FloatArray = NDArray[np.float64]
 
 _HERE = "ContactResult"
-#: Numbers of a contact in the order of a table.
-_SHOWN = (
-    ("load", "normal_load"), ("approach", "approach"), ("contact radius", "contact_radius"),
-    ("contact area", "contact_area"), ("largest pressure", "max_pressure"), ("tangential load", "tangential_load"),
-    ("slipping share", "slip_fraction"),
-)  # fmt: skip
 _STRESS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
@@ -52,7 +47,7 @@ class ContactResult:
     >>> ball = ec.make("sphere", radius="105 um")
     >>> found = ec.solve_contact(ball, ec.HalfSpace("210 GPa", 0.3), load=["0.3 N", "0.65 N"])
     >>> found
-    ContactResult(load 650 mN, approach 348.97 nm, contact radius 6.0393 um, largest pressure 8.468 GPa, step 2 of 2)
+    ContactResult(normal load 650 mN, approach 348.97 nm, contact radius 6.0393 um, max pressure 8.468 GPa, step 2 of 2)
     >>> round(found.at(1).load, 6)
     0.3
     """
@@ -295,13 +290,12 @@ class ContactResult:
         return (self.steps if self._wanted is None else self._wanted) - 1
 
     def _rows(self) -> list[tuple[str, str]]:
-        data = self.dataset
-        return [
-            (words, readable(value, unit.replace("m2", "m^2")) if unit != "1" else f"{value:.3g}")
-            for words, name in _SHOWN
-            if name in data and np.isfinite(value := self._number(name))
-            for unit in [str(data[name].attrs["units"])]
-        ]
+        rows = []
+        for name, number in ((name, Number(**table)) for name, table in self.summary["numbers"].items()):
+            if number.headline and name in self.dataset and np.isfinite(value := self._number(name)):
+                unit = number.unit.replace("m2", "m^2")
+                rows.append((number.words, f"{value:.3g}" if unit == "1" else readable(value, unit)))
+        return rows
 
     def __repr__(self) -> str:
         rows = [f"{words} {value}" for words, value in self._rows() if words != "contact area"]

@@ -64,7 +64,7 @@ def add_module(registry: Registry, module: Any, package: str, version: str) -> N
 
 def _manager() -> pluggy.PluginManager:
     manager = pluggy.PluginManager(hookspecs.NAMESPACE)
-    manager.add_hookspecs(hookspecs.specifications())
+    manager.add_hookspecs(hookspecs)
     return manager
 
 
@@ -86,11 +86,10 @@ def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, pa
 
 
 def _classes(manager: pluggy.PluginManager, module: Any) -> list[type]:
-    """What the hook of a module returns, and what its hooks of old names do."""
+    """Classes that the hook of a module returns."""
     found = [
         component
-        for name in (hookspecs.HOOK, *hookspecs.OLD_HOOKS)
-        for implementation in getattr(manager.hook, name).get_hookimpls()
+        for implementation in getattr(manager.hook, hookspecs.HOOK).get_hookimpls()
         if implementation.plugin is module
         for component in implementation.function()
     ]

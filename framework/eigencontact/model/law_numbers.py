@@ -7,27 +7,26 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.quantities import Quantity
+from eigencontact.core.numbers import Number, by_name
 from eigencontact.plugin import ConstitutiveLaw
 
-__all__ = ["measured", "named"]
+__all__ = ["measured", "numbers_of_laws"]
 
 FloatArray = NDArray[np.float64]
 
 
-def named(laws: Iterable[ConstitutiveLaw]) -> dict[str, Quantity]:
-    """Unit and meaning of every number of some laws, by name."""
-    found = {}
-    for law in laws:
-        for variable in law.variables.values():
-            if variable.largest:
-                found[variable.largest] = Quantity(variable.unit, f"largest {variable.meaning}")
-            if variable.extent:
-                found[variable.extent] = Quantity("m3", f"volume with {variable.meaning}")
-            if variable.total:
-                name, unit = variable.total
-                found[name] = Quantity(unit, f"{variable.meaning} of all bodies")
-    return found
+def numbers_of_laws(laws: Iterable[ConstitutiveLaw]) -> tuple[Number, ...]:
+    """Numbers of some laws: largest values, volumes and integrals of their variables."""
+    listed: list[Number] = []
+    for variable in (variable for law in laws for variable in law.variables.values()):
+        if variable.largest:
+            listed.append(Number(name=variable.largest, unit=variable.unit, meaning=f"largest {variable.meaning}"))
+        if variable.extent:
+            listed.append(Number(name=variable.extent, unit="m3", meaning=f"volume with {variable.meaning}"))
+        if variable.total:
+            name, unit = variable.total
+            listed.append(Number(name=name, unit=unit, meaning=f"{variable.meaning} of all bodies"))
+    return tuple(by_name(listed).values())
 
 
 def measured(states: Iterable[tuple[ConstitutiveLaw, Mapping[str, FloatArray], float]]) -> dict[str, float]:

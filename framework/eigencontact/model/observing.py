@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from eigencontact.core.numbers import Number
 from eigencontact.errors import PluginError, SceneError
 from eigencontact.plugin import Observer
 from eigencontact.scene.schema import Scene, StressRequest
@@ -34,9 +35,15 @@ class Observing:
     asked: Mapping[str, StressRequest]
 
     @property
-    def units(self) -> dict[str, str]:
-        """Units of its numbers, by the names under which they are stored."""
-        return {f"{self.prefix}_{name}": unit for name, unit in self.observer.units.items()}
+    def numbers(self) -> list[Number]:
+        """Its numbers, by the names under which they are stored."""
+        return [
+            Number(
+                name=f"{self.prefix}_{name}", unit=unit, meaning=f"{name} by observer {self.key!r}", headline=True,
+                label=f"{self.key}: {name.replace('_', ' ')}",
+            )
+            for name, unit in self.observer.units.items()
+        ]  # fmt: skip
 
 
 def observing(scene: Scene, observers: Sequence[Observer]) -> tuple[Observing, ...]:

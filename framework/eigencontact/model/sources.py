@@ -15,7 +15,7 @@ from eigencontact.core.material import Material
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
-from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape, OfBody
+from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import EigenstrainPatch, eigenstrain_table
 from eigencontact.scene.schema import Scene
@@ -248,14 +248,11 @@ def _field(registry: Registry, table: Mapping[str, Any], where: str) -> Eigenstr
 def build_law(registry: Registry, table: Mapping[str, Any], where: str, body: object) -> ConstitutiveLaw:
     """Law of a table, in a body; a law names itself in its errors, its place in the scene is put before it."""
     try:
-        law: Any = build_component(registry, "constitutive-law", table, where)
+        law: ConstitutiveLaw = build_component(registry, "constitutive-law", table, where)
     except SceneError as problem:
         text = str(problem)
         raise SceneError(text if where in text else f"{where}: {text}") from None
-    if isinstance(law, OfBody) and isinstance(body, Material):
-        law = law.of_body(body.young_modulus, body.poisson_ratio)
-    found: ConstitutiveLaw = law
-    return found
+    return law.of_body(body.young_modulus, body.poisson_ratio) if isinstance(body, Material) else law
 
 
 def _patch(patch: EigenstrainPatch, grid: Grid | None, where: str) -> Patch:

@@ -32,10 +32,7 @@ from eigencontact.plugin import (
     Geometry,
     InclusionShape,
     LawStep,
-    LinearLaw,
-    NonLocal,
     SurfaceInfluence,
-    VariesInSpace,
 )
 from eigencontact.scene.components import build_component
 from eigencontact.scene.schema import Scene
@@ -135,7 +132,7 @@ def yielding_bodies(
 def _refuse(law: ConstitutiveLaw, scene: Scene, where: str) -> None:
     """Refuse laws and scenes that a body cannot have."""
     rule = "of a material that yields or degrades: one that is elastic has young-modulus and poisson-ratio"
-    require(not isinstance(law, LinearLaw | VariesInSpace), where, "type", law.key, rule)
+    require(not law.linear, where, "type", law.key, rule)
     if not scene.geometry:
         raise SceneError(
             f"{where} must be left out without a contact (got {law.key!r}); give an inclusion with this material"
@@ -220,8 +217,7 @@ def _box_where(
         box = _around([box, *(held for shape in beside if (held := _held(shape, far)))]) or box
     low, high = box
     margin = room * (high - low)
-    if isinstance(trial.law, NonLocal):
-        margin += max(trial.law.averaged.values(), default=0.0)
+    margin += max(trial.law.averaged.values(), default=0.0)
     (x0, y0, _), (x1, y1, depth) = low - margin, high + margin
     return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth))))
 

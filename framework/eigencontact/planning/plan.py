@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from eigencontact.core.cautions import Caution
+from eigencontact.core.numbers import Number, by_name
 from eigencontact.execution.block import Block, Cost, Part
 from eigencontact.execution.precision import Precision
 from eigencontact.model.kernels import KernelUse
@@ -53,6 +54,11 @@ class Plan(Model):
     def kernels(self) -> list[KernelUse]:
         """Every influence coefficient that will be built."""
         return [kernel for block in self.blocks for kernel in block.kernels]
+
+    @property
+    def numbers(self) -> dict[str, Number]:
+        """Every scalar that a step may have, by name, in order of execution."""
+        return by_name(number for block in self.blocks for number in block.numbers)
 
     @property
     def precisions(self) -> list[Precision]:

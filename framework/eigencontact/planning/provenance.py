@@ -29,7 +29,6 @@ def run_info(plan: Plan) -> RunInfo:
 
     from eigencontact.core.material import contact_modulus
     from eigencontact.model.bodies import layered_bodies, layers_as_data, without_layers
-    from eigencontact.model.law_numbers import named
     from eigencontact.planning.explain import references, told
     from eigencontact.plugin import LayeredMedium
 
@@ -58,8 +57,8 @@ def run_info(plan: Plan) -> RunInfo:
             for number, body in enumerate(plan.bodies, 1)
             if isinstance(body, LayeredMedium)
         },
-        numbers=named(plan.laws),
-        observed_units={name: unit for one in plan.observers for name, unit in one.units.items()},
+        numbers=plan.numbers,
+        observed={number.name: number for observer in plan.observers for number in observer.numbers},
         every_history=plan.scene.output.history == "all",
         plan=asdict(told(plan)),
     )

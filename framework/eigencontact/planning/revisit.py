@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from eigencontact.errors import ResultsError, SceneError, shown
+from eigencontact.execution.block import Run
 from eigencontact.execution.regions import Region
 from eigencontact.execution.step import Step
 from eigencontact.hooks.registry import OF_FILE, Registry
@@ -136,8 +137,7 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
         )  # fmt: skip
         raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){kept}")
     seen = Step(index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history))
-    block.start()
-    block.advance(seen)
+    Run().started(block.start).advance(seen)
     scalars = {**record.scalars, **seen.scalars}
     return replace(record, scalars=scalars, fields={}, regions=seen.regions, observed={}, history={})
 

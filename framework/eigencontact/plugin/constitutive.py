@@ -18,13 +18,9 @@ __all__ = [
     "HasCellAnswer",
     "LawStep",
     "LinearLaw",
-    "MadeOfLaws",
-    "NonLocal",
-    "OfBody",
     "Response",
     "Surroundings",
     "Variable",
-    "VariesInSpace",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -77,8 +73,8 @@ class LawStep:
     time, duration : float
         End of the load increment, in load steps (1 ends the first), and its length.
     means : mapping of str to (components, n) float64
-        Of the variables that a `NonLocal` law averages: the means about each point, at the end of the increment. Empty
-        where there is no neighbourhood; a point then stands for its own.
+        Mean about each point of the variables that `ConstitutiveLaw.averaged` names, at the end of the increment. Empty
+        where there is no neighbourhood: the value of the point itself then counts.
 
     Examples
     --------
@@ -180,6 +176,55 @@ class ConstitutiveLaw(Component, ABC):
             Points that soften so fast that a strain has several answers; `NotConverged` for other reasons.
         """
 
+    def of_body(self, young_modulus: float, poisson_ratio: float) -> ConstitutiveLaw:  # noqa: ARG002
+        """Law in a body of these constants [Pa], [-]; constants that the law states stay. By default the law itself."""
+        return self
+
+    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> ConstitutiveLaw:  # noqa: ARG002
+        """Law of the points x, y, z, each ``(n,)`` [m], whose constants depend on the place; by default the law itself.
+
+        The law that is returned is asked for those points only, in that order.
+        """
+        return self
+
+    def laws_at(
+        self, x: FloatArray, y: FloatArray, z: FloatArray  # noqa: ARG002
+    ) -> Sequence[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:  # fmt: skip
+        """Laws that a composite is made of, and which of the points ``(n,)`` [m] have each: every point has one."""
+        return [(self, np.ones(np.shape(z), dtype=bool))]
+
+    @property
+    def averaged(self) -> Mapping[str, float]:
+        """Radius R [m] of the neighbourhood of each variable that acts by its mean; none by default.
+
+        Where a material softens, strain localises in one layer of cells, however thin, unless the law has a length. The
+        mean over all points q of the same material about a point p is ``sum w(|p - q|) v(q) / sum w(|p - q|)`` with the
+        bell ``w(r) = (1 - r²/R²)²`` for r < R: a constant keeps its value up to surfaces and interfaces, and as the
+        weights are constant the mean of a variable that never falls never falls.
+
+        The means are unknowns of the step like the eigenstrain, and are solved for together with it: a law uses
+        `LawStep.means` as given, in its tangent too, and returns variables of which the next means are computed. At
+        the end both agree to the tolerance of the scene.
+
+        References
+        ----------
+        G. Pijaudier-Cabot, Z. P. Bazant 1987, J. Eng. Mech. 113, 1512; Z. P. Bazant, M. Jirasek 2002, J. Eng. Mech.
+        128, 1119.
+        """
+        return {}
+
+    @property
+    def linear(self) -> bool:
+        """Whether the law is elastic, with constants that may depend on the place."""
+        origin = np.zeros(1)
+        return isinstance(self.at(origin, origin, origin), LinearLaw)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the constants depend on the place, or differ between the laws of a composite."""
+        kind = type(self)
+        return kind.at is not ConstitutiveLaw.at or kind.laws_at is not ConstitutiveLaw.laws_at
+
     @property
     def words(self) -> str:
         """What a region of it is made of, for `explain`: "cells of ..."."""
@@ -228,60 +273,6 @@ class LinearLaw(ConstitutiveLaw):
             return Response(stress=stiffness @ strain, tangent=stiffness)
         tangent = np.ascontiguousarray(np.moveaxis(stiffness, 0, 2))
         return Response(stress=np.einsum("ijn,jn->in", tangent, strain), tangent=tangent)
-
-
-@runtime_checkable
-class VariesInSpace(Protocol):
-    """Optional ability of a law: its constants depend on the place."""
-
-    def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> ConstitutiveLaw:
-        """Law of the points x, y, z, each ``(n,)`` [m]: whatever it answers is for those, in that order."""
-        ...
-
-
-@runtime_checkable
-class MadeOfLaws(Protocol):
-    """Optional ability of a law: it is other laws, each at places of its own. Solvers then ask those."""
-
-    def laws_at(
-        self, x: FloatArray, y: FloatArray, z: FloatArray
-    ) -> Sequence[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
-        """Laws, and which of the points x, y, z, each ``(n,)`` [m], have them: every point one."""
-        ...
-
-
-@runtime_checkable
-class OfBody(Protocol):
-    """Optional ability of a law: constants that it lacks are those of the body."""
-
-    def of_body(self, young_modulus: float, poisson_ratio: float) -> ConstitutiveLaw:
-        """Law in a body of these constants [Pa], [-]; what is given in the law stays."""
-        ...
-
-
-@runtime_checkable
-class NonLocal(Protocol):
-    """Optional ability of a law: some of what a point remembers acts by its mean over a neighbourhood.
-
-    Where a material softens, strain gathers in one layer of cells, however thin, unless something has a length. The
-    mean over all points q of the same material about a point p is ``sum w(|p - q|) v(q) / sum w(|p - q|)`` with the
-    bell ``w(r) = (1 - r²/R²)²`` for r < R: a constant keeps its value up to surfaces and interfaces, and as the weights
-    are constant the mean of what never falls never falls.
-
-    The means are unknowns of the step like the eigenstrain, and are found together with it: a law takes those in
-    `LawStep.means` as they are, its tangent too, and answers with variables of which the next means are taken. At the
-    end both agree to the tolerance of the scene, so that nothing is staggered.
-
-    References
-    ----------
-    G. Pijaudier-Cabot, Z. P. Bazant 1987, J. Eng. Mech. 113, 1512; Z. P. Bazant, M. Jirasek 2002, J. Eng. Mech. 128,
-    1119.
-    """
-
-    @property
-    def averaged(self) -> Mapping[str, float]:
-        """Radius R [m] for each variable that is averaged: numbers of the order of a strain; may be empty."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

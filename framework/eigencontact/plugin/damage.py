@@ -61,7 +61,7 @@ class DamageLaw(Component, ABC):
         """
 
     def averaged(self, name: str) -> dict[str, float]:
-        """What `NonLocal.averaged` of a material says whose variable `name` drives the damage.
+        """`ConstitutiveLaw.averaged` of a material whose variable `name` drives the damage.
 
         Raises
         ------

@@ -7,21 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from eigencontact.results.layout import SCALARS
+from eigencontact.core.numbers import Number
 from eigencontact.viz.style import Scale, scale_for
 
 if TYPE_CHECKING:
     from eigencontact.results.stored import Results
 
-__all__ = ["EFFORT", "Column", "columns", "is_certificate", "telling"]
+__all__ = ["Column", "columns", "telling"]
 
-#: Numbers that say what the steps took.
-EFFORT = (
-    *("iterations", "convolutions", "tangential_convolutions", "coupling_rounds", "coupling_iterations"),
-    *("inclusion_iterations", "substeps", "solve_seconds"),
-)
-#: Numbers that say how good the others are, beside the residuals.
-_ERRORS = ("wear_error", "update_error", "wear_lag", "layer_error", "plastic_error")
 #: Below these parts of the largest load, of that times the contact radius, and of that radius, forces, moments and
 #: lengths are round-off. Solvers balance moments to their tolerance only; friction and wear may be very small.
 _ROUND_OFF, _MOMENT, _LENGTH = 1e-9, 1e-6, 1e-12
@@ -33,18 +26,29 @@ class Column:
 
     Attributes
     ----------
-    name : str
-        As in ``summary.json`` and ``results.nc``.
-    meaning, unit : str
-        In words; SI.
+    number : Number
+        Declaration.
     values : list of float or None
         By step; None where a step has none.
     """
 
-    name: str
-    meaning: str
-    unit: str
+    number: Number
     values: list[float | None]
+
+    @property
+    def name(self) -> str:
+        """As in ``summary.json`` and ``results.nc``."""
+        return self.number.name
+
+    @property
+    def meaning(self) -> str:
+        """In words."""
+        return self.number.meaning
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.number.unit
 
     @cached_property
     def scale(self) -> Scale:
@@ -87,27 +91,16 @@ class Column:
 
 
 def columns(dataset: Results) -> list[Column]:
-    """Every number that some step has, in the order of the vocabulary, those of laws and observers after them."""
-    found = []
+    """Every number that some step has, in the order of the blocks that compute them, those of observers at the end."""
+    listed = []
     for name, variable in dataset.data_vars.items():
-        role = variable.attrs.get("role")
-        if role not in ("scalar", "observed"):
-            continue
-        values = [float(value) if math.isfinite(value) else None for value in variable.values]
-        if all(value is None for value in values):
-            continue
-        meaning = str(variable.attrs["long_name"])
-        if role == "observed":
-            meaning = "by an observer of the scene"
-        found.append(Column(str(name), meaning, str(variable.attrs["units"]), values))
-    order = list(SCALARS)
-    found.sort(key=lambda column: order.index(column.name) if column.name in order else len(order))
-    return found
-
-
-def is_certificate(name: str) -> bool:
-    """Whether a number says how good others are."""
-    return name.endswith("_residual") or name in _ERRORS
+        attrs = variable.attrs
+        if attrs.get("role") in ("scalar", "observed"):
+            values = [float(value) if math.isfinite(value) else None for value in variable.values]
+            if any(value is not None for value in values):
+                place = (attrs["role"] == "observed", int(attrs.get("rank", 0)), str(name))
+                listed.append((place, Column(Number.of_attributes(str(name), attrs), values)))
+    return [column for _, column in sorted(listed, key=lambda item: item[0])]
 
 
 def telling(found: list[Column]) -> list[Column]:
@@ -118,7 +111,6 @@ def telling(found: list[Column]) -> list[Column]:
     return [
         column
         for column in found
-        if not is_certificate(column.name)
-        and column.name not in EFFORT
+        if column.number.role == "result"
         and largest[column.name] > least.get(column.unit, 0.0)
     ]

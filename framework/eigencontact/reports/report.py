@@ -108,7 +108,7 @@ def _content(source: Source) -> dict[str, Any]:
     """Everything that the template shows."""
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations
-    from eigencontact.reports.columns import EFFORT, columns, is_certificate, telling
+    from eigencontact.reports.columns import columns, telling
     from eigencontact.reports.pictures import animation_of, pictures_of
     from eigencontact.reports.surfaces import surfaces
     from eigencontact.results.cycles import skips_cycles
@@ -126,8 +126,8 @@ def _content(source: Source) -> dict[str, Any]:
         "rows": _rows(len(source.steps)),
         "numbers": numbers,
         "work_name": "wear_energy" if skips_cycles(history_of(source.dataset)) else "dissipated_energy",
-        "certificates": [column for column in found if is_certificate(column.name)],
-        "effort": [column for column in found if column.name in EFFORT],
+        "certificates": [column for column in found if column.number.role in ("certificate", "error")],
+        "effort": [column for column in found if column.number.role == "effort"],
         "charts": [
             (column, chart(column, source.steps), in_words(column, source.steps))
             for column in numbers

@@ -8,9 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from eigencontact.core.numbers import Number
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, reason
-from eigencontact.results.layout import SCALARS
 from eigencontact.results.ownership import RESULTS, SUMMARY, is_ours
 
 __all__ = ["Sweep", "content_of", "open_sweep"]
@@ -107,15 +107,13 @@ def content_of(sweep: Sweep) -> dict[str, Any]:
     from eigencontact.reports.columns import Column, telling
     from eigencontact.reports.pictures import read_pictures
 
-    names = list(dict.fromkeys(name for summary in sweep.summaries for name in summary.get("units", {})))
-    units = {name: unit for summary in sweep.summaries for name, unit in summary.get("units", {}).items()}
+    declared = {name: table for summary in sweep.summaries for name, table in summary.get("numbers", {}).items()}
     every = []
-    for name in names:
+    for name, table in declared.items():
         values = [_number(summary, name) for summary in sweep.summaries]
         if any(value is not None for value in values):
-            meaning = SCALARS[name].long_name if name in SCALARS else "of a law or an observer"
-            every.append(Column(name, meaning, units[name], values))
-    numbers = telling([column for column in every if column.name != "peak_memory_bytes"])
+            every.append(Column(Number(**table), values))
+    numbers = telling(every)
     drawn = {column.name: column.meaning for column in every if (sweep.folder / f"{column.name}.png").is_file()}
     against = ", ".join(sweep.vary)
     captions = {f"{name}.png": f"{words[:1].upper()}{words[1:]} against {against}." for name, words in drawn.items()}

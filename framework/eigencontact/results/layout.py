@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.numbers import Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import ResultsError
@@ -27,84 +28,11 @@ if TYPE_CHECKING:
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
 __all__ = [
-    "AXES", "FORMAT", "RENAMED", "SCALARS", "TEXT", "Variable", "attributes", "axis_attributes", "described",
-    "variables",
+    "AXES", "FORMAT", "TEXT", "Variable", "attributes", "axis_attributes", "described", "variables",
 ]  # fmt: skip
 
 #: Value of the attribute ``format`` of every file of this layout.
 FORMAT = "eigencontact-results-1"
-
-#: Scalars of a step: unit and meaning.
-SCALARS: dict[str, Quantity] = {
-    "normal_load": Quantity("N", "normal load"),
-    "approach": Quantity("m", "approach of distant points"),
-    "tilt_x": Quantity("rad", "tilt about the x axis"),
-    "tilt_y": Quantity("rad", "tilt about the y axis"),
-    "moment_x": Quantity("N m", "moment about the x axis"),
-    "moment_y": Quantity("N m", "moment about the y axis"),
-    "travel_x": Quantity("m", "place of the geometry along x"),
-    "travel_y": Quantity("m", "place of the geometry along y"),
-    "contact_area": Quantity("m2", "contact area, corrected for cells cut by the edge of the contact"),
-    "contact_area_counted": Quantity("m2", "area of the loaded cells"),
-    "contact_radius": Quantity("m", "radius of the circle of equal contact area"),
-    "max_pressure": Quantity("Pa", "largest contact pressure"),
-    "tangential_load_x": Quantity("N", "tangential load along x, on body 1"),
-    "tangential_load_y": Quantity("N", "tangential load along y, on body 1"),
-    "tangential_load": Quantity("N", "tangential load, magnitude"),
-    "shift_x": Quantity("m", "shift of body 2 against body 1 along x"),
-    "shift_y": Quantity("m", "shift of body 2 against body 1 along y"),
-    "shift_magnitude": Quantity("m", "shift, magnitude"),
-    "torsion_moment": Quantity("N m", "torsion moment about the z axis, on body 1"),
-    "twist": Quantity("rad", "twist of body 2 against body 1 about the z axis, from x to y"),
-    "stick_radius": Quantity("m", "radius of the circle of equal stick area"),
-    "slip_fraction": Quantity("1", "slipping part of the contact area"),
-    "dissipated_energy": Quantity("J", "work of friction so far in the increments that are solved"),
-    "worn_volume": Quantity("m3", "volume that both bodies have lost"),
-    "max_worn_depth": Quantity("m", "largest depth that both bodies together have lost"),
-    "cycles": Quantity("1", "cycles done, those between solved ones included"),
-    "jump_cycles": Quantity("1", "cycles that the last solved one stands for"),
-    "wear_energy": Quantity("J", "work of friction that wore, that of cycles between solved ones included"),
-    "wear_error": Quantity(
-        "1", "estimated error of the worn volume by jumps over cycles and by surfaces that move once a cycle, relative"
-    ),
-    "update_error": Quantity(
-        "1", "the part of it by surfaces that move once a cycle; negative where they lose too little"
-    ),
-    "wear_lag": Quantity("1", "pressure of the step less that by which it slid to it, summed over the cells, relative"),
-    "layer_lost_1": Quantity("m", "depth that the layers of body 1 have lost in the kernels"),
-    "layer_lost_2": Quantity("m", "depth that the layers of body 2 have lost in the kernels"),
-    "layer_error": Quantity("1", "largest difference of the answers of the most and the least worn column, relative"),
-    "energy_volume_residual": Quantity("1", "worn volume less that by the work of friction, relative"),
-    "max_von_mises": Quantity("Pa", "largest von Mises stress at the requested points"),
-    "max_von_mises_depth": Quantity("m", "depth of the largest von Mises stress"),
-    "max_uplift": Quantity("m", "largest uplift of the surface by eigenstrain, out of the body"),
-    "max_sink": Quantity("m", "largest sinking of the surface by eigenstrain, into the body"),
-    "print_depth": Quantity("m", "depth of the print that what the bodies remember makes in the surfaces"),
-    "pile_up": Quantity("m", "height of the wall that what the bodies remember makes on the surfaces"),
-    "iterations": Quantity("1", "iterations of the solver"),
-    "convolutions": Quantity("1", "convolutions of the solver"),
-    "solve_seconds": Quantity("s", "wall time of the solver"),
-    "gap_residual": Quantity("1", "relative gap where there is pressure"),
-    "penetration_residual": Quantity("1", "relative penetration where there is none"),
-    "load_residual": Quantity("1", "relative error of the load"),
-    "bound_residual": Quantity("1", "relative excess of the shear over its bound"),
-    "stick_residual": Quantity("1", "relative slip of sticking cells"),
-    "alignment_residual": Quantity("1", "relative slip across the shear, or along it, of slipping cells"),
-    "coupling_residual": Quantity("1", "last change of the displacement that joins what is solved in turn, relative"),
-    "coupling_iterations": Quantity("1", "rounds of contact and inhomogeneities until they agreed"),
-    "inclusion_iterations": Quantity("1", "iterations for the equivalent eigenstrain, over all rounds"),
-    "inclusion_residual": Quantity("1", "relative residual of the equivalent eigenstrain"),
-    "law_residual": Quantity("1", "largest misfit of stress and strain to the law of a cell, by the largest stress"),
-    "tangential_convolutions": Quantity("1", "convolutions of the tangential operator"),
-    "coupling_rounds": Quantity("1", "normal and tangential solves until they agreed"),
-    "plastic_error": Quantity(
-        "1", "estimated error of the strain of cells that flow, by halving, in parts of the load's"
-    ),
-    "substeps": Quantity("1", "increments that the step was cut into, to converge or for the accuracy asked for"),
-}
-
-#: Names that variables of earlier versions have now. ``dataset.shift`` is a method of xarray.
-RENAMED = {"shift": "shift_magnitude"}
 
 #: Coordinates: unit and meaning.
 AXES = {
@@ -236,14 +164,13 @@ def _surface(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
 
 
 def _scalars(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
-    known = SCALARS | info.numbers
-    for name, value in record.scalars.items():
-        attrs = {**described("scalar", known.get(name, Quantity("unknown", name))), "coordinates": "time"}
-        yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
-    for name, value in record.observed.items():
-        meaning = Quantity(info.observed_units.get(name, "unknown"), f"{name} as returned by its observer, SI units")
-        attrs = {**described("observed", meaning), "coordinates": "time"}
-        yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
+    listed = (("scalar", record.scalars, info.numbers), ("observed", record.observed, info.observed))
+    for role, values, numbers in listed:
+        ranks = {name: rank for rank, name in enumerate(numbers)}
+        for name, value in values.items():
+            number = numbers.get(name) or Number(name=name, unit="unknown", meaning=name)
+            attrs = {"role": role, "rank": ranks.get(name, len(ranks)), **number.attributes(), "coordinates": "time"}
+            yield Variable(name=name, dims=("step",), values=np.array([float(value)]), attrs=attrs)
 
 
 def _region(name: str, region: RegionRecord) -> Iterator[Variable]:

@@ -19,7 +19,7 @@ from zlib import crc32
 import numpy as np
 
 from eigencontact.results.atomic import open_hdf5
-from eigencontact.results.layout import RENAMED, TEXT
+from eigencontact.results.layout import TEXT
 
 if TYPE_CHECKING:
     from io import BufferedReader
@@ -120,8 +120,7 @@ def _read(file: BufferedReader) -> Part:
         dtype = TEXT if item["dtype"] == "text" else np.dtype(item["dtype"])
         values = item.get("values")
         read = partial(_array, file, at, item) if values is None else partial(np.array, values, dtype)
-        name = RENAMED.get(item["name"], item["name"])
-        arrays[name] = Stored(attrs=item["attrs"], shape=tuple(item["shape"]), dtype=dtype, read=read)
+        arrays[item["name"]] = Stored(attrs=item["attrs"], shape=tuple(item["shape"]), dtype=dtype, read=read)
         at += item.get("bytes", 0)
     return Part(found["attrs"], arrays)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from eigencontact.errors import ResultsError, shown
 from eigencontact.results.atomic import DAMAGE, reason
-from eigencontact.results.layout import FORMAT, RENAMED
+from eigencontact.results.layout import FORMAT
 from eigencontact.results.ownership import RESULTS, STEPS
 
 if TYPE_CHECKING:
@@ -48,12 +48,7 @@ def open_results(path: str | Path) -> xr.Dataset:
             f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
         ) from error
     refuse_damaged(dataset, file)
-    earlier = {name: now for name, now in RENAMED.items() if name in dataset}
-    if not earlier:
-        return dataset
-    renamed = dataset.rename(earlier)
-    renamed.set_close(dataset.close)
-    return renamed
+    return dataset
 
 
 def refuse_damaged(dataset: xr.Dataset | _Stored, file: Path) -> None:

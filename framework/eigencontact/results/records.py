@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.core.quantities import Quantity
+from eigencontact.core.numbers import Number
 
 __all__ = ["HistoryRecord", "RegionRecord", "RunInfo", "StepRecord"]
 
@@ -94,7 +94,7 @@ class StepRecord:
         ``iterations``, ``convolutions``, ``solve_seconds``, ``gap_residual`` [-], ``penetration_residual`` [-],
         ``load_residual`` [-] of a contact; with stresses ``max_von_mises`` [Pa] and ``max_von_mises_depth`` [m]; with
         eigenstrain ``max_uplift`` and ``max_sink`` [m] of the surface; with friction the loads, motions, zones and
-        residuals along the surface (`eigencontact.results.layout.SCALARS`).
+        residuals along the surface (`RunInfo.numbers` declares them).
     fields : mapping of str to (ny, nx) array
         Surface fields by quantity name (`eigencontact.core.quantities.QUANTITIES`); among them
         ``reference_pressure`` where the geometry has a closed form for this step, ``homogeneous_pressure`` where it has
@@ -155,10 +155,10 @@ class RunInfo:
         Name, top and bottom [m] of the layers of each layered body, by its number.
     every_history : bool
         Whether what bodies remember is kept after every step, not after the last alone.
-    numbers : mapping of str to Quantity
-        Numbers that the laws of the bodies give, among the scalars of a step.
-    observed_units : mapping of str to str
-        SI units of numbers that observers return, by their names.
+    numbers : mapping of str to Number
+        Declarations of the scalars of a step, in the order of the blocks that compute them.
+    observed : mapping of str to Number
+        Declarations of what observers return; a number without one has an unknown unit.
     precisions : mapping of str to str
         Precision of each operator, where the scene leaves it to the plan.
     plan : mapping
@@ -178,7 +178,7 @@ class RunInfo:
     inclusions: tuple[dict[str, Any], ...] = ()
     layers: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     every_history: bool = False
-    numbers: dict[str, Quantity] = field(default_factory=dict)
-    observed_units: dict[str, str] = field(default_factory=dict)
+    numbers: dict[str, Number] = field(default_factory=dict)
+    observed: dict[str, Number] = field(default_factory=dict)
     precisions: dict[str, str] = field(default_factory=dict)
     plan: Mapping[str, Any] = field(default_factory=dict)

@@ -12,7 +12,7 @@ import numpy as np
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, reason, replacing
 from eigencontact.results.history import history_name, history_of, history_variables
-from eigencontact.results.layout import FORMAT, RENAMED, attributes, variables
+from eigencontact.results.layout import FORMAT, attributes, variables
 from eigencontact.results.part import Part, open_part, part_of, write_part
 from eigencontact.results.records import HistoryRecord, RegionRecord, RunInfo, StepRecord
 
@@ -100,8 +100,7 @@ def stored_rows(path: Path) -> list[dict[str, Any]]:
         roles = {name: str(variable.attrs.get("role")) for name, variable in file.items()}
         names = ["step", "time", *(name for name, role in roles.items() if role in ("scalar", "observed"))]
         columns = [file[name][...] for name in names]
-    known = [RENAMED.get(name, name) for name in names]
-    return [dict(zip(known, row, strict=True)) for row in zip(*columns, strict=True)]
+    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def read_step(path: Path, scene_hash: str, index: int) -> StepRecord:
@@ -164,7 +163,7 @@ def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRe
             value = variable[at]
             # A quantity that this step did not have is stored as NaN throughout when steps are joined.
             if "_FillValue" not in variable.attrs or not np.all(np.isnan(value)):
-                kept[role][RENAMED.get(name, name)] = value if role == "field" else float(value)
+                kept[role][name] = value if role == "field" else float(value)
     regions = {}
     for name, region in described.items():
         coords = {axis: file[f"{name}_{axis}"] for axis in "xyz" if f"{name}_{axis}" in file}

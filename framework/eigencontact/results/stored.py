@@ -15,7 +15,6 @@ import numpy as np
 
 from eigencontact.errors import ResultsError
 from eigencontact.results.atomic import DAMAGE, open_hdf5, reason
-from eigencontact.results.layout import RENAMED
 from eigencontact.results.reader import refuse_damaged, results_file
 
 if TYPE_CHECKING:
@@ -170,7 +169,7 @@ class _Stored:
         self._file = file
         self.attrs = {name: _plain(value) for name, value in file.attrs.items() if name != "_NCProperties"}
         self.variables = {
-            RENAMED.get(name, name): _Variable(made)
+            name: _Variable(made)
             for name, made in file.items()
             if not (made.is_scale and made.attrs["NAME"].startswith(b"This is a netCDF dimension"))
         }

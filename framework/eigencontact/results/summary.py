@@ -5,72 +5,19 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.core.numbers import Number
+from eigencontact.core.units import readable
 from eigencontact.results.atomic import replacing
-from eigencontact.results.layout import SCALARS
 from eigencontact.results.ownership import SUMMARY
 
 if TYPE_CHECKING:
     from eigencontact.results.records import RunInfo, StepRecord
 
-__all__ = ["summary_of", "write_summary"]
-
-#: Scalars of the last step that stand at the top level; null where a run has none.
-_LAST = (
-    "normal_load",
-    "approach",
-    "contact_area",
-    "contact_area_counted",
-    "contact_radius",
-    "max_pressure",
-    "max_von_mises",
-    "max_von_mises_depth",
-    "max_uplift",
-    "max_sink",
-    "tangential_load_x",
-    "tangential_load_y",
-    "tangential_load",
-    "shift_x",
-    "shift_y",
-    "shift_magnitude",
-    "torsion_moment",
-    "twist",
-    "stick_radius",
-    "slip_fraction",
-    "dissipated_energy",
-    "gap_residual",
-    "penetration_residual",
-    "load_residual",
-    "bound_residual",
-    "stick_residual",
-    "alignment_residual",
-    "coupling_residual",
-    "inclusion_residual",
-    "law_residual",
-)
-#: The same of scenes that wear.
-_WORN = (
-    "worn_volume",
-    "max_worn_depth",
-    "cycles",
-    "wear_energy",
-    "wear_error",
-    "energy_volume_residual",
-    "layer_error",
-)
-#: Scalars that are summed over all steps.
-_SUMMED = (
-    "iterations",
-    "convolutions",
-    "tangential_convolutions",
-    "coupling_iterations",
-    "inclusion_iterations",
-    "substeps",
-    "solve_seconds",
-)
-
+__all__ = ["headlines", "summary_of", "write_summary"]
 
 def summary_of(
     info: RunInfo, record: StepRecord, history: Sequence[Mapping[str, Any]], extra: Mapping[str, Any]
@@ -82,9 +29,7 @@ def summary_of(
     info : RunInfo
         What holds for all steps.
     record : StepRecord
-        The last accepted step: loads, contact and residuals at the top level are those of this step;
-        ``iterations``, ``convolutions``, ``tangential_convolutions``, ``substeps`` and ``solve_seconds`` are sums over
-        all steps.
+        The last accepted step.
     history : sequence of mapping
         Numbers of every step by name, in order.
     extra : mapping
@@ -95,7 +40,9 @@ def summary_of(
     Returns
     -------
     dict
-        SI units (``units`` in it names them), plain values; what does not exist or is not finite is None.
+        SI units, plain values; None where a step lacks a number, or has one that is not finite. The numbers of
+        `RunInfo.numbers` stand at the top level, each for the run by its rule `Number.over`; ``numbers`` repeats their
+        declarations, ``units`` the units alone.
     """
     summary: dict[str, Any] = {
         "title": info.title,
@@ -105,22 +52,19 @@ def summary_of(
         "steps": len(history),
         "load_steps": len(history),
     }
-    worn = tuple(name for name in _WORN if name in record.scalars)
-    last = (*_LAST, *worn, *(("print_depth", "pile_up", *info.numbers) if info.numbers else ()))
-    summary |= {name: record.scalars.get(name) for name in last}
-    for name in _SUMMED:
-        spent = [value for row in history if (value := row.get(name)) is not None]
-        summary[name] = math.fsum(spent) if spent else None
-    summary |= {name: int(summary[name]) for name in _SUMMED[:-1] if _finite(summary[name])}
+    for name, number in info.numbers.items():
+        value = number.of_run(row.get(name) for row in history) if number.over != "last" else record.scalars.get(name)
+        counts = number.over == "sum" and number.unit == "1" and value is not None and math.isfinite(value)
+        summary[name] = int(value) if counts and value is not None else value
+    declared = info.numbers | {name: number for name, number in info.observed.items() if name in record.observed}
     summary |= {
         "peak_memory_bytes": None,
         "contact_modulus": info.contact_modulus,
         "warnings": [],
         "observed": dict(record.observed),
         "history": history,
-        "units": {name: (SCALARS | info.numbers)[name].unit for name in (*last, *_SUMMED)}
-        | {"peak_memory_bytes": "byte"}
-        | {name: unit for name, unit in info.observed_units.items() if name in record.observed},
+        "units": {name: number.unit for name, number in declared.items()} | {"peak_memory_bytes": "byte"},
+        "numbers": {name: asdict(number) for name, number in declared.items()},
         **({"precisions": info.precisions} if info.precisions else {}),
         "versions": dict(info.versions),
         "references": list(info.references),
@@ -128,6 +72,25 @@ def summary_of(
         **extra,
     }
     return dict(_plain(summary))
+
+
+def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Label and value with its unit of the headline numbers of a summary; a number that was always zero is left out.
+
+    Examples
+    --------
+    >>> radius = {"name": "contact_radius", "unit": "m", "meaning": "radius of the contact", "headline": True}
+    >>> headlines({"numbers": {"contact_radius": radius}, "contact_radius": 6e-6, "observed": {}, "history": []})
+    [('contact radius', '6 um')]
+    """
+    rows = []
+    for name, number in ((name, Number(**table)) for name, table in summary["numbers"].items()):
+        value = summary.get(name, summary["observed"].get(name))
+        changed = value or any(row.get(name) for row in summary["history"])
+        if number.headline and value is not None and changed:
+            unit = number.unit.replace("m2", "m^2").replace("m3", "m^3")
+            rows.append((number.words, f"{value:.4g}" if unit in ("1", "unknown") else readable(value, unit)))
+    return rows
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> Path:
@@ -142,10 +105,6 @@ def write_summary(folder: Path, summary: Mapping[str, Any]) -> Path:
     with replacing(path, "the summary") as sink:
         sink.write((json.dumps(summary, indent=2, allow_nan=False) + "\n").encode())
     return path
-
-
-def _finite(value: Any) -> bool:
-    return value is not None and math.isfinite(value)
 
 
 def _plain(value: Any) -> Any:

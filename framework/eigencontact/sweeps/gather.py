@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.core.numbers import Number
 from eigencontact.core.quantities import QUANTITIES, unit_of
 from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import ResultsError, shown
 from eigencontact.reference.places import key_at
-from eigencontact.results.layout import SCALARS
 from eigencontact.sweeps.warned import codes_of
 
 if TYPE_CHECKING:
@@ -60,14 +60,13 @@ def gathered(
     dims = ("variant",) if pairs else tuple(axis.name for axis in axes)
     data: dict[str, Any] = {}
     numbers = {outcome.place: _numbers(outcome.summary) for outcome in found}
-    units: dict[str, str] = next((outcome.summary["units"] for outcome in found if outcome.summary), {})
+    tables = {name: table for outcome in found for name, table in outcome.summary.get("numbers", {}).items()}
+    declared = {name: Number(**table) for name, table in tables.items()}
     for name in dict.fromkeys(name for row in numbers.values() for name in row):
         values = np.full(shape, np.nan)
         for place, row in numbers.items():
             values[place] = row.get(name, np.nan)
-        known = SCALARS.get(name)
-        attrs = {"long_name": known.long_name} if known else {}
-        data[name] = (dims, values, attrs | {"units": units.get(name, known.unit if known else "1")})
+        data[name] = (dims, values, declared[name].attributes() if name in declared else {"units": "1"})
     failed, seconds = np.full(shape, "", dtype=object), np.zeros(shape)
     warned = failed.copy()
     for outcome in found:

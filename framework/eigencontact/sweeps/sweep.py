@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepResult", "read_sweep_file", "sweep"]
 
-#: Numbers of which figures are drawn unless others are named.
-_DRAWN = ("max_pressure", "contact_radius", "approach", "normal_load", "max_von_mises", "worn_volume", "max_uplift")
 #: Part of a number within which its values are the same: what a load is but for its residual.
 _SAME = 1e-9
 _KEYS = ("scene", "vary", "pairs", "fields", "grid", "scalars")
@@ -175,8 +173,11 @@ def sweep(
         refuse_different_cells(variants)
     digest = ""
     if place is not None:
+        from eigencontact.reference.numbers import known_numbers
+
         digest = sweep_digest(loaded, axes, grid=grid)
-        drawn = [*(scalars or _DRAWN), *(f"{name}{PROFILES}" for name in fields)]
+        headlines = [number.name for number in known_numbers().values() if number.headline]
+        drawn = [*(scalars or headlines), *(f"{name}{PROFILES}" for name in fields)]
         open_folder(place, digest, axes, variants, drawn, overwrite=overwrite)
     if say is not None:
         for line in values_in_words(axes, variants):
@@ -256,7 +257,7 @@ def _write(
 
 
 def _drawn(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
-    """Numbers to draw: those named, else those of `_DRAWN` that differ between variants."""
+    """Numbers to draw: those named, else headlines that differ between variants."""
     numbers = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind == "f" and "x" not in one.dims]
     for name in scalars:
         if name not in numbers:
@@ -264,7 +265,7 @@ def _drawn(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
     if scalars:
         return list(scalars)
     varied = {str(name).rpartition("steps_")[2] for name in dataset.coords}
-    wanted = [name for name in _DRAWN if name in numbers and name not in varied]
+    wanted = [name for name in numbers if dataset[name].attrs.get("headline") and name not in varied]
     finite = {name: dataset[name].values[dataset[name].notnull().values] for name in wanted}
     return [name for name, values in finite.items() if values.size and np.ptp(values) > _SAME * np.abs(values).max()]
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["Plane", "Side", "Sides", "interface_depths", "one_side", "sides_of"]
+__all__ = ["Plane", "Side", "Sides", "interface_depths", "sides_of"]
 
 #: A depth this close to an interface, in parts of its depth, is on it; the lower layer has it, as in the kernels.
 SAME = 1e-12
@@ -117,12 +117,6 @@ class Sides:
         rows, columns = np.nonzero(size >= (1.0 - 1e-9) * size.max())
         best = int(np.argmin(np.abs(columns - (values.shape[1] - 1) / 2) + np.abs(rows - (values.shape[0] - 1) / 2)))
         return int(rows[best]), int(columns[best])
-
-
-def one_side(shape: tuple[int, int]) -> Sides:
-    """Sides of a section without interfaces and inclusions."""
-    everywhere = np.ones(shape, dtype=bool)
-    return Sides((Side(everywhere, None, (-np.inf, np.inf)),), everywhere, everywhere, ())
 
 
 def interface_depths(dataset: Results, body: int, step: int = -1) -> tuple[float, ...]:

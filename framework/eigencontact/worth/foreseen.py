@@ -24,7 +24,7 @@ from eigencontact.model.resolution import (
 )
 from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Patch
-from eigencontact.plugin import HasNativeGrid, NonLocal
+from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step
 from eigencontact.scene.steps import named_ramps, normal_control, spaced_by_radius, start_of_normal
@@ -158,13 +158,12 @@ def worst_above(model: Model, body: int) -> Above | None:
     if not (sources and model.geometries):
         return None
     from eigencontact.execution.interiors.swept_cells import stiffness_ratios
-    from eigencontact.execution.material_cells import is_linear
 
     known: dict[int, tuple[float, float]] = {}
     found = []
     for source in sources:
         height = source.shape.bounds[0][2]
-        if source.lattice is None or height < _FLUSH * source.lattice.edges[0] or not is_linear(source.law):
+        if source.lattice is None or height < _FLUSH * source.lattice.edges[0] or not source.law.linear:
             continue
         ratios = known.setdefault(id(source.law), stiffness_ratios(model, source.law, sources))
         found.append(Above(source, float(height / max(source.lattice.edges)), ratios))
@@ -197,7 +196,7 @@ def _of_the_laws(model: Model) -> Iterator[Caution]:
     found = [
         (radius / max(source.lattice.edges), radius, source.name)
         for source in model.inhomogeneities
-        if source.lattice is not None and isinstance(source.law, NonLocal)
+        if source.lattice is not None
         for radius in source.law.averaged.values()
     ]
     cells, radius, name = min(found, default=(np.inf, 0.0, ""))
@@ -220,9 +219,7 @@ def _of_regions_that_yield(model: Model) -> Iterator[Caution]:
     ]
     if not sources or model.expected is None:
         return
-    from eigencontact.execution.material_cells import is_linear
-
-    others = [source for source in sources if not is_linear(source.law)]
+    others = [source for source in sources if not source.law.linear]
     if not others:
         return
     radius = 0.25 * sum(model.expected.extent)

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from eigencontact.core.cautions import Caution
 from eigencontact.core.units import readable
-from eigencontact.execution.material_cells import is_linear
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import percent
 from eigencontact.model.sources import Inhomogeneity
@@ -45,7 +44,7 @@ def _left_behind(model: Model, last: StepRecord) -> Iterator[Caution]:
     """The first region that stays where it was: all but those of linear laws in cells do."""
     for source in model.sources:
         worn = last.fields.get(f"worn_depth_{source.body}")
-        rises = isinstance(source, Inhomogeneity) and source.lattice is not None and is_linear(source.law)
+        rises = isinstance(source, Inhomogeneity) and source.lattice is not None and source.law.linear
         if worn is None or rises:
             continue
         lost, depth = float(worn.max()), source.shape.bounds[1][2]

@@ -82,7 +82,7 @@ class Brittle(ConstitutiveLaw):
         self.damage.averaged("equivalent_strain")
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> Brittle:
-        """See `OfBody.of_body`."""
+        """See `ConstitutiveLaw.of_body`."""
         return replace(
             self,
             young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
@@ -91,7 +91,7 @@ class Brittle(ConstitutiveLaw):
 
     @property
     def averaged(self) -> Mapping[str, float]:
-        """See `NonLocal.averaged`."""
+        """See `ConstitutiveLaw.averaged`."""
         return self.damage.averaged("equivalent_strain")
 
     @property

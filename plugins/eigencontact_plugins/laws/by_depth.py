@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from eigencontact.plugin import (
     ConstitutiveLaw,
     LawStep,
     Length,
-    OfBody,
     Response,
     Variable,
     hookimpl,
@@ -77,9 +76,8 @@ class ByDepth(ConstitutiveLaw):
         return all(law.isotropic for law in self.laws)
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> ByDepth:
-        """See `OfBody.of_body`."""
-        laws: Any = [law.of_body(young_modulus, poisson_ratio) if isinstance(law, OfBody) else law for law in self.laws]
-        return replace(self, laws=tuple(laws))
+        """See `ConstitutiveLaw.of_body`."""
+        return replace(self, laws=tuple(law.of_body(young_modulus, poisson_ratio) for law in self.laws))
 
     def laws_at(
         self,
@@ -87,7 +85,7 @@ class ByDepth(ConstitutiveLaw):
         y: FloatArray,  # noqa: ARG002
         z: FloatArray,
     ) -> list[tuple[ConstitutiveLaw, NDArray[np.bool_]]]:
-        """See `MadeOfLaws.laws_at`."""
+        """See `ConstitutiveLaw.laws_at`."""
         layer = np.searchsorted(np.asarray(self.interfaces), z, side="right")
         return [(law, layer == number) for number, law in enumerate(self.laws)]
 

@@ -51,7 +51,7 @@ class Elastic(LinearLaw):
         require(nu is None or -1 < nu < 0.5, self.key, "poisson_ratio", nu, "in (-1, 0.5) [-]")
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> Elastic:
-        """See `OfBody.of_body`."""
+        """See `ConstitutiveLaw.of_body`."""
         return replace(
             self,
             young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,

@@ -91,7 +91,7 @@ class J2(ConstitutiveLaw):
             self.damage.averaged("equivalent_plastic_strain")
 
     def of_body(self, young_modulus: float, poisson_ratio: float) -> J2:
-        """See `OfBody.of_body`."""
+        """See `ConstitutiveLaw.of_body`."""
         return replace(
             self,
             young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
@@ -118,7 +118,7 @@ class J2(ConstitutiveLaw):
 
     @property
     def averaged(self) -> Mapping[str, float]:
-        """See `NonLocal.averaged`."""
+        """See `ConstitutiveLaw.averaged`."""
         return {} if self.damage is None else self.damage.averaged("equivalent_plastic_strain")
 
     @property

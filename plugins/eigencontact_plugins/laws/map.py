@@ -65,7 +65,7 @@ class ElasticityMap(ConstitutiveLaw):
         return data
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> IsotropicPoints:
-        """See `VariesInSpace.at`."""
+        """See `ConstitutiveLaw.at`."""
         young_modulus, poisson_ratio = (self._data.at(name, z, y, x) for name in ("young_modulus", "poisson_ratio"))
         return IsotropicPoints(young_modulus=young_modulus, poisson_ratio=poisson_ratio)
 

@@ -158,13 +158,12 @@ def _body(
 def _law_of_body(stored: StoredStep, registry: Registry, number: int, material: Any) -> bool:
     """Whether the body has a law that remembers; refuses one whose elasticity is not that of the body."""
     from eigencontact.model.sources import build_law
-    from eigencontact.plugin import MadeOfLaws
 
     table = (stored.scene.body1, stored.scene.body2)[number - 1].law
     if table is None:
         return False
     law = build_law(registry, table, f"body{number}.law", material)
-    if isinstance(law, MadeOfLaws):  # the constants of a body are its own, whatever yields in it
+    if law.varies:  # the constants of a body are its own, whatever yields in it
         return True
     young, nu = moduli_of(law, material)
     if not (np.isclose(young, material.young_modulus, atol=0) and np.isclose(nu, material.poisson_ratio, atol=0)):

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError
 from eigencontact.library import installed_plugins, make
-from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, NonLocal, OfBody, PlasticDamage, VariesInSpace
+from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, PlasticDamage
 from eigencontact_verification.campaign.case import Profile
 from eigencontact_verification.campaign.indentation import VARIABLES
 from eigencontact_verification.campaign.plastic_cases import plastic_case
@@ -181,16 +181,16 @@ def _table(key: str, component: Any) -> dict[str, Any]:
 def _built(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> Any:
     """Law of a table in a body."""
     law = make(table["type"], kind="constitutive-law", **{k: v for k, v in table.items() if k != "type"})
-    return law.of_body(young_modulus, poisson_ratio) if isinstance(law, OfBody) else law
+    return law.of_body(young_modulus, poisson_ratio)
 
 
 def _refusal(law: Any) -> str:
     """What the law would have to be; empty if it can be judged."""
     if isinstance(law, LinearLaw):
         return "more than elastic; one that is linear is verified as an inhomogeneity"
-    if isinstance(law, NonLocal) and law.averaged:
+    if law.averaged:
         return "local; the finite elements take no means over a neighbourhood"
-    if isinstance(law, VariesInSpace):
+    if law.varies:
         return "the same everywhere; the finite elements tell it no place"
     return "" if law.isotropic else "isotropic; the finite elements are of revolution"
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import HasCellAnswer, MadeOfLaws, NonLocal, OfBody, Surroundings, VariesInSpace
+from eigencontact.plugin import HasCellAnswer, Surroundings
 from eigencontact_verification.conformance.law_questions import (
     Question,
     answered,
@@ -36,7 +36,7 @@ _AROUND = Surroundings(young_modulus=7e10, poisson_ratio=0.2)
 @law_check
 def check_law_at_places(law: Any) -> None:
     """The law that `at` gives of some points answers as the law itself does at those points."""
-    if not isinstance(law, VariesInSpace) or not finite(law):
+    if not law.varies or not finite(law):
         return
     for question, answer in history(law):
         local = answered(there(law, question.step), question)
@@ -51,8 +51,6 @@ def check_law_at_places(law: Any) -> None:
 @law_check
 def check_parts_of_law(law: Any) -> None:
     """Every point has one of the laws that a law is made of, and that answers as the law itself does there."""
-    if not isinstance(law, MadeOfLaws):
-        return
     for question, answer in history(law):
         step = question.step
         parts = law.laws_at(step.x, step.y, step.z)
@@ -78,10 +76,8 @@ def check_parts_of_law(law: Any) -> None:
 @check
 def check_law_of_body(law: Any) -> None:
     """What a law takes from the body it keeps in another, and what it was given it keeps in any."""
-    if not isinstance(law, OfBody):
-        return
     first = law.of_body(*_BODIES[0])
-    again: Any = first.of_body(*_BODIES[1]) if isinstance(first, OfBody) else first
+    again = first.of_body(*_BODIES[1])
     ensure(
         again == first, "the law of a body, put into another", "as it was in the first", repr(again),
         "fill in what is None, and nothing else",
@@ -122,7 +118,7 @@ def check_cell_answer(law: Any) -> None:
 @law_check
 def check_means(law: Any) -> None:
     """Where the means about the points are their own values, the answer is that without means; else it is another."""
-    averaged = dict(law.averaged) if isinstance(law, NonLocal) else {}
+    averaged = dict(law.averaged)
     if not averaged:
         return
     declared: Any = rest(law, 0)

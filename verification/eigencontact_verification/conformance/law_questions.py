@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import SceneError
-from eigencontact.plugin import LawStep, LinearLaw, OfBody, Response, VariesInSpace
+from eigencontact.plugin import LawStep, LinearLaw, Response
 from eigencontact_verification.conformance.report import Check, check
 
 __all__ = [
@@ -43,7 +43,7 @@ def law_check(function: Check) -> Check:
 
     @wraps(function)
     def run(law: Any) -> None:
-        function(law.of_body(*_BODY) if isinstance(law, OfBody) else law)
+        function(law.of_body(*_BODY))
 
     return check(run)
 
@@ -88,7 +88,7 @@ def rest(law: Any, count: int) -> dict[str, FloatArray]:
 
 def there(law: Any, step: LawStep) -> Any:
     """Law of the points of a step."""
-    return law.at(step.x, step.y, step.z) if isinstance(law, VariesInSpace) else law
+    return law.at(step.x, step.y, step.z)
 
 
 def finite(law: Any) -> bool:

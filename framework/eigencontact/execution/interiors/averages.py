@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import ConstitutiveLaw, LawStep, NonLocal
+from eigencontact.plugin import ConstitutiveLaw, LawStep
 from eigencontact.solvers.neighbourhood import Neighbourhood, reach_of
 
 __all__ = ["Averages"]
@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Averages:
-    """What the `NonLocal` laws of a box average, each over its own cells, as fields of the box.
+    """Variables that the laws of a box average, each over its own cells, as fields of the box.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Averages:
         for number, (law, cells) in enumerate(laws):
             inside = np.zeros(shape, dtype=bool)
             inside.reshape(-1)[cells] = True
-            for name, radius in (law.averaged if isinstance(law, NonLocal) else {}).items():
+            for name, radius in law.averaged.items():
                 count = law.variables[name].components
                 about = Neighbourhood(inside, edges, radius)
                 self._parts.append((number, name, slice(rows, rows + count), about))

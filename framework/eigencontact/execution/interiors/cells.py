@@ -15,15 +15,14 @@ from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.responding import Responding
-from eigencontact.execution.material_cells import MaterialCells
+from eigencontact.execution.material_cells import MaterialCells, is_empty
 from eigencontact.execution.precision import INNER, settled, volume_round_off
 from eigencontact.execution.routes.route import Pace
 from eigencontact.execution.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.within_regions import is_empty
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model
-from eigencontact.plugin import HasCellAnswer, LinearLaw, VariesInSpace
+from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 
 __all__ = ["Cells"]
 
@@ -208,7 +207,7 @@ class Cells(Responding):
 class _OfCells:
     """Law whose constants depend on the place, in the cells of a box."""
 
-    def __init__(self, law: VariesInSpace, places: tuple[FloatArray, FloatArray, FloatArray]) -> None:
+    def __init__(self, law: ConstitutiveLaw, places: tuple[FloatArray, FloatArray, FloatArray]) -> None:
         self._law, self._places = law, places
 
     def of_cells(self, index: NDArray[np.intp]) -> Any:
@@ -217,6 +216,6 @@ class _OfCells:
         return self._law.at(x, y, z)
 
 
-def _of_box(law: Any, places: tuple[FloatArray, FloatArray, FloatArray]) -> Any:
+def _of_box(law: ConstitutiveLaw, places: tuple[FloatArray, FloatArray, FloatArray]) -> Any:
     """Elastic constants of a law in a box, by the centres of its cells."""
-    return _OfCells(law, places) if isinstance(law, VariesInSpace) else law
+    return _OfCells(law, places) if law.varies else law

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.numbers import Number
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, eigenstrain_name
@@ -57,6 +59,17 @@ class Responding(Interior):
     eigenstrain : (6, ...)
         As it is, prestrain included.
     """
+
+    numbers: Sequence[Number] = (
+        Number(
+            name="inclusion_iterations", unit="1", meaning="iterations for the equivalent eigenstrain, over all rounds",
+            role="effort", over="sum",
+        ),
+        Number(
+            name="inclusion_residual", unit="1", meaning="relative residual of the equivalent eigenstrain",
+            role="certificate",
+        ),
+    )  # fmt: skip
 
     def __init__(self, model: Model, body: int, directions: str, points: RegionLattice | None) -> None:
         self.body, self.name = body, "inhomogeneities" if body == 1 else f"inhomogeneities-{body}"

@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.elasticity import shear_ratios
+from eigencontact.core.numbers import Number
 from eigencontact.execution.contact import Fields
 from eigencontact.execution.increment import Increment
 from eigencontact.execution.initial import moved_state
 from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
-from eigencontact.execution.material_cells import is_linear
 from eigencontact.model.growth import enlarged, lattice_of, with_lattice
 from eigencontact.model.model import Model
 from eigencontact.model.sources import Inhomogeneity, Lattice
-from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings, VariesInSpace
+from eigencontact.plugin import ConstitutiveLaw, LawStep, Surroundings
 from eigencontact.results.records import HistoryRecord
 
 __all__ = ["SweptCells", "stiffness_ratios", "worth_sweeping"]
@@ -47,9 +47,17 @@ _LOOKS = 512
 class SweptCells(Cells):
     """Equivalent eigenstrain of the cells of one box, iterated on with the contact; see `Cells` for the parameters."""
 
+    numbers = (
+        *Cells.numbers,
+        Number(
+            name="law_residual", unit="1", role="certificate",
+            meaning="largest misfit of stress and strain to the law of a cell, by the largest stress",
+        ),
+    )  # fmt: skip
+
     def __init__(self, model: Model, body: int, directions: str) -> None:
         super().__init__(model, body, directions)
-        self._sweeping, self._linear = True, all(is_linear(source.law) for source in self.sources)
+        self._sweeping, self._linear = True, all(source.law.linear for source in self.sources)
         self.remembers |= {f"{name}_{body}" for source in self.sources for name in source.law.variables}
         self._laws: list[tuple[ConstitutiveLaw, NDArray[np.intp]]] = []
         self.why += ", swept with the contact" if self._kernels else ", swept"
@@ -230,7 +238,7 @@ def worth_sweeping(model: Model, sources: Sequence[Inhomogeneity]) -> bool:
     ratios of stiffness are moderate.
     """
     laws = [law for n, law in enumerate(s.law for s in sources) if law not in [s.law for s in sources[:n]]]
-    if not all(map(is_linear, laws)):
+    if not all(law.linear for law in laws):
         return True
     low, high = _MODERATE
     ratios = [stiffness_ratios(model, law, sources) for law in laws]
@@ -245,7 +253,7 @@ def stiffness_ratios(model: Model, law: ConstitutiveLaw, sources: Sequence[Inhom
 
 def _somewhere(law: ConstitutiveLaw, sources: Sequence[Inhomogeneity]) -> ConstitutiveLaw:
     """Law itself, or that of some points in the bounds of its regions."""
-    if not isinstance(law, VariesInSpace):
+    if not law.varies:
         return law
     bounds = np.array([source.shape.bounds for source in sources if source.law == law])
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from eigencontact.core.numbers import Number
 from eigencontact.execution.beside_contact import Separation
-from eigencontact.execution.block import Block, Cost
+from eigencontact.execution.block import Block, Cost, Run, Running
 from eigencontact.execution.exposed_material import ExposedMaterial
 from eigencontact.execution.mechanics import Mechanics
 from eigencontact.execution.normal_contact import normal_cost
@@ -19,6 +20,43 @@ from eigencontact.scene.holding import TRAVEL
 __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
 
 
+#: Scalars of surfaces that wear.
+_NUMBERS = (
+    Number(
+        name="worn_volume", unit="m3", meaning="volume that both bodies have lost", headline=True
+    ),
+    Number(name="max_worn_depth", unit="m", meaning="largest depth that both bodies together have lost"),
+    Number(name="cycles", unit="1", meaning="cycles done, those between solved ones included"),
+    Number(name="jump_cycles", unit="1", meaning="cycles that the last solved one stands for", role="effort"),
+    Number(
+        name="wear_energy", unit="J", meaning="work of friction that wore, that of cycles between solved ones included"
+    ),
+    Number(
+        name="wear_error", unit="1", role="error",
+        meaning="estimated error of the worn volume by jumps over cycles and by one update a cycle, relative",
+    ),
+    Number(
+        name="update_error", unit="1", role="error",
+        meaning="share of one update a cycle in the error of the worn volume; negative where too little is lost",
+    ),
+)  # fmt: skip
+_LAG = Number(
+    name="wear_lag", unit="1", role="error",
+    meaning="pressure of the step less that by which it slid to it, summed over the cells, relative",
+)  # fmt: skip
+_BALANCE = Number(
+    name="energy_volume_residual", unit="1", meaning="worn volume less that by the work of friction, relative",
+    role="certificate",
+)  # fmt: skip
+_LAYER_ERROR = Number(
+    name="layer_error", unit="1", role="error",
+    meaning="largest difference of the answers of the most and the least worn column, relative",
+)  # fmt: skip
+_LAYERS_LOST = tuple(
+    Number(name=f"layer_lost_{body}", unit="m", meaning=f"depth that the kernels take off the layers of body {body}")
+    for body in (1, 2)
+)
+
 #: Pressures under moved surfaces that a step needs, as the bundled scenes do: where the contact travels a cell at a
 #: time, where it slides, where it slides in cycles of which most are jumped over, and where it slips.
 _TRAVELLING, _SLIDING, _JUMPING, _SLIPPING = 3, 9, 15, 1
@@ -29,18 +67,29 @@ _NEAR = 0.6
 class WornSeparation(Separation):
     """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step."""
 
-    def __init__(self, model: Model, surface: WornSurface) -> None:
+    def __init__(self, model: Model, wear: Wear) -> None:
         super().__init__(model)
-        self._surface = surface
+        self._wear = wear
         self.why += ", and what has worn"
         if any(ramp.slides for ramp in model.scene.ramps):
             travels = any(getattr(ramp, name) is not None for ramp in model.scene.ramps for name in TRAVEL)
             jumps = any(step.repeat > 1 for step in model.scene.steps)
             self.cost = _moving(model, _TRAVELLING if travels else _JUMPING if jumps else _SLIDING)
 
+    def start(self, run: Run) -> Running:
+        """See `Block.start`."""
+        return _WornGap(super().start(run), run.started(self._wear.start))
+
+
+class _WornGap:
+    """The gap of worn surfaces: that of new ones, and the depth that the surfaces have lost."""
+
+    def __init__(self, new: Running, surface: WornSurface) -> None:
+        self._new, self._surface = new, surface
+
     def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
-        super().advance(step)
+        """See `Running.advance`."""
+        self._new.advance(step)
         step.fields["separation"] = self._surface.begin(step, step.fields["separation"])
         step.worn, step.bodies = self._surface.lost, self._surface.bodies
 
@@ -50,31 +99,35 @@ class Wear(Block):
 
     name = "wear"
     settles = True
+    numbers = (*_NUMBERS, _LAG, _BALANCE, _LAYER_ERROR, *_LAYERS_LOST)
 
-    def __init__(self, model: Model, surface: WornSurface) -> None:
+    def __init__(self, model: Model, mechanics: Mechanics) -> None:
         assert model.wear is not None
         assert model.scene.wear is not None
-        self._surface = surface
+        layered, slides = layers_that_wear(model), any(ramp.slides for ramp in model.scene.ramps)
+        self.numbers = (
+            *_NUMBERS,
+            *((_LAG,) if slides else ()),
+            *(() if model.wear.volume_per_energy is None else (_BALANCE,)),
+            *((_LAYER_ERROR, *(_LAYERS_LOST[body - 1] for body in layered)) if layered else ()),
+        )
+        self._model, self._mechanics = model, mechanics
         bodies = model.scene.wear.parts
         which = " and ".join(f"body {body}" for body in bodies)
         self.why = f"{which} wear{'s' if len(bodies) == 1 else ''} by {model.wear.key!r}"
-        for body in layers_that_wear(model):
+        for body in layered:
             most = model.scene.wear.layer_error
             self.why += f"; the layers of body {body} are as thick as their mean in contact, up to an error of {most:g}"
         slips = {"slip_distance", "dissipated_energy_density"} if model.friction is not None else set()
         self.requires = frozenset({"pressure", *slips})
         self.wanted = dict.fromkeys(("worn_depth", *(f"worn_depth_{body}" for body in bodies)), "[wear]")
         self.provides = frozenset(self.wanted)
-        if not any(ramp.slides for ramp in model.scene.ramps):
+        if not slides:
             self.cost = _moving(model, _SLIPPING)
 
-    def start(self) -> None:
+    def start(self, run: Run) -> WornSurface:
         """See `Block.start`."""
-        self._surface.start()
-
-    def advance(self, step: Step) -> None:
-        """See `Block.advance`."""
-        self._surface.end(step)
+        return WornSurface(self._model, run.started(self._mechanics.start))
 
 
 def _moving(model: Model, solves: float) -> Cost:
@@ -85,8 +138,8 @@ def _moving(model: Model, solves: float) -> Cost:
 
 def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
     """What moves the surfaces, before and after the contact."""
-    surface = WornSurface(model, mechanics)
-    yield WornSeparation(model, surface)
+    wear = Wear(model, mechanics)
+    yield WornSeparation(model, wear)
     if model.exposed is not None:
         yield ExposedMaterial(model.exposed)
-    yield Wear(model, surface)
+    yield wear

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
-from eigencontact.execution.mechanics import Mechanics, contact_of
+from eigencontact.execution.mechanics import RunningMechanics, contact_of
 from eigencontact.execution.step import Step
 from eigencontact.execution.wear.state import WornState
 from eigencontact.model.kernels import Bodies, PairCoefficients
@@ -71,11 +71,11 @@ class WornLayers:
     ----------
     model : Model
         With a layered body that wears.
-    mechanics : Mechanics
+    mechanics : RunningMechanics
         Its contact is replaced where the thickness has changed.
     """
 
-    def __init__(self, model: Model, mechanics: Mechanics) -> None:
+    def __init__(self, model: Model, mechanics: RunningMechanics) -> None:
         assert model.scene.wear is not None
         self._model, self._mechanics, self._allowed = model, mechanics, model.scene.wear.layer_error
         self._media = layers_that_wear(model)

@@ -30,7 +30,7 @@ from eigencontact.solvers.moving_surface import moved
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from eigencontact.execution.mechanics import Mechanics
+    from eigencontact.execution.mechanics import RunningMechanics
 
 __all__ = ["WornSurface"]
 
@@ -51,11 +51,11 @@ class WornSurface:
     ----------
     model : Model
         With a wear law.
-    mechanics : Mechanics
+    mechanics : RunningMechanics
         Whose contact says what pressure moved surfaces have.
     """
 
-    def __init__(self, model: Model, mechanics: Mechanics) -> None:
+    def __init__(self, model: Model, mechanics: RunningMechanics) -> None:
         assert model.wear is not None
         assert model.scene.wear is not None
         self._model = model
@@ -63,7 +63,8 @@ class WornSurface:
         self._law, self._friction, self._grid = model.wear, model.friction, model.grid
         self._mechanics, self._parts = mechanics, model.scene.wear.parts
         self._at_once = model.scene.wear.update == "increment"
-        self._table, self._tolerance = model.scene.wear, _INTEGRATION * (model.scene.wear.error or 1e-2)
+        self._jumps = Jumps(model.scene.wear, model.grid, mechanics.softness)
+        self._tolerance = _INTEGRATION * (model.scene.wear.error or 1e-2)
         self._by_material = any(isinstance(law, NamesMaterials) for law in (model.wear, model.friction))
         self._opening = model.scene.wear.error or 1e-2
         # Within a cycle surfaces move by increments that move them at once, and by sliding.
@@ -86,10 +87,6 @@ class WornSurface:
         exposed = self._model.exposed
         return {} if exposed is None else exposed_facts(self._model, exposed.at(self.lost.get(exposed.body)))
 
-    def start(self) -> None:
-        """Prepare the jumps; the mechanics is started."""
-        self._jumps = Jumps(self._table, self._grid, self._mechanics.softness)
-
     def begin(self, step: Step, separation: FloatArray) -> FloatArray:
         """Separation of surfaces that nobody has worn to that which the contact of a step meets ``(ny, nx)`` [m].
 
@@ -110,7 +107,7 @@ class WornSurface:
             self._slide(step, step.slide.distance)
         return separation + self._state.total
 
-    def end(self, step: Step) -> None:
+    def advance(self, step: Step) -> None:
         """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
         cycle, memory = step.cycle, self._state.memory
         if cycle is not None and cycle.settling:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError
 
-__all__ = ["FittedModes", "Infeasible", "RigidPlane", "inner", "length_of", "to_discs"]
+__all__ = ["FittedModes", "Infeasible", "RigidPlane", "inner", "length_of"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -35,11 +35,6 @@ def length_of(vectors: FloatArray) -> FloatArray:
     if len(vectors) == 1:
         return np.asarray(np.abs(vectors[0]))
     return np.asarray(np.sqrt(np.einsum("kij,kij->ij", vectors, vectors)))
-
-
-def to_discs(vectors: FloatArray, bound: FloatArray) -> FloatArray:
-    """Shorten each vector to its bound."""
-    return np.asarray(vectors * np.minimum(1.0, bound / np.maximum(length_of(vectors), _TINY)))
 
 
 class RigidPlane:

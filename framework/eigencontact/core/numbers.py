@@ -1,0 +1,102 @@
+"""Scalars that the steps of a run give: each is declared once, by the block, law or observer that computes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import fsum
+from typing import Any, Literal
+
+__all__ = ["Number", "accumulate", "by_name"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Number:
+    """One scalar of a step and of a run.
+
+    Results files, the summary, the console, reports, sweeps and the reference page read this declaration; none of them
+    lists names.
+
+    Attributes
+    ----------
+    name : str
+        In results and ``summary.json``.
+    unit : str
+        SI; ``"1"`` for a ratio or a count.
+    meaning : str
+        In words.
+    role : {"result", "certificate", "error", "effort"}
+        A certificate measures how well the equations of a step are met, an error estimates what a result may be off by,
+        an effort counts work.
+    over : {"last", "sum", "max"}
+        What the summary of a run gives: the value of the last step, the sum over the steps, or the largest.
+    headline : bool
+        Whether the console, notebooks and the figures of a sweep show it without being asked.
+    label : str
+        Words before the value there; by default its name.
+
+    Examples
+    --------
+    >>> Number(name="max_pressure", unit="Pa", meaning="largest contact pressure", headline=True).of_run([1.0, 3.0])
+    3.0
+    >>> Number(name="iterations", unit="1", meaning="iterations", role="effort", over="sum").of_run([4.0, None, 6.0])
+    10.0
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    role: Literal["result", "certificate", "error", "effort"] = "result"
+    over: Literal["last", "sum", "max"] = "last"
+    headline: bool = False
+    label: str = ""
+
+    @property
+    def words(self) -> str:
+        """Words before the value."""
+        return self.label or self.name.replace("_", " ")
+
+    def of_run(self, values: Iterable[float | None]) -> float | None:
+        """Value for a run from the values of its steps; None where no step has one."""
+        listed = list(values)
+        if self.over == "last":
+            return listed[-1] if listed else None
+        known = [value for value in listed if value is not None]
+        if not known:
+            return None
+        return fsum(known) if self.over == "sum" else max(known)
+
+    def attributes(self) -> dict[str, str | int]:
+        """Attributes of its variable in a results file."""
+        return {
+            "units": self.unit, "long_name": self.meaning, "purpose": self.role, "over": self.over,
+            "headline": int(self.headline), "label": self.words,
+        }  # fmt: skip
+
+    @classmethod
+    def of_attributes(cls, name: str, attributes: Mapping[str, Any]) -> Number:
+        """Declaration that a variable of a results file carries."""
+        return cls(
+            name=name, unit=str(attributes["units"]), meaning=str(attributes["long_name"]),
+            role=attributes.get("purpose", "result"), over=attributes.get("over", "last"),
+            headline=bool(attributes.get("headline", 0)), label=str(attributes.get("label", "")),
+        )  # fmt: skip
+
+
+def by_name(numbers: Iterable[Number]) -> dict[str, Number]:
+    """Numbers by name, in order; of equal names the first counts."""
+    listed: dict[str, Number] = {}
+    for number in numbers:
+        listed.setdefault(number.name, number)
+    return listed
+
+
+def accumulate(numbers: Mapping[str, Number], total: dict[str, float], values: Mapping[str, float]) -> None:
+    """Add the values of one of several solves of a step: efforts are summed, the largest of all else counts."""
+    for name, value in values.items():
+        if name not in total:
+            total[name] = value
+        elif name in numbers and numbers[name].role != "effort":
+            total[name] = max(total[name], value)
+        else:
+            total[name] += value

@@ -1,0 +1,89 @@
+"""A plan can be run any number of times, and the memory of a run ends with the run."""
+
+import gc
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import eigencontact as ec
+from eigencontact.viz import figures
+
+STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
+SECTION = [{"name": "section", "shape": "plane", "normal": "y", "depth-max": "6 um"}]
+BALL = {
+    "geometry": {"type": "sphere", "radius": "105 um"}, "grid": {"cells": [10, 10], "size": ["22 um", "22 um"]},
+    "stress": SECTION,
+}  # fmt: skip
+YIELDING = {"type": "j2", "hardening": {"type": "perfect", "yield-stress": "1.5 GPa"}}
+COATING = {"type": "cuboid", "center": [0, 0, "2 um"], "edges": ["9 um", "9 um", "4 um"]}
+HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.25}
+SCENES = {
+    "coating in cells": {
+        "body1": STEEL, "inclusions": [{**COATING, "material": HARD}], "steps": [{"normal-load": "0.3 N"}], **BALL,
+    },
+    "box that grows": {
+        "body1": STEEL | {"law": YIELDING}, "numerics": {"inclusion-pitch": "2 um", "law-room": 0.0},
+        "steps": [{"normal-load": "0.3 N"}, {"normal-load": "0.65 N"}], **BALL,
+    },
+    "exact layers with friction": {
+        "body1": {"medium": {"type": "bonded-layers", "layers": [{"thickness": "2 um", **HARD}], "substrate": STEEL}},
+        "friction": {"type": "coulomb", "coefficient": 0.3},
+        "steps": [{"normal-load": "0.3 N"}, {"tangential-load-x": "0.05 N"}], **BALL,
+    },
+}  # fmt: skip
+#: Classes that hold tables, spectra or systems of equations.
+OPERATORS = (
+    "Convolver", "FrictionalContact", "InhomogeneousCells", "MeanVolumeField", "MeansOnLattice", "NormalSolver",
+    "PlaneFields", "SectionStress", "SubsurfaceStress", "SurfaceAndCells", "VolumeField", "WithinCells",
+)  # fmt: skip
+
+
+def count_operators():
+    """Number of operators in memory, by class."""
+    gc.collect()
+    return Counter(name for name in (type(thing).__name__ for thing in gc.get_objects()) if name in OPERATORS)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_operator_is_alive_while_pictures_are_drawn_and_after_a_run(name, tmp_path, monkeypatch):
+    counts = []
+    monkeypatch.setattr(figures, "draw_all", lambda *_, **__: counts.append(count_operators()) or {})
+    plan = ec.plan(SCENES[name])
+    before = count_operators()
+    result = ec.run(plan, tmp_path)
+    assert result.summary["converged"]
+    assert counts == [before]
+    assert count_operators() == before
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_operators_are_alive_while_steps_are_solved(name):
+    """The count above sees what it looks for."""
+    counts = []
+
+    class Counting:
+        def step_started(self, *_):
+            pass
+
+        def iterated(self, *_):
+            pass
+
+        def step_finished(self, *_):
+            counts.append(count_operators().total())
+
+    before = count_operators().total()
+    ec.run(SCENES[name], watcher=Counting())
+    assert min(counts) >= before + 2
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_plan_runs_twice_with_equal_results(name):
+    plan = ec.plan(SCENES[name])
+    first, second = (ec.run(plan).dataset for _ in range(2))
+    for field in first.data_vars:
+        if np.issubdtype(first[field].dtype, np.number) and "seconds" not in field:
+            np.testing.assert_array_equal(first[field], second[field], err_msg=field)
+    if name == "box that grows":  # else the plan would have been as it was in any case
+        (region,) = plan.inhomogeneities
+        assert first.equivalent_plastic_strain_1.shape[1:] > region.lattice.shape
