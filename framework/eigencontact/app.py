@@ -234,16 +234,17 @@ def run(
     began = perf_counter()
     if not (folder is None or isinstance(folder, str | Path)):
         raise ResultsError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
+    target = None if folder is None else Path(folder).absolute()  # before a plugin can change the working directory
     if isinstance(scene, Plan):
         planned, began = scene, began - scene.seconds_planned
     else:
         planned = plan(scene, registry=registry)
     stopwatch = Stopwatch()
     stopwatch.add("set-up", perf_counter() - began)
-    if folder is not None:
+    if target is not None:
         return _run_in(
             planned,
-            Path(folder),
+            target,
             began,
             stopwatch,
             resume=resume,

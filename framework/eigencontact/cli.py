@@ -126,11 +126,12 @@ def run(
     from eigencontact.progress import progress
     from eigencontact.viz.painter import painter_of
 
+    here = Path.cwd()  # before a plugin can change it
     try:
         loaded = calls.load_scene(scene, changes or [])
         with painter_of(loaded) as painter:
             planned = calls.plan(loaded)
-            folder = output if output is not None else Path(planned.name)
+            folder = here / (planned.name if output is None else output)
             with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:
                 result = calls.run(
                     planned, folder, resume=resume, overwrite=overwrite, watcher=watcher, painter=painter

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import tomllib
+from pathlib import Path
 from textwrap import dedent
 from types import SimpleNamespace
 
@@ -140,6 +141,9 @@ BROKEN = {
         "bowl.py is broken: Bowl must be a frozen dataclass: its fields are its scene table",
     ),
     "hook": (BOWL.replace("[Bowl]", "[Bowle]"), "is broken: NameError: name 'Bowle' is not defined"),
+    "hook leaves": (BOWL.replace("return [Bowl]", "raise SystemExit(0)"), "line 23 is broken: SystemExit: 0"),
+    "import leaves": (f"{BOWL}\nraise SystemExit(0)\n", "is broken: SystemExit: 0"),
+    "any exception": (f"{BOWL}\nraise BaseException('x')\n", "is broken: BaseException: x"),
     "sibling": ("import other\n", "a plugin file stands alone: several files make a package, see"),
     "bundled": (
         BOWL.replace('"bowl"', '"sphere"'),
@@ -173,6 +177,51 @@ def test_a_file_that_is_none(name, words, bowl):
     with pytest.raises(PluginError) as refused:
         ec.plan(ec.load_scene(bowl, [f"plugins=['{name}']"]))
     assert words in str(refused.value)
+
+
+def test_a_link_to_itself_is_no_file(bowl, tmp_path, command):
+    (tmp_path / "loop.py").symlink_to("loop.py")
+    for arguments in (["run", bowl, "--set", "plugins=['loop.py']"], ["check", tmp_path / "loop.py"]):
+        outcome = command(*arguments)
+        assert outcome.code == 2
+        assert outcome.err.startswith("eigencontact: plugin file must be a Python file (got ")
+        assert outcome.err.count("\n") == 1
+
+
+#: Where a plugin file changes the working directory.
+MOVING = {
+    "import": ("\n@hookimpl", "\nos.chdir('/')\n@hookimpl"),
+    "hook": ("return [Bowl]", "os.chdir('/'); return [Bowl]"),
+    "construction": ("        require", "        os.chdir('/'); require"),
+    "method": ("        return (x", "        os.chdir('/'); return (x"),
+}
+
+
+@pytest.mark.parametrize("case", MOVING)
+def test_a_plugin_does_not_move_the_results(case, bowl, tmp_path, command, quick, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bowl.py").write_text("import os\n" + BOWL.replace(*MOVING[case]), encoding="utf-8")
+    outcome = command("run", "small.toml", *quick, "-o", "out")
+    assert outcome.code == 0, outcome.err
+    assert (tmp_path / "out" / "summary.json").is_file()
+    assert Path.cwd() == tmp_path
+
+
+def test_a_plugin_that_leaves_does_not_end_the_run(bowl, tmp_path, command, quick):
+    (tmp_path / "bowl.py").write_text(BOWL.replace("return (x", "raise SystemExit(0); return (x"), encoding="utf-8")
+    outcome = command("run", bowl, *quick, "-o", tmp_path / "out")
+    assert outcome.code == 2
+    assert "separation of geometry 'bowl' must return without an exception (got SystemExit: 0, line 19" in outcome.err
+    checked = command("check", tmp_path / "bowl.py")
+    assert checked.code == 1
+    assert "SystemExit: 0" in checked.out
+
+
+def test_ctrl_c_in_a_plugin_is_the_users(bowl, tmp_path):
+    text = BOWL.replace("return (x", "raise KeyboardInterrupt; return (x")
+    (tmp_path / "bowl.py").write_text(text, encoding="utf-8")
+    with pytest.raises(KeyboardInterrupt):
+        ec.plan(ec.load_scene(bowl))
 
 
 def test_two_files_with_one_key(bowl, tmp_path):
@@ -276,6 +325,23 @@ def test_check_asks_the_kit(bowl, tmp_path, command):
     assert bad.code == 1
     failed = [one["check"] for one in json.loads(bad.out)["bowl.py:bowl"] if one["failed"]]
     assert "check_separation_pure" in failed
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("np.ma.masked_less(x + y, 0)", "separation of geometry 'bowl' must return no masked values"),
+        ("np.ma.masked_less(x + y, 0).astype(object)", "separation of geometry 'bowl' must return no masked values"),
+        ("x + y > 0", "real numbers (got booleans of shape"),
+        ("[1.0, 2.0, 3.0]", "broadcasts to shape"),
+    ],
+)
+def test_check_finds_separations_that_are_no_numbers(answer, words, bowl, tmp_path, command):
+    text = "import numpy as np\n" + BOWL.replace("return (x", f"return {answer}; return (x")
+    (tmp_path / "bowl.py").write_text(text, encoding="utf-8")
+    outcome = command("check", tmp_path / "bowl.py")
+    assert outcome.code == 1
+    assert words in outcome.out
 
 
 @pytest.mark.parametrize(

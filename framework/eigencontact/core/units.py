@@ -9,7 +9,7 @@ from typing import Any
 
 from eigencontact.errors import nearest
 
-__all__ = ["LARGEST", "NUMBER", "SMALLEST", "parse_quantity", "readable"]
+__all__ = ["LARGEST", "NUMBER", "SMALLEST", "magnitude", "parse_quantity", "readable", "unit_within"]
 
 #: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
 SMALLEST, LARGEST = 1e-30, 1e30
@@ -38,8 +38,8 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
 
     Parameters
     ----------
-    value : float or str
-        ``1.05e-4`` or ``"105 um"``.
+    value : float, str or quantity
+        ``1.05e-4`` or ``"105 um"``, or a number with a unit of a library such as pint.
     symbol, name : str
         SI unit and name of the quantity wanted, for the check and the message: ``"m"``, ``"a length"``.
 
@@ -54,7 +54,10 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     (210000000000.0, 0.002)
     """
     if not isinstance(value, str):
-        return value
+        if unit_within(value) is None:
+            return value
+        found = magnitude(value, symbol, name)
+        return float(f"{found:.15g}") if isinstance(found, float) else found  # as of text, below
     rule, example = f"{name} [{symbol}]", _EXAMPLES.get(symbol, "1 " + symbol)
     text = value.strip()
     head = NUMBER.match(text)
@@ -72,6 +75,47 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
         raise ValueError(f"{rule} that a number of 64 bits can hold")
     # Conversion factors carry rounding errors; "105 um" is 1.05e-4 to the last bit. Degrees have no short decimals.
     return found if symbol == "rad" else float(f"{found:.15g}")
+
+
+def unit_within(value: Any) -> str | None:
+    """Unit that an object carries, as text: a quantity of pint, astropy or unyt, a DataArray; None of plain numbers.
+
+    Examples
+    --------
+    >>> unit_within(1.0), unit_within(_registry().Quantity(3, "um"))
+    (None, 'micrometer')
+    """
+    if isinstance(value, float | int | str | bytes | list | tuple | dict):
+        return None
+    if hasattr(value, "to") or hasattr(value, "rescale"):
+        unit = getattr(value, "units", None)
+        unit = getattr(value, "unit", None) if unit is None else unit
+        return None if unit is None else str(unit)
+    attributes = getattr(value, "attrs", None)
+    return str(attributes["units"]) if isinstance(attributes, dict) and attributes.get("units") else None
+
+
+def magnitude(value: Any, symbol: str, name: str) -> Any:
+    """Number, or array, in SI units of an object that carries a unit.
+
+    Raises
+    ------
+    ValueError
+        The rule that the value breaks: another dimension, or a unit that cannot be converted.
+
+    Examples
+    --------
+    >>> magnitude(_registry().Quantity([1.0, 2.0], "km"), "m", "a length").tolist()
+    [1000.0, 2000.0]
+    """
+    if not hasattr(value, "to"):
+        factor = parse_quantity(f"1 {unit_within(value)}", symbol, name)
+        return getattr(value, "values", value) * factor
+    try:
+        found = value.to("dimensionless" if symbol == "1" else symbol)
+    except Exception as problem:  # each library of units has errors of its own
+        raise ValueError(f"{name} [{symbol}]; it has the unit {unit_within(value)!r}") from problem
+    return found.magnitude if hasattr(found, "magnitude") else found.value
 
 
 def _converted(number: float, unit: str, text: str, symbol: str, rule: str) -> float:

@@ -11,6 +11,7 @@ from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from eigencontact.errors import PluginError, SceneError, shown
+from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin.component import Component
 from eigencontact.scene.checks import only_numbers
@@ -43,15 +44,16 @@ def instantiate(
     """Component of a registered class from named parameters, each converted to its annotated type."""
     values = converted(registry, entry, parameters, where, beside)
     try:
-        return entry.component(**values)
+        with plugin_code(lambda problem: _failure(entry, where, problem), passing=(SceneError,)):
+            return entry.component(**values)
     except SceneError as problem:
         if re.search(r"\.\d+$", where) and where not in str(problem):  # a component names its key, not which of many
             raise SceneError(f"{where}: {problem}") from None
         raise
-    except Exception as problem:
-        raise PluginError(
-            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {type(problem).__name__}: {problem}"
-        ) from problem
+
+
+def _failure(entry: Entry, where: str, problem: BaseException) -> str:
+    return f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {reason_of(problem)}"
 
 
 def converted(
