@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import ResultsError, SceneError, shown
 from eigencontact.library import installed_plugins
 
 if TYPE_CHECKING:
@@ -159,6 +159,8 @@ def region(
     from eigencontact.results.reader import results_file
     from eigencontact.results.stepfile import step_part
 
+    if not isinstance(table, str | Mapping):
+        raise SceneError(f"region must be a table like those of [[stress]], or its text (got {shown(table)})")
     wanted = region_table(table) if isinstance(table, str) else table
     info, record = revisit(results_file(results), wanted, installed_plugins(), step)
     part = step_part(info, record, copied=False)

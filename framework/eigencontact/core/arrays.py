@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.units import LARGEST, magnitude, unit_within
+from eigencontact.core.units import LARGEST, number_and_unit, parse_quantity
 from eigencontact.errors import PluginError, SceneError
 
-__all__ = ["is_real", "is_whole", "real_answer", "real_array", "real_points"]
+__all__ = ["is_real", "is_whole", "real_answer", "real_array", "real_points", "whole_array"]
 
 FloatArray = NDArray[np.float64]
 
@@ -91,18 +91,33 @@ def real_answer(value: Any, what: str, shape: tuple[int, ...] | None = None) -> 
         raise PluginError(f"{what} must be {rule}{reason}") from None
 
 
+def whole_array(value: Any, where: str, field: str, rule: str) -> NDArray[np.int32]:
+    """Array of whole numbers, also of booleans; anything else is refused as by `real_array`."""
+    try:
+        array = _array(value, "")
+    except ValueError as problem:
+        raise SceneError(f"{where}.{field} must be {rule}{problem}") from None
+    if array.dtype.kind not in "biu":
+        raise SceneError(f"{where}.{field} must be {rule} (got {_words(array)})")
+    return array.astype(np.int32)
+
+
 def _real_numbers(value: Any, unit: str) -> FloatArray:
     """Array of real numbers, or ValueError with the end of a message."""
-    bare = _bare(value, unit)
-    try:
-        array = np.asarray(bare)
-    except (ValueError, TypeError, OverflowError):
-        raise ValueError(f" (got {type(value).__name__} with no one shape)") from None
+    array = _array(value, unit)
     if array.dtype.kind == "O" and all(is_real(item) and abs(item) <= LARGEST for item in array.ravel()):
         array = array.astype(float)  # whole numbers of Python, fractions
     if array.dtype.kind not in "fiu":
         raise ValueError(f", real numbers (got {_words(array)})")
     return np.asarray(array, dtype=float)
+
+
+def _array(value: Any, unit: str) -> NDArray[Any]:
+    bare = _bare(value, unit)
+    try:
+        return np.asarray(bare)
+    except (ValueError, TypeError, OverflowError):
+        raise ValueError(f" (got {type(value).__name__} with no one shape)") from None
 
 
 def _bare(value: Any, unit: str) -> Any:
@@ -113,14 +128,15 @@ def _bare(value: Any, unit: str) -> Any:
         return [_bare(item, unit) for item in value]
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise ValueError(f", none of them masked (got {int(np.ma.getmaskarray(value).sum())} masked)")
-    if (given := unit_within(value)) is None:
+    if (carried := number_and_unit(value)) is None:
         return value
     if not unit:
-        raise ValueError(f", plain numbers (got a quantity in {given})")
+        raise ValueError(f", plain numbers (got a quantity in {carried[1] or 'no unit'})")
+    _bare(carried[0], unit)  # a mask below the unit
     try:
-        return _bare(magnitude(value, unit, "a quantity"), unit)
-    except ValueError as problem:
-        raise ValueError(str(problem) if str(problem)[0] == "," else f", in units of {unit} (got {given})") from None
+        return parse_quantity(value, unit, "a quantity")
+    except ValueError:
+        raise ValueError(f", in a unit like {unit} (got a quantity in {carried[1] or 'no unit'})") from None
 
 
 def real_points(where: str, *coordinates: Any) -> tuple[FloatArray, ...]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from eigencontact.errors import nearest
 
-__all__ = ["LARGEST", "NUMBER", "SMALLEST", "magnitude", "parse_quantity", "readable", "unit_within"]
+__all__ = ["LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "quantity_text", "readable"]
 
 #: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
 SMALLEST, LARGEST = 1e-30, 1e30
@@ -54,10 +54,10 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     (210000000000.0, 0.002)
     """
     if not isinstance(value, str):
-        if unit_within(value) is None:
-            return value
-        found = magnitude(value, symbol, name)
-        return float(f"{found:.15g}") if isinstance(found, float) else found  # as of text, below
+        if isinstance(value, _Dimensionless) and symbol not in ("1", "rad"):
+            raise ValueError(f'{name} [{symbol}]: give a unit, like "{_EXAMPLES.get(symbol, "1 " + symbol)}"')
+        carried = number_and_unit(value)
+        return value if carried is None else _magnitude(*carried, symbol, name)
     rule, example = f"{name} [{symbol}]", _EXAMPLES.get(symbol, "1 " + symbol)
     text = value.strip()
     head = NUMBER.match(text)
@@ -77,45 +77,48 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     return found if symbol == "rad" else float(f"{found:.15g}")
 
 
-def unit_within(value: Any) -> str | None:
-    """Unit that an object carries, as text: a quantity of pint, astropy or unyt, a DataArray; None of plain numbers.
+def number_and_unit(value: Any) -> tuple[Any, str] | None:
+    """Number, or array, and the unit of an object that carries one; None of plain numbers.
+
+    Quantities of pint, astropy and unyt carry a unit, and so does a DataArray with the attribute ``units``. A quantity
+    without dimension has the unit ``""``.
 
     Examples
     --------
-    >>> unit_within(1.0), unit_within(_registry().Quantity(3, "um"))
-    (None, 'micrometer')
+    >>> number_and_unit(1.0), number_and_unit(_registry().Quantity(3, "um"))
+    (None, (3, 'µm'))
     """
     if isinstance(value, float | int | str | bytes | list | tuple | dict):
         return None
-    if hasattr(value, "to") or hasattr(value, "rescale"):
-        unit = getattr(value, "units", None)
-        unit = getattr(value, "unit", None) if unit is None else unit
-        return None if unit is None else str(unit)
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        if getattr(value, "dimensionless", False):
+            return value.to("dimensionless").magnitude, ""
+        return value.magnitude, format(value.units, "~C")
+    unit = getattr(value, "unit", getattr(value, "units", None))
+    if unit is not None and hasattr(value, "value"):
+        return value.value, str(unit).replace("dimensionless", "")
     attributes = getattr(value, "attrs", None)
-    return str(attributes["units"]) if isinstance(attributes, dict) and attributes.get("units") else None
+    if isinstance(attributes, dict) and attributes.get("units") and hasattr(value, "values"):
+        return value.values, "" if attributes["units"] in ("1", "-") else str(attributes["units"])
+    return None
 
 
-def magnitude(value: Any, symbol: str, name: str) -> Any:
-    """Number, or array, in SI units of an object that carries a unit.
+class _Dimensionless(float):
+    """Number that somebody gave as a quantity without dimension: it is no length, force or stress."""
 
-    Raises
-    ------
-    ValueError
-        The rule that the value breaks: another dimension, or a unit that cannot be converted.
 
-    Examples
-    --------
-    >>> magnitude(_registry().Quantity([1.0, 2.0], "km"), "m", "a length").tolist()
-    [1000.0, 2000.0]
-    """
-    if not hasattr(value, "to"):
-        factor = parse_quantity(f"1 {unit_within(value)}", symbol, name)
-        return getattr(value, "values", value) * factor
-    try:
-        found = value.to("dimensionless" if symbol == "1" else symbol)
-    except Exception as problem:  # each library of units has errors of its own
-        raise ValueError(f"{name} [{symbol}]; it has the unit {unit_within(value)!r}") from problem
-    return found.magnitude if hasattr(found, "magnitude") else found.value
+def quantity_text(number: float, unit: str) -> float | str:
+    """Number with its unit as a scene writes it."""
+    return f"{float(number)!r} {unit}" if unit else _Dimensionless(number)
+
+
+def _magnitude(number: Any, unit: str, symbol: str, name: str) -> Any:
+    """Number, or array, in SI units."""
+    if not getattr(number, "shape", ()):
+        return parse_quantity(quantity_text(number, unit), symbol, name)
+    if not unit:
+        return number * parse_quantity(_Dimensionless(1.0), symbol, name)
+    return number * parse_quantity(f"1 {unit}", symbol, name)
 
 
 def _converted(number: float, unit: str, text: str, symbol: str, rule: str) -> float:

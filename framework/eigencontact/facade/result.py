@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.arrays import is_whole
 from eigencontact.core.html_table import html_table
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
@@ -95,8 +96,7 @@ class ContactResult:
         >>> pressed.at(1).radius < pressed.radius
         True
         """
-        known = isinstance(step, int | np.integer) and 1 <= step <= self.steps
-        require(known, _HERE, "step", step, f"1 to {self.steps}")
+        require(is_whole(step) and 1 <= step <= self.steps, _HERE, "step", step, f"1 to {self.steps}")
         return ContactResult(self._run, self._bodies, self._kept, int(step))
 
     @property
@@ -224,13 +224,12 @@ class ContactResult:
         from eigencontact.results.join import dataset_of
         from eigencontact.results.stepfile import step_part
 
-        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in table.items()}
-        info, record = self._look(plain)
+        info, record = self._look(table)
         return dataset_of([step_part(info, record, copied=False)])
 
     def _at_points(self, points: ArrayLike, body: int, quantity: str) -> FloatArray:
         where = f"{_HERE}.{quantity}"
-        require(body in (1, 2) and not isinstance(body, bool), where, "body", body, "1 or 2")
+        require(is_whole(body) and body in (1, 2), where, "body", body, "1 or 2")
         require(self._bodies[body - 1] is not None, where, "body", body, "one that is elastic")
         at = field_points(points, where, half_space=True)
         require(len(at) > 0, where, "points", at.shape, "one point or more")

@@ -53,9 +53,9 @@ def plugin_code(
     folder = _working_directory()
     try:
         yield
-    except (*passing, KeyboardInterrupt):
-        raise
     except BaseException as problem:
+        if isinstance(problem, (*passing, KeyboardInterrupt)):
+            raise
         raise PluginError(message(problem)) from problem
     finally:
         if folder is not None and _working_directory() != folder:

@@ -12,6 +12,7 @@ from typing import Any
 from eigencontact.core.names import to_folder_name
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.scene.checks import refuse_deep
+from eigencontact.scene.plain import plain
 from eigencontact.scene.schema import Scene
 
 __all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file", "put_values", "value_of_text"]
@@ -91,10 +92,8 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
     >>> apply_changes({"steps": [{"normal-load": 1.0}]}, ["steps.normal-load=2 N"])
     {'steps': [{'normal-load': '2 N'}]}
     """
-    from copy import deepcopy
-
     refuse_deep(data)
-    out = deepcopy(dict(data))
+    out: dict[str, Any] = plain(data)
     for change in changes:
         key, equals, text = change.partition("=") if isinstance(change, str) else ("", "", "")
         if not equals or not key.strip():
