@@ -182,7 +182,7 @@ def test_what_is_too_large_is_never_unpacked(shape, tmp_path, monkeypatch):
     monkeypatch.setattr("eigencontact.core.array_files.machine_bytes", lambda: 2.0**30)
     with allocating_at_most(2**20):
         _archive(tmp_path / "a.npz", shape, x=X, y=Y)
-        with pytest.raises(SceneError, match=r"a file with z and poisson_ratio \(got .*; it holds x, y, young_modulus$"):
+        with pytest.raises(SceneError, match=r"a file with z and poisson_ratio .*; it holds x, y, young_modulus$"):
             read(tmp_path / "a.npz")
         _archive(tmp_path / "a.npz", shape, x=X, y=Y, z=Z, poisson_ratio=0.3)
         with pytest.raises(SceneError, match=r"young_modulus of shape .*; young_modulus has the shape \(1000"):

@@ -7,6 +7,7 @@ from pathlib import Path
 from textwrap import dedent
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import eigencontact as ec
@@ -17,6 +18,7 @@ from eigencontact_verification.campaign import cases
 from eigencontact_verification.campaign.command import _of_files
 from eigencontact_verification.campaign.store import content_hash
 from eigencontact_verification.campaign.worker import serve
+from eigencontact_verification.conformance.command import _example
 
 BOWL = '''
 from dataclasses import dataclass
@@ -347,7 +349,7 @@ def test_check_finds_separations_that_are_no_numbers(answer, words, bowl, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["bowl.py"], "geometry 'bowl' must say with which parameters it is to be checked (got none); give its class "),
+        (["bowl.py"], "geometry 'bowl' must say with which parameters it is to be checked (got none); give --with b"),
         (["bolw"], "unknown plugin 'bolw'"),
         (["nowhere.py"], "no such file"),
     ],
@@ -365,6 +367,51 @@ def test_check_knows_what_is_installed(command):
     outcome = command("check", "eigencontact:void")
     assert outcome.code == 0, outcome.err
     assert "kept   check_stiffness" in outcome.out
+
+
+#: Files that a bundled plugin reads, which nobody can guess.
+OF_FILES = {"map", "from-file", "gap-map", "polyhedron", "voxels"}
+
+
+@pytest.mark.parametrize("entry", [entry for entry in installed_plugins() if entry.key not in OF_FILES], ids=str)
+def test_bundled_plugins_have_an_example(entry):
+    assert _example(entry, []).key == entry.key
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kept"),
+    [
+        (["j2"], "kept   check_tangent"),
+        (["j2", "--with", "hardening.yield-stress=300 MPa", "--with", "poisson-ratio=0.4"], "kept   check_tangent"),
+        (["mazars", "--with", "A=0.5"], "kept   check_curve_slope"),
+        (["void"], "kept   check_stiffness"),
+        (["gap-map", "--with", "file=gap.npz"], "kept   check_separation_arrays"),
+        (["bowl.py", "--with", "bend=2 mm"], "kept   check_separation_arrays"),
+    ],
+)
+def test_check_takes_parameters(arguments, kept, bowl, tmp_path, command, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bowl.py").write_text(BOWL.replace("    example: ", "    sample: "), encoding="utf-8")
+    axis = np.linspace(-1e-6, 1e-6, 8)
+    np.savez(tmp_path / "gap.npz", x=axis, y=axis, gap=axis**2 + axis[:, None] ** 2)
+    outcome = command("check", *arguments)
+    assert outcome.code == 0, outcome.out + outcome.err
+    assert kept in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ("poisson-ratio", "--with must be key=value"),
+        ("poisson-ratio=2", "j2.poisson_ratio must be "),
+        ("poison-ratio=0.3", "did you mean 'poisson-ratio'?"),
+        ("hardening.yield-stress=-1 MPa", "linear.yield_stress must be "),
+    ],
+)
+def test_check_refuses_parameters(parameters, words, command):
+    outcome = command("check", "j2", "--with", parameters)
+    assert outcome.code == 2
+    assert words in outcome.err
 
 
 def test_the_cross_check_knows_a_file_and_its_text(tmp_path):

@@ -289,4 +289,5 @@ def _refusal(where: str, rule: str, file: str, reason: str) -> SceneError:
 
 
 def _first_line(problem: BaseException) -> str:
-    return (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+    line = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+    return "it holds no numbers of NumPy" if "magic string" in line else line

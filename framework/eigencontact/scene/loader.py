@@ -82,8 +82,8 @@ def _read(path: Path) -> str:
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
 
 
-def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, Any]:
-    """Return the tables with ``key=value`` changes applied.
+def apply_changes(data: Mapping[str, Any], changes: Iterable[str], option: str = "--set") -> dict[str, Any]:
+    """Return the tables with ``key=value`` changes applied; `option` gave them, for messages.
 
     A dotted key walks through tables; a number picks an entry of an array, and may be left out where there is one.
 
@@ -98,9 +98,9 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
         key, equals, text = change.partition("=") if isinstance(change, str) else ("", "", "")
         if not equals or not key.strip():
             raise SceneError(
-                f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
+                f"{option} must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
             )
-        _put(out, key, value_of_text(text.strip()), f"--set {change!r}")
+        _put(out, key, value_of_text(text.strip()), f"{option} {change!r}")
     return out
 
 

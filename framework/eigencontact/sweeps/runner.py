@@ -182,12 +182,12 @@ def _holds(folder: Path, mark: str) -> bool:
 
 def _chosen(dataset: Any, names: Sequence[str]) -> dict[str, Any]:
     """Surface fields at the last step."""
-    from eigencontact.errors import ResultsError, nearest
+    from eigencontact.errors import SceneError, nearest
 
     known = [str(name) for name, field in dataset.data_vars.items() if field.dims[-2:] == ("y", "x")]
     for name in names:
         if name not in known:
-            raise ResultsError(
+            raise SceneError(
                 f"field must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; fields of regions are "
                 "in the results of each variant"
             )

@@ -45,6 +45,18 @@ class ByDepth(ConstitutiveLaw):
     """
 
     key: ClassVar[str] = "by-depth"
+    example: ClassVar[dict[str, Any]] = {
+        "interfaces": ["2 um"],
+        "laws": [
+            {"type": "elastic", "young_modulus": "210 GPa", "poisson_ratio": 0.3},
+            {
+                "type": "j2",
+                "young_modulus": "210 GPa",
+                "poisson_ratio": 0.3,
+                "hardening": {"type": "perfect", "yield_stress": "1 GPa"},
+            },
+        ],
+    }
     references: ClassVar[tuple[str, ...]] = ("K. L. Johnson 1985, Contact Mechanics, section 5.8",)
 
     interfaces: tuple[Length, ...]
