@@ -12,6 +12,7 @@ from eigencontact.core.arrays import is_whole
 from eigencontact.core.html_table import html_table
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
+from eigencontact.facade.arguments import length
 from eigencontact.library import field_points, installed_plugins
 
 if TYPE_CHECKING:
@@ -149,6 +150,54 @@ class ContactResult:
     def max_pressure(self) -> float:
         """Largest contact pressure [Pa]."""
         return self._number("max_pressure")
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Fields on the surface after this step, over y and x; `dataset` holds all steps and numbers too.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> fields = ec.solve_contact(ball, steel, load="0.65 N", cells=64, size="16 um").to_xarray()
+        >>> list(fields)
+        ['displacement_z', 'gap', 'pressure', 'reference_pressure']
+        """
+        names = [name for name, field in self.dataset.data_vars.items() if field.dims == ("step", "y", "x")]
+        return self.dataset[names].isel(step=self._place)
+
+    def profile(self, axis: str = "x", at: float | str = 0.0) -> xarray.Dataset:
+        """Fields on the surface along a row of cells; of the cells whose centres are nearest to the line.
+
+        Parameters
+        ----------
+        axis : {"x", "y"}
+            Along which axis.
+        at : float or str
+            Where the line lies on the other axis [m]; the dataset holds the place of the cells that were taken.
+
+        Raises
+        ------
+        SceneError
+            A line outside the window.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> found = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
+        >>> line = found.profile("x")
+        >>> error = abs(line.pressure - line.reference_pressure).max() / found.max_pressure
+        >>> line.pressure.dims, f"{float(error):.2f} of the largest pressure from Hertz"
+        (('x',), '0.01 of the largest pressure from Hertz')
+        """
+        where, other = f"{_HERE}.profile", {"x": "y", "y": "x"}
+        require(isinstance(axis, str) and axis in other, where, "axis", axis, "'x' or 'y'")
+        place, fields = length(at, where, "at", positive=False), self.to_xarray()
+        centres = fields[other[axis]].values
+        reach = 0.5 * float(centres[1] - centres[0]) if centres.size > 1 else np.inf
+        low, high = float(centres[0]) - reach, float(centres[-1]) + reach
+        require(low <= place <= high, where, "at", at, f"within the window, {low:g} to {high:g} [m]")
+        return fields.sel({other[axis]: place}, method="nearest")
 
     # ------------------------------------------------------------ fields below the surface
 
@@ -311,6 +360,7 @@ class ContactResult:
         lower, upper = ("a rigid body" if body is None else repr(body) for body in self._bodies)
         ny, nx = self.dataset.sizes["y"], self.dataset.sizes["x"]
         rows = [("bodies", f"{lower} under {upper}"), *self._rows(), ("cells", f"{nx} x {ny}")]
+        rows += [("fields", ", ".join(map(str, self.to_xarray())))]
         rows += [("step", f"{self._place + 1} of {self.steps}")] if self.steps > 1 else []
         notes = "; ".join(str(one.get("words", one)) for one in self.summary["warnings"])
         return html_table("Contact", rows, notes)
