@@ -16,8 +16,6 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-import numpy as np
-
 from eigencontact.errors import EigencontactError, PluginError
 
 __all__ = ["guard_methods", "plugin_code", "reason_of"]
@@ -91,6 +89,7 @@ def _guarded(cls: Any, function: Any) -> Any:
     """Return a function of a class with the guard round it, once."""
     if hasattr(function, _MARK):
         return function
+    import numpy as np  # the command line imports this module for its help
 
     @wraps(function)
     def call(*arguments: Any, **named: Any) -> Any:
