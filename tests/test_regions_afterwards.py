@@ -119,8 +119,8 @@ def _tables(data):
         ('shape = "plane", depth-maxi = "1 um"', None, SceneError, "did you mean 'depth-max'"),
         ('shape = "plane"', None, SceneError, "given depths or depth-max"),
         ('shape = "points", points = [[0, 0, -1e-6]]', None, SceneError, "points"),
-        (PLANE, 4, ResultsError, r"1 to 3 \(got 4\)"),
-        (PLANE, 0, ResultsError, r"1 to 3 \(got 0\)"),
+        (PLANE, 4, SceneError, r"1 to 3 \(got 4\)"),
+        (PLANE, 0, SceneError, r"1 to 3 \(got 0\)"),
         ({**PLANE, "body": 2}, None, SceneError, "body"),
     ],
 )
@@ -131,7 +131,7 @@ def test_refused_regions(history, table, step, error, message):
 
 def test_a_name_that_is_stored_and_a_file_of_others_are_refused(tmp_path):
     ec.run({**CONTACT, "stress": [PLANE], "output": {"pictures": False}}, tmp_path)
-    with pytest.raises(ResultsError, match=r"region.name must differ from those that the run has stored \(got 'cut'"):
+    with pytest.raises(SceneError, match=r"region.name must differ from those that the run has stored \(got 'cut'"):
         ec.region(tmp_path, PLANE)
     (tmp_path / "region-other.nc").write_text("mine")
     with pytest.raises(ResultsError, match=r"region-other.nc must be a file that eigencontact wrote"):

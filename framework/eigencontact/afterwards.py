@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import SceneError, shown
 from eigencontact.library import installed_plugins
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def draw(
     style : str
         ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points) or ``"talk"``.
     """
-    from eigencontact.results.atomic import DAMAGE, reason, writable_folder
+    from eigencontact.results.atomic import of_this_version, writable_folder
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.reader import results_file
     from eigencontact.results.stored import open_stored
@@ -71,25 +71,20 @@ def draw(
             stored[target / _region_file(names[0])] = "the fields of the region, with coordinates, units and provenance"
         refuse_foreign(target, names, summary=False, pictures=kind, vtk=vtk, animation=bool(animation))
         writable_folder(target)
-        try:
-            shown = None if step is None or table is not None else place_of(dataset, step)
+        chosen = None if step is None or table is not None else place_of(dataset, step)
+        with of_this_version(source):
             named = {}
             if animation:  # refused before anything is drawn
                 from eigencontact.viz.animation import animate
 
                 named = animate(dataset, target, animation)
             with figure_look(look):
-                named |= draw_all(dataset, target, shown, solid=vtk, kind=kind, dpi=dpi)
+                named |= draw_all(dataset, target, chosen, solid=vtk, kind=kind, dpi=dpi)
             files = {target / name: text for name, text in named.items()}
             if vtk:
                 from eigencontact.viz.vtk import write_vtk
 
                 files |= dict.fromkeys(write_vtk(dataset, target), "fields for ParaView")
-        except DAMAGE as problem:
-            raise ResultsError(
-                f"{source} must hold results as this version writes them (got {type(problem).__name__}: "
-                f"{reason(problem)}); run the scene again with --overwrite"
-            ) from problem
     return stored | files
 
 
@@ -101,7 +96,7 @@ def place_of(dataset: Results, step: int) -> int:
     """Position of a stored step."""
     steps = [int(number) for number in dataset["step"].values]
     if step not in steps:
-        raise ResultsError(f"step must be one that is stored, {steps[0]} to {steps[-1]} (got {step})")
+        raise SceneError(f"step must be one that is stored, {steps[0]} to {steps[-1]} (got {step})")
     return steps.index(step)
 
 
@@ -153,6 +148,8 @@ def region(
     from eigencontact.results.reader import results_file
     from eigencontact.results.stepfile import step_part
 
+    if not isinstance(table, str | Mapping):
+        raise SceneError(f"region must be a table like those of [[stress]], or its text (got {shown(table)})")
     wanted = region_table(table) if isinstance(table, str) else table
     info, record = revisit(results_file(results), wanted, installed_plugins(), step)
     part = step_part(info, record, copied=False)

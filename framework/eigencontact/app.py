@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.stopwatch import Stopwatch
-from eigencontact.errors import DomainTooSmall, ResultsError, SceneError, shown
+from eigencontact.errors import DomainTooSmall, SceneError, shown
 from eigencontact.hooks.registry import Registry
 from eigencontact.library import installed_plugins, make, rectangle_field
 
@@ -222,17 +222,18 @@ def run(
 
     began = perf_counter()
     if not (folder is None or isinstance(folder, str | Path)):
-        raise ResultsError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
+        raise SceneError(f"folder must be a path, or None for a run in memory (got {shown(folder)})")
+    target = None if folder is None else Path(folder).absolute()  # before a plugin can change the working directory
     if isinstance(scene, Plan):
         planned, began = scene, began - scene.seconds_planned
     else:
         planned = plan(scene, registry=registry)
     stopwatch = Stopwatch()
     stopwatch.add("set-up", perf_counter() - began)
-    if folder is not None:
+    if target is not None:
         return _run_in(
             planned,
-            Path(folder),
+            target,
             began,
             stopwatch,
             resume=resume,
@@ -241,7 +242,7 @@ def run(
             painter=painter,
         )
     if resume:
-        raise ResultsError(
+        raise SceneError(
             "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
         )
     from eigencontact.planning.provenance import run_info

@@ -17,7 +17,8 @@ import typer
 from typer.core import TyperGroup
 
 from eigencontact import completion
-from eigencontact.errors import EigencontactError
+from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.pictures.command import plot
 from eigencontact.skeleton import TEMPLATES
 
@@ -44,10 +45,11 @@ def _loaded(point: EntryPoint) -> Any:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else point.value
     group = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
     try:
-        group.command(point.name, context_settings={"help_option_names": ["-h", "--help"]})(point.load())
-        return typer.main.get_command(group)
-    except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
-        reason = f"cannot be loaded from {package}: {type(problem).__name__}: {' '.join(str(problem).split())}"
+        with plugin_code(reason_of, passing=()):
+            group.command(point.name, context_settings={"help_option_names": ["-h", "--help"]})(point.load())
+            return typer.main.get_command(group)
+    except PluginError as problem:
+        reason = f"cannot be loaded from {package}: {problem}"
         group = typer.Typer(add_completion=False)
 
         @group.command(point.name, help=reason, context_settings={"ignore_unknown_options": True})
@@ -126,11 +128,12 @@ def run(
     from eigencontact.progress import progress
     from eigencontact.viz.painter import painter_of
 
+    here = Path.cwd()  # before a plugin can change it
     try:
         loaded = calls.load_scene(scene, changes or [])
         with painter_of(loaded) as painter:
             planned = calls.plan(loaded)
-            folder = output if output is not None else Path(planned.name)
+            folder = here / (planned.name if output is None else output)
             with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:
                 result = calls.run(
                     planned, folder, resume=resume, overwrite=overwrite, watcher=watcher, painter=painter

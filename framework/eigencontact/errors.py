@@ -42,7 +42,7 @@ class EigencontactError(Exception):
 
 
 class SceneError(EigencontactError):
-    """A scene, or a value of it, that cannot be accepted."""
+    """A scene, an argument or an option that cannot be accepted."""
 
     exit_code = 2
 

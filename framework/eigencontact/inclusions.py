@@ -93,7 +93,7 @@ def inclusion_field(
     for item in shapes:
         require(isinstance(item, InclusionShape), _HERE, "shape", item, "an inclusion shape, as make() returns")
     rule = f"one number, or of shape (3, 3) or ({len(shapes)}, 3, 3) [-]"
-    strain = real_array(eigenstrain, _HERE, "eigenstrain", rule)
+    strain = real_array(eigenstrain, _HERE, "eigenstrain", rule, "1")
     strain = strain * np.eye(3) if strain.ndim == 0 else strain
     allowed = strain.shape in ((3, 3), (len(shapes), 3, 3))
     require(allowed, _HERE, "eigenstrain", strain.shape, rule)

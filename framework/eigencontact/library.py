@@ -86,7 +86,7 @@ def _only_fitting(registry: Registry, key: str, entries: list[Entry], parameters
 
 def field_points(points: ArrayLike, where: str, *, half_space: bool) -> FloatArray:
     """Field points ``(n, 3)`` [m] that a caller gives, refused unless finite, and in z >= 0 of a half-space."""
-    at = real_array(points, where, "points", "of shape (n, 3) [m]")
+    at = real_array(points, where, "points", "of shape (n, 3) [m]", "m")
     require(at.ndim == 2 and at.shape[1] == 3, where, "points", at.shape, "of shape (n, 3) [m]")
     if not np.all(np.isfinite(at)):
         raise SceneError(f"{where}.points must be finite [m] (got NaN or infinity)")
@@ -143,10 +143,10 @@ def rectangle_field(
 
     here = "rectangle_field"
     rule = "three finite numbers (q_x, q_y, p) [Pa]"
-    load = real_array(traction, here, "traction", rule)
+    load = real_array(traction, here, "traction", rule, "Pa")
     require(load.shape == (3,) and np.all(np.abs(load) <= LARGEST), here, "traction", traction, rule)
     rule = "two positive numbers (a, b) [m]"
-    widths = real_array(half_widths, here, "half_widths", rule)
+    widths = real_array(half_widths, here, "half_widths", rule, "m")
     good = widths.shape == (2,) and np.all(widths >= SMALLEST) and np.all(widths <= LARGEST)
     require(good, here, "half_widths", half_widths, rule)
     at = field_points(points, here, half_space=True)

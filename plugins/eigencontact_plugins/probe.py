@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class Probe(Observer):
     """
 
     key: ClassVar[str] = "probe"
+    example: ClassVar[dict[str, Any]] = {"points": [[0.0, 0.0]]}
 
     points: tuple[tuple[Length, Length], ...]
     field: str = "pressure"

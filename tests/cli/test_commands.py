@@ -128,7 +128,7 @@ def test_results_of_another_scene_are_not_overwritten(command, quick, tmp_path):
     assert resumed.code == 5
     assert "--resume continues the same scene only" in resumed.err
     both = command(*other, "--resume", "--overwrite")
-    assert both.code == 5
+    assert both.code == 2
     assert "give --resume or --overwrite" in both.err
     assert (folder / "results.nc").read_bytes() == before
     assert command(*other, "--overwrite").code == 0

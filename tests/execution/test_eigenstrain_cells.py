@@ -181,7 +181,7 @@ def test_a_field_that_answers_wrongly_is_named(install):
     )
     scene = {"body1": STEEL, "grid": {"cells": 9, "size": [9e-6, 9e-6]}}
     for fill, words in (
-        (1.0, "'bad' must return numbers of shape (6,"),
+        (1.0, "'bad' must be an array that broadcasts to shape (6,"),
         (0.0, "eigenstrain must be finite in every cell"),
     ):
         inclusion = {**CUBOID, "eigenstrain": {"type": "bad", "fill": fill}}

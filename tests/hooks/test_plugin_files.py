@@ -3,9 +3,11 @@
 import hashlib
 import json
 import tomllib
+from pathlib import Path
 from textwrap import dedent
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import eigencontact as ec
@@ -16,6 +18,7 @@ from eigencontact_verification.campaign import cases
 from eigencontact_verification.campaign.command import _of_files
 from eigencontact_verification.campaign.store import content_hash
 from eigencontact_verification.campaign.worker import serve
+from eigencontact_verification.conformance.command import _example
 
 BOWL = '''
 from dataclasses import dataclass
@@ -140,6 +143,9 @@ BROKEN = {
         "bowl.py is broken: Bowl must be a frozen dataclass: its fields are its scene table",
     ),
     "hook": (BOWL.replace("[Bowl]", "[Bowle]"), "is broken: NameError: name 'Bowle' is not defined"),
+    "hook leaves": (BOWL.replace("return [Bowl]", "raise SystemExit(0)"), "line 23 is broken: SystemExit: 0"),
+    "import leaves": (f"{BOWL}\nraise SystemExit(0)\n", "is broken: SystemExit: 0"),
+    "any exception": (f"{BOWL}\nraise BaseException('x')\n", "is broken: BaseException: x"),
     "sibling": ("import other\n", "a plugin file stands alone: several files make a package, see"),
     "bundled": (
         BOWL.replace('"bowl"', '"sphere"'),
@@ -173,6 +179,51 @@ def test_a_file_that_is_none(name, words, bowl):
     with pytest.raises(PluginError) as refused:
         ec.plan(ec.load_scene(bowl, [f"plugins=['{name}']"]))
     assert words in str(refused.value)
+
+
+def test_a_link_to_itself_is_no_file(bowl, tmp_path, command):
+    (tmp_path / "loop.py").symlink_to("loop.py")
+    for arguments in (["run", bowl, "--set", "plugins=['loop.py']"], ["check", tmp_path / "loop.py"]):
+        outcome = command(*arguments)
+        assert outcome.code == 2
+        assert outcome.err.startswith("eigencontact: plugin file must be a Python file (got ")
+        assert outcome.err.count("\n") == 1
+
+
+#: Where a plugin file changes the working directory.
+MOVING = {
+    "import": ("\n@hookimpl", "\nos.chdir('/')\n@hookimpl"),
+    "hook": ("return [Bowl]", "os.chdir('/'); return [Bowl]"),
+    "construction": ("        require", "        os.chdir('/'); require"),
+    "method": ("        return (x", "        os.chdir('/'); return (x"),
+}
+
+
+@pytest.mark.parametrize("case", MOVING)
+def test_a_plugin_does_not_move_the_results(case, bowl, tmp_path, command, quick, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bowl.py").write_text("import os\n" + BOWL.replace(*MOVING[case]), encoding="utf-8")
+    outcome = command("run", "small.toml", *quick, "-o", "out")
+    assert outcome.code == 0, outcome.err
+    assert (tmp_path / "out" / "summary.json").is_file()
+    assert Path.cwd() == tmp_path
+
+
+def test_a_plugin_that_leaves_does_not_end_the_run(bowl, tmp_path, command, quick):
+    (tmp_path / "bowl.py").write_text(BOWL.replace("return (x", "raise SystemExit(0); return (x"), encoding="utf-8")
+    outcome = command("run", bowl, *quick, "-o", tmp_path / "out")
+    assert outcome.code == 2
+    assert "separation of geometry 'bowl' must return without an exception (got SystemExit: 0, line 19" in outcome.err
+    checked = command("check", tmp_path / "bowl.py")
+    assert checked.code == 1
+    assert "SystemExit: 0" in checked.out
+
+
+def test_ctrl_c_in_a_plugin_is_the_users(bowl, tmp_path):
+    text = BOWL.replace("return (x", "raise KeyboardInterrupt; return (x")
+    (tmp_path / "bowl.py").write_text(text, encoding="utf-8")
+    with pytest.raises(KeyboardInterrupt):
+        ec.plan(ec.load_scene(bowl))
 
 
 def test_two_files_with_one_key(bowl, tmp_path):
@@ -279,9 +330,26 @@ def test_check_asks_the_kit(bowl, tmp_path, command):
 
 
 @pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("np.ma.masked_less(x + y, 0)", "separation of geometry 'bowl' must return no masked values"),
+        ("np.ma.masked_less(x + y, 0).astype(object)", "separation of geometry 'bowl' must return no masked values"),
+        ("x + y > 0", "real numbers (got booleans of shape"),
+        ("[1.0, 2.0, 3.0]", "broadcasts to shape"),
+    ],
+)
+def test_check_finds_separations_that_are_no_numbers(answer, words, bowl, tmp_path, command):
+    text = "import numpy as np\n" + BOWL.replace("return (x", f"return {answer}; return (x")
+    (tmp_path / "bowl.py").write_text(text, encoding="utf-8")
+    outcome = command("check", tmp_path / "bowl.py")
+    assert outcome.code == 1
+    assert words in outcome.out
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["bowl.py"], "geometry 'bowl' must say with which parameters it is to be checked (got none); give its class "),
+        (["bowl.py"], "geometry 'bowl' must say with which parameters it is to be checked (got none); give --with b"),
         (["bolw"], "unknown plugin 'bolw'"),
         (["nowhere.py"], "no such file"),
     ],
@@ -299,6 +367,51 @@ def test_check_knows_what_is_installed(command):
     outcome = command("check", "eigencontact:void")
     assert outcome.code == 0, outcome.err
     assert "kept   check_stiffness" in outcome.out
+
+
+#: Files that a bundled plugin reads, which nobody can guess.
+OF_FILES = {"map", "from-file", "gap-map", "polyhedron", "voxels"}
+
+
+@pytest.mark.parametrize("entry", [entry for entry in installed_plugins() if entry.key not in OF_FILES], ids=str)
+def test_bundled_plugins_have_an_example(entry):
+    assert _example(entry, []).key == entry.key
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kept"),
+    [
+        (["j2"], "kept   check_tangent"),
+        (["j2", "--with", "hardening.yield-stress=300 MPa", "--with", "poisson-ratio=0.4"], "kept   check_tangent"),
+        (["mazars", "--with", "A=0.5"], "kept   check_curve_slope"),
+        (["void"], "kept   check_stiffness"),
+        (["gap-map", "--with", "file=gap.npz"], "kept   check_separation_arrays"),
+        (["bowl.py", "--with", "bend=2 mm"], "kept   check_separation_arrays"),
+    ],
+)
+def test_check_takes_parameters(arguments, kept, bowl, tmp_path, command, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bowl.py").write_text(BOWL.replace("    example: ", "    sample: "), encoding="utf-8")
+    axis = np.linspace(-1e-6, 1e-6, 8)
+    np.savez(tmp_path / "gap.npz", x=axis, y=axis, gap=axis**2 + axis[:, None] ** 2)
+    outcome = command("check", *arguments)
+    assert outcome.code == 0, outcome.out + outcome.err
+    assert kept in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ("poisson-ratio", "--with must be key=value"),
+        ("poisson-ratio=2", "j2.poisson_ratio must be "),
+        ("poison-ratio=0.3", "did you mean 'poisson-ratio'?"),
+        ("hardening.yield-stress=-1 MPa", "linear.yield_stress must be "),
+    ],
+)
+def test_check_refuses_parameters(parameters, words, command):
+    outcome = command("check", "j2", "--with", parameters)
+    assert outcome.code == 2
+    assert words in outcome.err
 
 
 def test_the_cross_check_knows_a_file_and_its_text(tmp_path):

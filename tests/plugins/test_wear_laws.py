@@ -1,5 +1,6 @@
 """Wear laws: closed forms at cells and in runs, units, increments do not count, refusals of a stranger's."""
 
+import sys
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -198,6 +199,7 @@ def poison(state):
     return state.slip
 
 
+FAILS = r"must return without an exception \(got "
 WRONG = {
     "shape": (np.ones((5, 3)), r"must be of shape \(3, 5\), that of the pressure \(got shape \(5, 3\)\)"),
     "a number": (1.0, r"must be of shape \(3, 5\), that of the pressure \(got shape \(\)\)"),
@@ -207,9 +209,12 @@ WRONG = {
     ),
     "infinite": (np.full(SHAPE, np.inf), r"must be zero or positive, and finite \[m\] \(got inf at x = -2e-06 m"),
     "negative": (lambda state: -1.0 - state.pressure, r"must be zero or positive, and finite \[m\] \(got -1.0 at x"),
-    "error": (lambda state: 1 / len(state.x[1:]), "failed with ZeroDivisionError: division by zero"),
-    "text": ("much", "failed with ValueError: could not convert"),
-    "writes": (poison, "failed with ValueError: assignment destination is read-only"),
+    "error": (lambda state: 1 / len(state.x[1:]), rf"{FAILS}ZeroDivisionError: division by zero, line"),
+    "booleans": (np.ones(SHAPE, dtype=bool), r"must be an array, real numbers \(got booleans"),
+    "masked": (np.ma.masked_all(SHAPE), r"must return no masked values \(got 15\)"),
+    "leaves": (lambda _: sys.exit(0), rf"{FAILS}SystemExit: 0, line"),
+    "text": ("much", r"must be an array, real numbers \(got text"),
+    "writes": (poison, rf"{FAILS}ValueError: assignment destination is"),
 }
 
 

@@ -285,8 +285,8 @@ def beyond(limit, value=np.nan):
 
 BAD = {
     "stress of one point": (lambda f, e: replace(f, stress=f.stress[:, :1]), r"stress .* shape \(6, 7\) .*\(6, 1\)"),
-    "stress of no array": (lambda f, e: replace(f, stress="none"), "stress of .* must be real numbers"),
-    "complex": (lambda f, e: replace(f, stress=1j * f.stress), "must be real numbers"),
+    "stress of no array": (lambda f, e: replace(f, stress="none"), "stress of .* must be an array, real numbers"),
+    "complex": (lambda f, e: replace(f, stress=1j * f.stress), "must be an array, real numbers .got complex"),
     "points first": (lambda f, e: replace(f, tangent=f.tangent.T), r"tangent .*\(6, 6, 7\) or \(6, 6\)"),
     "no response": (lambda f, e: None, "failed with AttributeError"),
     "no variable": (lambda f, e: replace(f, variables={}), r"that it declares, \['mark'\] \(got \[\]\)"),
@@ -301,7 +301,10 @@ BAD = {
     ),
     "tangent not finite": (lambda f, e: replace(f, tangent=np.inf * f.tangent), "finite numbers"),
     "stress not finite": (beyond(0.0), r"finite numbers \(got others at x = .* at a strain of \["),
-    "fails": (raises(ZeroDivisionError("of mine")), "failed with ZeroDivisionError: of mine"),
+    "fails": (raises(ZeroDivisionError("of mine")), "without an exception .got ZeroDivisionError: of mine"),
+    "leaves": (raises(SystemExit(0)), "without an exception .got SystemExit: 0"),
+    "masked": (lambda f, e: replace(f, stress=np.ma.masked_less(f.stress, np.inf)), "stress of .* none of them masked"),
+    "booleans": (lambda f, e: replace(f, stress=f.stress > 0), "stress of .* real numbers .got booleans"),
 }  # fmt: skip
 
 

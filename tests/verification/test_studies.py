@@ -204,6 +204,31 @@ def test_formulas():
         assert float(evaluate(text, context)) == close(value, rel=1e-12), text
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("9**9**9**9", "must stay within the range of float64"),
+        ("(9**9)**(9**9)", "must stay within the range of float64"),
+        ("a**9**9**9", "must stay within the range of float64"),
+        ("count(1e12)", "must make at most 1000000 values"),
+        ("sum(places(1e12))", "must make at most 1000000 values"),
+        ("linspace(0, 1, 1e12)", "must make at most 1000000 values"),
+        ("geomspace(1, 2, 1e12)", "must make at most 1000000 values"),
+        ("lattice(count(1e3), count(1e3), count(1e3))", "must make at most 1000000 values"),
+        ("'a' * 10**12", "no arithmetic on them"),
+        ("'%999999999999d' % 1", "no arithmetic on them"),
+    ],
+)
+def test_formulas_end_soon(text, words):
+    with pytest.raises(SceneError, match=words):
+        evaluate(text, Context({"a": 2.0}))
+
+
+def test_powers_are_those_of_numbers():
+    for text, value in {"2**3": 8.0, "2**-1": 0.5, "a**2": 4.0, "sum(count(3)**2)": 14.0, "-2**2": -4.0}.items():
+        assert float(evaluate(text, Context({"a": 2.0}))) == close(value, rel=1e-15)
+
+
 @pytest.mark.parametrize("text", ["open('x')", "a.b", "lambda: 1", "[i for i in a]", "a := 1", "1 if a else 2", "a +"])
 def test_what_formulas_cannot_say(text):
     with pytest.raises(SceneError):

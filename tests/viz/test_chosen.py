@@ -9,7 +9,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.errors import ResultsError, SceneError
+from eigencontact.errors import SceneError
 from eigencontact.results.ownership import is_ours
 from eigencontact.viz import figures
 from eigencontact.viz.looks import used_look
@@ -233,7 +233,7 @@ def test_what_is_unknown_is_refused_in_one_line(folder, command, tmp_path, monke
 
 
 def test_a_library_call_takes_runs_and_refuses_the_rest(data):
-    with pytest.raises(ResultsError, match="results must be a folder, a dataset"):
+    with pytest.raises(SceneError, match="results must be a folder, a dataset"):
         ec.plot(3, "pressure")
     with pytest.raises(SceneError, match="style must be one of"):
         ec.plot(data, "pressure", style="poster")

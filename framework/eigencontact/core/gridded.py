@@ -9,13 +9,15 @@ Components read them when they are made. `read_gridded` gives values at the poin
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_files import StoredArray, arrays_of_file, held_array
 from eigencontact.core.held_arrays import PREFIX, held
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError
@@ -26,15 +28,6 @@ FloatArray = NDArray[np.float64]
 
 #: Endings of files of text.
 TEXT_FILES = (".txt", ".csv", ".tsv", ".dat", ".xyz", ".asc")
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Stored:
-    """Array of a file, with what the file says of it: the names of its axes, its unit."""
-
-    values: NDArray[Any]
-    axes: tuple[str, ...] = ()
-    unit: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,20 +138,23 @@ def read_gridded(
     if missing:
         raise _refusal(where, f"a file with {' and '.join(missing)}", file, f"it holds {', '.join(held) or 'nothing'}")
     coordinates = []
+    rule = f"a file with {', '.join(names)} of two numbers or more each, finite and ascending [m]"
     for name in names:
+        if len(held[name].shape) != 1:
+            raise _refusal(where, rule, file, f"{name} is not")
         axis = _in_si(where, file, name, held[name], "m", unit)
-        if not (axis.ndim == 1 and axis.size > 1 and bool(np.all(np.diff(axis) > 0)) and np.isfinite(axis).all()):
-            rule = f"a file with {', '.join(names)} of two numbers or more each, finite and ascending [m]"
+        if not (axis.size > 1 and bool(np.all(np.diff(axis) > 0)) and np.isfinite(axis).all()):
             raise _refusal(where, rule, file, f"{name} is not")
         coordinates.append(axis)
     shape = tuple(axis.size for axis in coordinates)
     arrays = {}
     for name, symbol in values.items():
-        array = _in_si(where, file, name, _in_order(held[name], names), symbol, 1.0)
+        stored = held[name].ordered(names)
         allowed = [shape, *([(components[name], *shape)] if components and name in components else [])]
-        if array.shape not in (*allowed, ()):
+        if stored.shape not in (*allowed, ()):
             rule = f"a file with {name} of shape ({', '.join(names)}) = {' or '.join(map(str, allowed))}, or one number"
-            raise _refusal(where, rule, file, f"{name} has the shape {array.shape}")
+            raise _refusal(where, rule, file, f"{name} has the shape {stored.shape}")
+        array = _in_si(where, file, name, stored, symbol, 1.0)
         wrong = ~np.isfinite(array)
         if wrong.any():
             reason = f"{int(wrong.sum())} of {array.size} are not, the first is {float(array[wrong][0])!r}"
@@ -168,13 +164,16 @@ def read_gridded(
 
 
 class FileArrays(Mapping[str, FloatArray]):
-    """Arrays of a file by name; one that is asked for must hold real numbers, else `SceneError` says what it holds."""
+    """Arrays of a file by name, each read when it is asked for.
+
+    One that is no array of real numbers, or that does not fit into memory, is refused with `SceneError`.
+    """
 
     def __init__(self, where: str, file: str) -> None:
         self._where, self._file, self._held = where, file, _stored(where, file)
 
     def __getitem__(self, name: str) -> FloatArray:
-        return _real(self._where, self._file, name, self._held[name].values)
+        return _real(self._where, self._file, name, self._held[name])
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._held)
@@ -215,38 +214,35 @@ def read_columns(where: str, file: str, names: Sequence[str]) -> list[FloatArray
     return list(table.T)
 
 
-def _stored(where: str, file: str) -> dict[str, _Stored]:
+def _stored(where: str, file: str) -> dict[str, StoredArray]:
     if file.startswith(PREFIX):
         return _in_memory(where, file)
     path = _existing(where, file)
-    try:
-        if path.suffix.lower() in (".npy", ".npz"):
-            with path.open("rb") as stream:
-                content = np.load(stream, allow_pickle=False)
-                if isinstance(content, np.ndarray):
-                    return {"": _Stored(content)}
-                return {name: _Stored(content[name]) for name in content}
-        import xarray
+    with _readable(where, file):
+        return arrays_of_file(path)
 
-        with xarray.open_dataset(path, decode_times=False) as data:
-            return {
-                str(name): _Stored(item.values, tuple(map(str, item.dims)), str(item.attrs.get("units", "")))
-                for name, item in data.variables.items()
-            }
-    except Exception as problem:  # readers raise errors of many kinds for files that are none of their own
+
+@contextmanager
+def _readable(where: str, file: str) -> Iterator[None]:
+    """Refuse a file that cannot be read: readers raise errors of many kinds for files that are none of their own."""
+    try:
+        yield
+    except Exception as problem:
         rule = f"a readable .npy, .npz, NetCDF or text ({', '.join(TEXT_FILES)}) file"
         raise _refusal(where, rule, file, _first_line(problem)) from problem
 
 
-def _in_memory(where: str, file: str) -> dict[str, _Stored]:
+def _in_memory(where: str, file: str) -> dict[str, StoredArray]:
     arrays = held(file)
     if arrays is None:
         reason = "arrays of a library call are gone with its result, and with the process; give them again, or a file"
         raise _refusal(where, "arrays that are held in memory", file, reason)
-    return {name: _Stored(values) for name, values in arrays.items()}
+    return {name: held_array(values) for name, values in arrays.items()}
 
 
-def _lattice_of_columns(where: str, file: str, names: tuple[str, ...], values: tuple[str, ...]) -> dict[str, _Stored]:
+def _lattice_of_columns(
+    where: str, file: str, names: tuple[str, ...], values: tuple[str, ...]
+) -> dict[str, StoredArray]:
     columns = dict(zip((*sorted(names), *values), read_columns(where, file, (*sorted(names), *values)), strict=True))
     levels = {name: np.unique(columns[name], return_inverse=True) for name in names}
     shape = tuple(levels[name][0].size for name in names)
@@ -257,33 +253,28 @@ def _lattice_of_columns(where: str, file: str, names: tuple[str, ...], values: t
         rule = f"a lattice with one row for every combination of its {', '.join(sorted(names))}"
         raise _refusal(where, rule, file, f"{rows} rows name {found}")
     order = np.argsort(place)
-    arrays = {name: _Stored(columns[name][order].reshape(shape)) for name in values}
-    return {name: _Stored(levels[name][0]) for name in names} | arrays
+    arrays = {name: held_array(columns[name][order].reshape(shape)) for name in values}
+    return {name: held_array(levels[name][0]) for name in names} | arrays
 
 
-def _in_order(stored: _Stored, names: tuple[str, ...]) -> _Stored:
-    """The same with its axes in the order asked for, if the file names them; components in front."""
-    if not set(names) <= set(stored.axes):
-        return stored
-    leading = [axis for axis in stored.axes if axis not in names]
-    order = (*leading, *names)
-    return _Stored(stored.values.transpose([stored.axes.index(axis) for axis in order]), order, stored.unit)
-
-
-def _in_si(where: str, file: str, name: str, stored: _Stored, symbol: str, factor: float) -> FloatArray:
+def _in_si(where: str, file: str, name: str, stored: StoredArray, symbol: str, factor: float) -> FloatArray:
     """Real numbers in SI units: by the unit that the file tells, else times `factor`."""
     if stored.unit and not (symbol == "1" and stored.unit in ("1", "-", "dimensionless")):
         try:
             factor = float(parse_quantity(f"1 {stored.unit}", symbol, f"{name} in units"))
         except ValueError as problem:
             raise _refusal(where, f"a file with {name} in units of {symbol}", file, f"it says {problem}") from problem
-    return _real(where, file, name, stored.values) * factor
+    return _real(where, file, name, stored) * factor
 
 
-def _real(where: str, file: str, name: str, values: NDArray[Any]) -> FloatArray:
-    if values.dtype.kind not in "fiu":
-        raise _refusal(where, "an array of real numbers", file, f"{name or 'its type'} is {values.dtype}")
-    return np.array(values, dtype=float)
+def _real(where: str, file: str, name: str, stored: StoredArray) -> FloatArray:
+    if stored.dtype.kind not in "fiu":
+        raise _refusal(where, "an array of real numbers", file, f"{name or 'its type'} is {stored.dtype}")
+    if reason := stored.too_large:
+        rule = "a file whose arrays fit into memory"
+        raise _refusal(where, rule, file, f"{name or 'it'} has the shape {stored.shape} and fills {reason}")
+    with _readable(where, file):
+        return np.array(stored.load(), dtype=float)
 
 
 def _existing(where: str, file: str) -> Path:
@@ -299,4 +290,4 @@ def _refusal(where: str, rule: str, file: str, reason: str) -> SceneError:
 
 def _first_line(problem: BaseException) -> str:
     line = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
-    return "it holds no numbers of NumPy" if "allow_pickle" in line else line  # advice to load it anyhow is no help
+    return "it holds no numbers of NumPy" if "magic string" in line else line

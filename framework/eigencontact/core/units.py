@@ -9,7 +9,7 @@ from typing import Any
 
 from eigencontact.errors import nearest
 
-__all__ = ["LARGEST", "NUMBER", "SMALLEST", "parse_quantity", "readable"]
+__all__ = ["LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "quantity_text", "readable"]
 
 #: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
 SMALLEST, LARGEST = 1e-30, 1e30
@@ -38,8 +38,8 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
 
     Parameters
     ----------
-    value : float or str
-        ``1.05e-4`` or ``"105 um"``.
+    value : float, str or quantity
+        ``1.05e-4`` or ``"105 um"``, or a number with a unit of a library such as pint.
     symbol, name : str
         SI unit and name of the quantity wanted, for the check and the message: ``"m"``, ``"a length"``.
 
@@ -54,7 +54,10 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     (210000000000.0, 0.002)
     """
     if not isinstance(value, str):
-        return value
+        if isinstance(value, _Dimensionless) and symbol not in ("1", "rad"):
+            raise ValueError(f'{name} [{symbol}]: give a unit, like "{_EXAMPLES.get(symbol, "1 " + symbol)}"')
+        carried = number_and_unit(value)
+        return value if carried is None else _magnitude(*carried, symbol, name)
     rule, example = f"{name} [{symbol}]", _EXAMPLES.get(symbol, "1 " + symbol)
     text = value.strip()
     head = NUMBER.match(text)
@@ -72,6 +75,50 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
         raise ValueError(f"{rule} that a number of 64 bits can hold")
     # Conversion factors carry rounding errors; "105 um" is 1.05e-4 to the last bit. Degrees have no short decimals.
     return found if symbol == "rad" else float(f"{found:.15g}")
+
+
+def number_and_unit(value: Any) -> tuple[Any, str] | None:
+    """Number, or array, and the unit of an object that carries one; None of plain numbers.
+
+    Quantities of pint, astropy and unyt carry a unit, and so does a DataArray with the attribute ``units``. A quantity
+    without dimension has the unit ``""``.
+
+    Examples
+    --------
+    >>> number_and_unit(1.0), number_and_unit(_registry().Quantity(3, "um"))
+    (None, (3, 'µm'))
+    """
+    if isinstance(value, float | int | str | bytes | list | tuple | dict):
+        return None
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        if getattr(value, "dimensionless", False):
+            return value.to("dimensionless").magnitude, ""
+        return value.magnitude, format(value.units, "~C")
+    unit = getattr(value, "unit", getattr(value, "units", None))
+    if unit is not None and hasattr(value, "value"):
+        return value.value, str(unit).replace("dimensionless", "")
+    attributes = getattr(value, "attrs", None)
+    if isinstance(attributes, dict) and attributes.get("units") and hasattr(value, "values"):
+        return value.values, "" if attributes["units"] in ("1", "-") else str(attributes["units"])
+    return None
+
+
+class _Dimensionless(float):
+    """Number that somebody gave as a quantity without dimension: it is no length, force or stress."""
+
+
+def quantity_text(number: float, unit: str) -> float | str:
+    """Number with its unit as a scene writes it."""
+    return f"{float(number)!r} {unit}" if unit else _Dimensionless(number)
+
+
+def _magnitude(number: Any, unit: str, symbol: str, name: str) -> Any:
+    """Number, or array, in SI units."""
+    if not getattr(number, "shape", ()):
+        return parse_quantity(quantity_text(number, unit), symbol, name)
+    if not unit:
+        return number * parse_quantity(_Dimensionless(1.0), symbol, name)
+    return number * parse_quantity(f"1 {unit}", symbol, name)
 
 
 def _converted(number: float, unit: str, text: str, symbol: str, rule: str) -> float:

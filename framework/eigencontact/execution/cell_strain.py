@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import real_answer
 from eigencontact.core.grid import Grid
-from eigencontact.errors import EigencontactError, PluginError, require
+from eigencontact.errors import require
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.sources import Lattice, Patch, Source
 
@@ -71,15 +72,7 @@ def fractions_in(source: Source, region: Region, grid: Grid) -> FloatArray:
 def values_of(source: Source, x: FloatArray, y: FloatArray, z: FloatArray, time: float) -> FloatArray:
     """Mandel eigenstrain of a source's field at the points of three axes, ``(6, nz, ny, nx)``."""
     shape = (6, z.size, y.size, x.size)
-    try:
-        values = source.field.eigenstrain(x[None, None, :], y[None, :, None], z[:, None, None], time)
-        values = np.broadcast_to(np.asarray(values, dtype=float), shape)
-    except EigencontactError:
-        raise
-    except Exception as problem:
-        raise PluginError(
-            f"{source.where}: eigenstrain field {source.field.key!r} must return numbers of shape {shape} "
-            f"(got {type(problem).__name__}: {problem})"
-        ) from problem
+    answer = source.field.eigenstrain(x[None, None, :], y[None, :, None], z[:, None, None], time)
+    values = real_answer(answer, f"{source.where}: eigenstrain of eigenstrain field {source.field.key!r}", shape)
     require(np.all(np.isfinite(values)), source.where, "eigenstrain", "NaN or infinity", "finite in every cell")
-    return np.asarray(values)
+    return values

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.errors import PluginError
 from eigencontact.execution.block import Block, Stateless
 from eigencontact.execution.step import Step
 from eigencontact.model.model import Model
@@ -43,12 +43,10 @@ class Observe(Stateless):
                 for name, item in step.history.items()
             },
         )
+        numbers = self._observer.observe(seen)
         try:
-            numbers = self._observer.observe(seen)
             step.observed |= {f"{self._prefix}_{name}": float(value) for name, value in numbers.items()}
-        except EigencontactError:
-            raise
-        except Exception as problem:
+        except (AttributeError, TypeError, ValueError) as problem:
             raise PluginError(
                 f"observer {self._key!r} must return named numbers (got {type(problem).__name__}: {problem})"
             ) from problem

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.core.arrays import is_real, is_whole, real_array
 from eigencontact.core.units import LARGEST, SMALLEST, parse_quantity
 from eigencontact.errors import SceneError, require
+from eigencontact.scene.plain import plain
 
 __all__ = ["counts", "length", "lengths", "plane"]
 
@@ -18,7 +19,8 @@ FloatArray = NDArray[np.float64]
 
 
 def length(value: Any, where: str, name: str, *, positive: bool = True) -> float:
-    """Length [m] of a number or of text with a unit."""
+    """Length [m] of a number, of text with a unit or of a quantity."""
+    value = plain(value, f"{where}.{name}")
     try:
         found = parse_quantity(value, "m", "a length")
     except ValueError as problem:
@@ -33,7 +35,8 @@ def length(value: Any, where: str, name: str, *, positive: bool = True) -> float
 
 def lengths(value: Any, count: int, where: str, name: str, *, positive: bool = True) -> tuple[float, ...]:
     """As many lengths [m]; one stands for all."""
-    if not isinstance(value, list | tuple | np.ndarray):
+    value = plain(value, f"{where}.{name}")
+    if not isinstance(value, list | tuple):
         return (length(value, where, name, positive=positive),) * count
     require(len(value) == count, where, name, value, f"one length or {count} [m]")
     return tuple(length(one, where, name, positive=positive) for one in value)
@@ -41,6 +44,7 @@ def lengths(value: Any, count: int, where: str, name: str, *, positive: bool = T
 
 def counts(value: Any, where: str, name: str) -> tuple[int, int]:
     """Numbers of cells along x and y; one stands for both."""
+    value = plain(value, f"{where}.{name}")
     pair: Sequence[Any] = value if isinstance(value, list | tuple) else (value, value)
     good = len(pair) == 2 and all(is_whole(one) and one >= 1 for one in pair)
     require(good, where, name, value, "one whole number of cells, or two (along x, y)")
@@ -51,7 +55,7 @@ def plane(value: ArrayLike, where: str, name: str, unit: str, leading: tuple[int
     """Finite numbers on the cells of a window, rows along y."""
     shape = ", ".join([*map(str, leading), "ny", "nx"])
     rule = f"an array ({shape}) [{unit}]"
-    array = real_array(value, where, name, rule)
+    array = real_array(value, where, name, rule, unit)
     good = array.ndim == 2 + len(leading) and array.shape[: len(leading)] == leading and array.size > 0
     require(good, where, name, array.shape, rule)
     finite = np.abs(array) <= LARGEST

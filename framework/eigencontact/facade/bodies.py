@@ -15,6 +15,7 @@ from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import SceneError, require
 from eigencontact.facade.voxels import Voxels
 from eigencontact.plugin import LayeredMedium
+from eigencontact.scene.plain import plain
 
 __all__ = ["Body", "HalfSpace", "Layered"]
 
@@ -162,7 +163,12 @@ class HalfSpace(Body):
         self._material = material_of(young_modulus, poisson_ratio, "HalfSpace")
         require(voxels is None or isinstance(voxels, Voxels), "HalfSpace", "voxels", voxels, "Voxels, or None")
         self._law, self._voxels = law, voxels
-        self._given = [dict(one) for one in ([inclusions] if isinstance(inclusions, Mapping) else inclusions)]
+        tables = [inclusions] if isinstance(inclusions, Mapping) else inclusions
+        rule = "a sequence of tables, as [[inclusions]] of a scene"
+        require(isinstance(tables, Iterable) and not isinstance(tables, str), "HalfSpace", "inclusions", tables, rule)
+        self._given = list(tables)
+        for number, table in enumerate(self._given):
+            require(isinstance(table, Mapping), "HalfSpace", f"inclusions[{number}]", table, "a table")
 
     @property
     def young_modulus(self) -> float:
@@ -276,12 +282,13 @@ class Layered(Body):
 
 def material_of(young_modulus: float | str, poisson_ratio: float, where: str) -> Material:
     """Elastic constants, refused by the name of what they are given to."""
+    modulus = plain(young_modulus, f"{where}.young_modulus")
     try:
-        E = parse_quantity(young_modulus, "Pa", "a stress")
+        E = parse_quantity(modulus, "Pa", "a stress")
     except ValueError as problem:
-        raise SceneError(f"{where}.young_modulus must be {problem} (got {young_modulus!r})") from None
+        raise SceneError(f"{where}.young_modulus must be {problem} (got {modulus!r})") from None
     try:
-        return Material(young_modulus=E, poisson_ratio=poisson_ratio)
+        return Material(young_modulus=E, poisson_ratio=plain(poisson_ratio, f"{where}.poisson_ratio"))
     except SceneError as problem:
         raise SceneError(str(problem).replace("material.", f"{where}.", 1)) from None
 

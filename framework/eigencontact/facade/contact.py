@@ -16,6 +16,7 @@ from eigencontact.facade.arguments import counts, lengths, plane
 from eigencontact.facade.bodies import Body
 from eigencontact.facade.result import ContactResult
 from eigencontact.facade.voxels import Voxels
+from eigencontact.scene.plain import plain
 
 __all__ = ["solve_contact"]
 
@@ -111,7 +112,8 @@ def solve_contact(
             f"{_HERE}.friction must be given with {along[0]} (got None): a frictionless contact carries no shear; "
             "give a coefficient"
         )
-    history = _steps(load, approach, tangential_load, shift, increments) if steps is None else list(steps)
+    require(numerics is None or isinstance(numerics, Mapping), _HERE, "numerics", numerics, "a table, as [numerics]")
+    history = _steps(load, approach, tangential_load, shift, increments) if steps is None else _history(steps)
     if steps is not None:
         given = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
         beside = [name for name, value in given.items() if value is not None]
@@ -207,9 +209,16 @@ def _separation(
 
 def _array(gap: Any) -> ArrayLike:
     rule = "an array (ny, nx) [m], a geometry component as make() returns, or a sequence of components"
-    good = isinstance(gap, np.ndarray | list | tuple) or hasattr(gap, "__array__")
-    require(good, _HERE, "gap", gap, rule)
-    return np.asarray(gap)
+    array: ArrayLike = gap
+    require(isinstance(gap, list | tuple) or hasattr(gap, "__array__"), _HERE, "gap", gap, rule)
+    return array
+
+
+def _history(steps: Any) -> list[Any]:
+    """Tables of the steps that are given."""
+    tables = [steps] if isinstance(steps, Mapping) else steps
+    require(isinstance(tables, list | tuple), _HERE, "steps", steps, "a sequence of tables, as [[steps]] of a scene")
+    return list(tables)
 
 
 def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: int) -> list[dict[str, Any]]:
@@ -217,10 +226,10 @@ def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: in
     if (load is None) == (approach is None):
         got = "neither" if load is None else "both"
         raise SceneError(f"{_HERE} must be given load [N] or approach [m] (got {got})")
-    name, given = ("normal-load", load) if approach is None else ("approach", approach)
-    values = given if isinstance(given, list | tuple | np.ndarray) else [given]
-    require(len(values) > 0, _HERE, "load" if approach is None else "approach", given, "one value or more")
-    steps: list[dict[str, Any]] = [{name: _plain(value)} for value in values]
+    name, words, given = ("normal-load", "load", load) if approach is None else ("approach", "approach", approach)
+    values = _listed(given, words)
+    require(len(values) > 0, _HERE, words, given, "one value or more")
+    steps: list[dict[str, Any]] = [{name: value} for value in values]
     if tangential is not None and shift is not None:
         raise SceneError(f"{_HERE} must be given tangential_load [N] or shift [m] (got both)")
     for words, scene_name, value in (
@@ -228,15 +237,17 @@ def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: in
         ("shift", "shift", shift),
     ):
         if value is not None:
-            pair = value if isinstance(value, list | tuple | np.ndarray) else (value,)
+            pair = _listed(value, words)
             rule = "one value, along x, or two, along x and y; other histories are steps=[...]"
             require(len(pair) in (1, 2), _HERE, words, value, rule)
-            steps.append({f"{scene_name}-{axis}": _plain(one) for axis, one in zip("xy", pair, strict=False)})
+            steps.append({f"{scene_name}-{axis}": one for axis, one in zip("xy", pair, strict=False)})
     return [{**step, "increments": increments} for step in steps]
 
 
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+def _listed(value: Any, name: str) -> Sequence[Any]:
+    """Values of a list or an array; one value alone, also as an array without dimensions, is a list of one."""
+    values = plain(value, f"{_HERE}.{name}")
+    return values if isinstance(values, list | tuple) else [values]
 
 
 def _pitch(*bodies: Body | None) -> dict[str, Any]:

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.arrays import is_whole
 from eigencontact.core.html_table import html_table
 from eigencontact.core.numbers import Number
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError, require
+from eigencontact.facade.arguments import length
 from eigencontact.library import field_points, installed_plugins
 
 if TYPE_CHECKING:
@@ -90,8 +92,7 @@ class ContactResult:
         >>> pressed.at(1).radius < pressed.radius
         True
         """
-        known = isinstance(step, int | np.integer) and 1 <= step <= self.steps
-        require(known, _HERE, "step", step, f"1 to {self.steps}")
+        require(is_whole(step) and 1 <= step <= self.steps, _HERE, "step", step, f"1 to {self.steps}")
         return ContactResult(self._run, self._bodies, self._kept, int(step))
 
     @property
@@ -144,6 +145,54 @@ class ContactResult:
     def max_pressure(self) -> float:
         """Largest contact pressure [Pa]."""
         return self._number("max_pressure")
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Fields on the surface after this step, over y and x; `dataset` holds all steps and numbers too.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> fields = ec.solve_contact(ball, steel, load="0.65 N", cells=64, size="16 um").to_xarray()
+        >>> list(fields)
+        ['displacement_z', 'gap', 'pressure', 'reference_pressure']
+        """
+        names = [name for name, field in self.dataset.data_vars.items() if field.dims == ("step", "y", "x")]
+        return self.dataset[names].isel(step=self._place)
+
+    def profile(self, axis: str = "x", at: float | str = 0.0) -> xarray.Dataset:
+        """Fields on the surface along a row of cells; of the cells whose centres are nearest to the line.
+
+        Parameters
+        ----------
+        axis : {"x", "y"}
+            Along which axis.
+        at : float or str
+            Where the line lies on the other axis [m]; the dataset holds the place of the cells that were taken.
+
+        Raises
+        ------
+        SceneError
+            A line outside the window.
+
+        Examples
+        --------
+        >>> import eigencontact as ec
+        >>> ball, steel = ec.make("sphere", radius="105 um"), ec.HalfSpace("210 GPa", 0.3)
+        >>> found = ec.solve_contact(ball, steel, load="0.65 N", cells=63, size="16 um")
+        >>> line = found.profile("x")
+        >>> error = abs(line.pressure - line.reference_pressure).max() / found.max_pressure
+        >>> line.pressure.dims, f"{float(error):.2f} of the largest pressure from Hertz"
+        (('x',), '0.01 of the largest pressure from Hertz')
+        """
+        where, other = f"{_HERE}.profile", {"x": "y", "y": "x"}
+        require(isinstance(axis, str) and axis in other, where, "axis", axis, "'x' or 'y'")
+        place, fields = length(at, where, "at", positive=False), self.to_xarray()
+        centres = fields[other[axis]].values
+        reach = 0.5 * float(centres[1] - centres[0]) if centres.size > 1 else np.inf
+        low, high = float(centres[0]) - reach, float(centres[-1]) + reach
+        require(low <= place <= high, where, "at", at, f"within the window, {low:g} to {high:g} [m]")
+        return fields.sel({other[axis]: place}, method="nearest")
 
     # ------------------------------------------------------------ fields below the surface
 
@@ -219,13 +268,12 @@ class ContactResult:
         from eigencontact.results.join import dataset_of
         from eigencontact.results.stepfile import step_part
 
-        plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in table.items()}
-        info, record = self._look(plain)
+        info, record = self._look(table)
         return dataset_of([step_part(info, record, copied=False)])
 
     def _at_points(self, points: ArrayLike, body: int, quantity: str) -> FloatArray:
         where = f"{_HERE}.{quantity}"
-        require(body in (1, 2) and not isinstance(body, bool), where, "body", body, "1 or 2")
+        require(is_whole(body) and body in (1, 2), where, "body", body, "1 or 2")
         require(self._bodies[body - 1] is not None, where, "body", body, "one that is elastic")
         at = field_points(points, where, half_space=True)
         require(len(at) > 0, where, "points", at.shape, "one point or more")
@@ -306,6 +354,7 @@ class ContactResult:
         lower, upper = ("a rigid body" if body is None else repr(body) for body in self._bodies)
         ny, nx = self.dataset.sizes["y"], self.dataset.sizes["x"]
         rows = [("bodies", f"{lower} under {upper}"), *self._rows(), ("cells", f"{nx} x {ny}")]
+        rows += [("fields", ", ".join(map(str, self.to_xarray())))]
         rows += [("step", f"{self._place + 1} of {self.steps}")] if self.steps > 1 else []
         notes = "; ".join(str(one.get("words", one)) for one in self.summary["warnings"])
         return html_table("Contact", rows, notes)

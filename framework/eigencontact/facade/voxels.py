@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.arrays import whole_array
 from eigencontact.core.held_arrays import hold
 from eigencontact.core.units import readable
 from eigencontact.errors import require
@@ -63,10 +64,9 @@ class Voxels:
         *,
         origin: Sequence[float | str] | None = None,
     ) -> None:
-        array = np.asarray(labels)
         rule = "an array (nz, ny, nx) of whole numbers"
-        good = array.ndim == 3 and array.size > 0 and array.dtype.kind in "biu"
-        require(good, _HERE, "labels", (str(array.dtype), array.shape), rule)
+        array = whole_array(labels, _HERE, "labels", rule)
+        require(array.ndim == 3 and array.size > 0, _HERE, "labels", array.shape, rule)
         require(isinstance(materials, Mapping), _HERE, "materials", materials, "a mapping of numbers to materials")
         found = sorted(set(np.unique(array).tolist()) - {0})
         lacking = [number for number in found if number not in materials]
@@ -78,7 +78,7 @@ class Voxels:
         self.origin = corner if origin is None else lengths(origin, 3, _HERE, "origin", positive=False)
         require(self.origin[2] >= 0, _HERE, "origin", self.origin, "at a depth z of 0 or more [m]")
         self._parts = {number: _parts(number, materials[number]) for number in found}
-        self._image = hold(labels=array.astype(np.int32))
+        self._image = hold(labels=array)
 
     @property
     def labels(self) -> NDArray[np.int32]:

@@ -8,11 +8,12 @@ import re
 import sys
 import traceback
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from types import ModuleType
 
 from eigencontact.errors import PluginError, nearest
+from eigencontact.hooks.guard import plugin_code
 from eigencontact.hooks.manager import add_module
 from eigencontact.hooks.registry import OF_FILE, Registry
 
@@ -32,7 +33,7 @@ def texts_of(files: Iterable[Path]) -> dict[str, str]:
     PluginError
         A file that is missing or is no text.
     """
-    return {str(path): _text(path) for path in dict.fromkeys(path.resolve() for path in files)}
+    return {str(path): _text(path) for path in dict.fromkeys(map(_resolved, files))}
 
 
 def hold_texts(texts: Mapping[str, str]) -> None:
@@ -65,10 +66,8 @@ def with_files(registry: Registry, files: Iterable[Path]) -> Registry:
     for path in files:
         module, version = _module(path)
         out = out.copy() if out is registry else out
-        try:
+        with plugin_code(partial(_broken, path), passing=()):
             add_module(out, module, path.name, version)
-        except Exception as problem:
-            raise PluginError(_broken(path, problem)) from problem
         for entry in out:
             if entry.component.__module__ == module.__name__:
                 _refuse_bundled(out, path, entry.kind, entry.key)
@@ -83,11 +82,11 @@ def _refuse_bundled(registry: Registry, path: Path, kind: str, key: str) -> None
 def _module(path: Path) -> tuple[ModuleType, str]:
     """Module of a file, and the version that its text stands for."""
     text = _text(path)
-    return _run(path.resolve(), text), f"{OF_FILE}{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
+    return _run(_resolved(path), text), f"{OF_FILE}{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
 
 
 def _text(path: Path) -> str:
-    if (sent := _SENT.get(str(path.resolve()))) is not None:
+    if (sent := _SENT.get(str(_resolved(path)))) is not None:
         return sent
     if path.suffix != ".py" or not path.is_file():
         beside = [item.name for item in path.parent.glob("*.py")] if path.parent.is_dir() else []
@@ -99,6 +98,13 @@ def _text(path: Path) -> str:
         raise PluginError(f"plugin file must be readable text (got {str(path)!r}): {problem}") from None
 
 
+def _resolved(path: Path) -> Path:
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError) as problem:  # RuntimeError: before Python 3.13, of a link to itself
+        raise PluginError(f"plugin file must be a Python file (got {str(path)!r}, {problem})") from None
+
+
 @lru_cache(maxsize=64)
 def _run(path: Path, text: str) -> ModuleType:
     """Run a text as a module; nothing is written beside it, and no other file is found by being beside it."""
@@ -108,10 +114,11 @@ def _run(path: Path, text: str) -> ModuleType:
     sys.modules[module.__name__] = module  # dataclasses and annotations look their module up
     linecache.checkcache(str(path))
     try:
-        exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102 - this is what a plugin file is for
-    except (Exception, SystemExit) as problem:  # a stranger's file may raise anything
+        with plugin_code(partial(_broken, path), passing=()):
+            exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102 - this is what a plugin file is for
+    except BaseException:
         del sys.modules[module.__name__]
-        raise PluginError(_broken(path, problem)) from problem
+        raise
     return module
 
 

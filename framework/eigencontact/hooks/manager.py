@@ -11,6 +11,7 @@ import pluggy
 
 from eigencontact.errors import PluginError
 from eigencontact.hooks import hookspecs
+from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.hooks.registry import BrokenPlugin, Registry
 
 __all__ = ["add_module", "load_plugins"]
@@ -43,9 +44,10 @@ def load_plugins(
         try:
             if point.dist:
                 package, version = named(point.dist)
-            _register(registry, manager, point.load(), package, version)
-        except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
-            registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), _reason(problem)))
+            with plugin_code(reason_of, passing=()):
+                _register(registry, manager, point.load(), package, version)
+        except PluginError as problem:
+            registry.broken.append(BrokenPlugin(point.name, f"{package} {version}".strip(), str(problem)))
     for module in extra:
         _register(registry, manager, module, module.__name__, getattr(module, "__version__", ""))
     return registry
@@ -80,7 +82,7 @@ def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, pa
         for register_in in (trial, registry):
             for component in found:
                 register_in.add(component, package=package, version=version)
-    except Exception:
+    except BaseException:
         manager.unregister(module)
         raise
 
@@ -103,7 +105,3 @@ def _named(dist: Distribution) -> tuple[str, str]:
     metadata = dist.metadata
     return metadata["Name"], metadata["Version"]
 
-
-def _reason(problem: BaseException) -> str:
-    text = "; ".join(line.strip() for line in str(problem).splitlines() if line.strip())
-    return f"{type(problem).__name__}: {text or '(no message)'}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from eigencontact.core.material import Material
 from eigencontact.core.units import readable
-from eigencontact.errors import EigencontactError, PluginError, SceneError
+from eigencontact.errors import PluginError, SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.installed import installed_influence
 from eigencontact.model.kernels import Bodies, Solid
@@ -66,9 +66,7 @@ def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMed
         inside = [medium.material_at(depth) for depth in (0.0, *depths)]
         k = np.array([[0.0, 1.0, 2.0]]) / (depths[0] if depths else 1.0)
         answer = np.asarray(medium.response("displacement", ["z"], "p", k, k.T, 0.0))
-    except EigencontactError:
-        raise
-    except Exception as problem:
+    except (ArithmeticError, TypeError, ValueError) as problem:
         raise PluginError(
             f"{where}: {entry.kind} {entry.key!r} of {entry.origin} must tell its materials, interfaces and "
             f"response (got {type(problem).__name__}: {problem})"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.core.arrays import real_answer
 from eigencontact.plugin import Geometry
 
 __all__ = ["sum_separations"]
@@ -21,18 +21,10 @@ def sum_separations(geometries: Sequence[Geometry], x: FloatArray, y: FloatArray
     Raises
     ------
     PluginError
-        A geometry that fails, or answers with another shape; it is named.
+        A geometry that answers with anything but real numbers of this shape; it is named.
     """
     shape = np.broadcast_shapes(x.shape, y.shape)
     total = np.zeros(shape)
     for geometry in geometries:
-        try:
-            total += geometry.separation(x, y)
-        except EigencontactError:
-            raise
-        except Exception as problem:
-            raise PluginError(
-                f"geometry {geometry.key!r} must return numbers that broadcast to shape {shape} "
-                f"(got {type(problem).__name__}: {problem})"
-            ) from problem
+        total += real_answer(geometry.separation(x, y), f"separation of geometry {geometry.key!r}", shape)
     return total

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import real_answer
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError, require
@@ -139,7 +140,9 @@ class Source:
         """Mandel eigenstrain ``(6,)`` of a uniform field."""
         low, high = self.shape.bounds
         x, y, z = (np.array([0.5 * (lo + hi)]) for lo, hi in zip(low, high, strict=True))
-        return np.asarray(self.field.eigenstrain(x, y, z, time), dtype=float).reshape(6)
+        return real_answer(
+            self.field.eigenstrain(x, y, z, time), f"eigenstrain of eigenstrain field {self.field.key!r}"
+        ).reshape(6)
 
 
 @dataclass(frozen=True, kw_only=True)

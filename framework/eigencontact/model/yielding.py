@@ -18,6 +18,7 @@ from scipy.signal import fftconvolve
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import COMPONENTS, SQRT2
+from eigencontact.core.units import readable
 from eigencontact.errors import EigencontactError, NotUnique, SceneError, require
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.contact_window import contacts_of_steps
@@ -161,6 +162,12 @@ class _Trial:
         depths = np.unique(z)
         asked = np.repeat(depths, small.shape[1])
         other = self._differs(np.tile(small, depths.size), asked)
+        if other.any() and not self._differs(1e-9 * np.tile(small, depths.size), asked).any():
+            limit = readable(1e-9 * self.material.young_modulus, "Pa")
+            raise SceneError(
+                f"{self.where} must stay elastic up to a stress of {limit}, 1e-9 of the Young modulus "
+                f"(got {self.law.key!r}, which yields or degrades below it); check the unit of its yield stress"
+            )
         rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
         got = f"{self.law.key!r}, with others at a depth of {asked[np.argmax(other)]:g} m"
         require(not other.any(), self.where, "type", got, rule)

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.errors import ResultsError, SceneError, nearest, shown
+from eigencontact.errors import SceneError, nearest, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -189,7 +189,7 @@ def _opened(results: Any) -> Iterator[Results]:
         return
     dataset = getattr(results, "dataset", results)
     if not (hasattr(dataset, "data_vars") and "regions" in getattr(dataset, "attrs", {})):
-        raise ResultsError(
+        raise SceneError(
             f"results must be a folder, a dataset of this package, or what a run returned (got {shown(results)})"
         )
     yield dataset

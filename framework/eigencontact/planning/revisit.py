@@ -23,6 +23,7 @@ from eigencontact.hooks.registry import OF_FILE, Registry
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.planner import make_plan
 from eigencontact.planning.provenance import run_info
+from eigencontact.results.atomic import of_this_version
 from eigencontact.results.records import RunInfo, StepRecord
 from eigencontact.results.stepfile import names_remembered, read_attributes, read_history, read_step, stored_steps
 from eigencontact.scene.schema import Scene
@@ -73,20 +74,20 @@ def revisit(
     Raises
     ------
     SceneError
-        A region that is refused.
+        A region that is refused, a name that a stored region has, or a step that is not stored.
     ResultsError
-        A step that is not stored, or whose history was not kept; a name that a stored region has; cells that the scene
-        no longer stands for.
+        A step whose history was not kept; cells that the scene no longer stands for; damaged results.
     """
     stored, steps = read_attributes(results), stored_steps(results)
     index = steps[-1] if step is None else step
     if index not in steps:
-        raise ResultsError(
-            f"step must be one that is stored in {results}, {steps[0]} to {steps[-1]} (got {shown(step)})"
-        )
-    plan = plan_of_region(tomllib.loads(str(stored["scene"])), region, registry, json.loads(stored["regions"]))
+        raise SceneError(f"step must be one that is stored in {results}, {steps[0]} to {steps[-1]} (got {shown(step)})")
+    with of_this_version(results):
+        tables = tomllib.loads(str(stored["scene"]))
+        regions, versions = json.loads(stored["regions"]), dict(json.loads(stored["versions"]))
+    plan = plan_of_region(tables, region, registry, regions)
     info = run_info(plan)
-    _refuse_other_plugins(results, json.loads(stored["versions"]), info.versions)
+    _refuse_other_plugins(results, versions, info.versions)
     record = read_step(results, str(stored["scene_hash"]), index)
     history = read_history(results, str(stored["scene_hash"]), index)
     return info, look(plan, replace(record, history=history), str(results), names_remembered(results))
@@ -105,7 +106,7 @@ def plan_of_region(
     scene = Scene(**{**tables, "stress": [dict(region)], "observers": []})
     label = scene.stress[0].label
     if label in stored:
-        raise ResultsError(f"region.name must differ from those that the run has stored (got {label!r}); give a name")
+        raise SceneError(f"region.name must differ from those that the run has stored (got {label!r}); give a name")
     return make_plan(scene, scene.known_plugins(registry))
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
+
+from eigencontact.hooks.guard import guard_methods
 
 __all__ = ["Component"]
 
@@ -46,6 +48,10 @@ class Component:
     key: ClassVar[str]
     kind: ClassVar[str]
     references: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        guard_methods(cls)
 
     @property
     def parts(self) -> list[Component]:

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.core.arrays import real_answer
+from eigencontact.errors import PluginError
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.materials import SUBSTRATE, only_substrate
 
@@ -92,16 +93,11 @@ def checked_shear_bound(law: FrictionLaw, state: FrictionState) -> FloatArray:
     Raises
     ------
     PluginError
-        The law fails, or answers with another shape, with numbers that are not finite, or with negative ones.
+        The law answers with another shape, with numbers that are not finite, or with negative ones.
     """
     where = f"shear_bound of friction law {law.key!r}"
     shape = state.pressure.shape
-    try:
-        bound = np.asarray(law.shear_bound(_protected(state)), dtype=float)
-    except EigencontactError:
-        raise
-    except Exception as problem:
-        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
+    bound = real_answer(law.shear_bound(_protected(state)), where)
     if bound.shape != shape:
         raise PluginError(f"{where} must be of shape {shape}, that of the pressure (got shape {bound.shape})")
     loaded = state.pressure > 0

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.errors import EigencontactError, PluginError
+from eigencontact.core.arrays import real_answer
+from eigencontact.errors import PluginError
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.materials import SUBSTRATE
 
@@ -126,15 +127,10 @@ def checked_depth(law: WearLaw, state: WearState) -> FloatArray:
     Raises
     ------
     PluginError
-        The law fails, or answers with another shape, with numbers that are not finite, or with negative ones.
+        The law answers with another shape, with numbers that are not finite, or with negative ones.
     """
     where = f"depth of wear law {law.key!r}"
-    try:
-        depth = np.asarray(law.depth(_protected(state)), dtype=float)
-    except EigencontactError:
-        raise
-    except Exception as problem:
-        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
+    depth = real_answer(law.depth(_protected(state)), where)
     shape = state.pressure.shape
     if depth.shape != shape:
         raise PluginError(f"{where} must be of shape {shape}, that of the pressure (got shape {depth.shape})")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.errors import ResultsError, shown
+from eigencontact.errors import SceneError, shown
 from eigencontact.reports.source import opened
 from eigencontact.results.ownership import REPORT, RESULTS
 
@@ -55,6 +55,8 @@ def report(results: str | Path, file: str | Path | None = None) -> Path:
 
     Raises
     ------
+    SceneError
+        When `file` cannot be the name of the page.
     ResultsError
         When there are no results, they are damaged, or the page cannot be stored.
 
@@ -100,7 +102,7 @@ def _target(beside: Path, file: str | Path | None) -> Path:
         allowed = False
     if not allowed:
         got = shown(str(file))
-        raise ResultsError(f"the report must be a file .html in a folder that exists (got {got}); choose it with -o")
+        raise SceneError(f"the report must be a file .html in a folder that exists (got {got}); choose it with -o")
     return target
 
 

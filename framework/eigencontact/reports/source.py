@@ -12,8 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.errors import ResultsError
-from eigencontact.results.atomic import DAMAGE
+from eigencontact.results.atomic import DAMAGE, of_this_version
 from eigencontact.results.ownership import RESULTS, SUMMARY
 from eigencontact.results.reader import results_file
 from eigencontact.results.stored import open_stored
@@ -101,6 +100,8 @@ def opened(results: str | Path) -> Iterator[Source]:
     ResultsError
         When there is nothing, or a file that is damaged or not ours.
     """
+    from jinja2 import TemplateError
+
     folder = _folder(results)
     if folder is not None and stored_files(folder):
         with TemporaryDirectory(prefix="eigencontact-report-") as beside:
@@ -112,14 +113,8 @@ def opened(results: str | Path) -> Iterator[Source]:
     file = results_file(results)
     with open_stored(file) as dataset:
         summary = _summary(file.parent / SUMMARY, str(dataset.attrs.get("scene_hash")))
-        try:
+        with of_this_version(file, (*DAMAGE, TemplateError)):  # the template finds no name that it shows
             yield Source(file=file, dataset=dataset, finished=True, summary=summary)
-        except DAMAGE as problem:
-            words = " ".join(str(problem).split()) or type(problem).__name__
-            raise ResultsError(
-                f"{file} must hold results as this version writes them (got {type(problem).__name__}: {words}); run "
-                "the scene again with --overwrite"
-            ) from problem
 
 
 def _folder(results: str | Path) -> Path | None:

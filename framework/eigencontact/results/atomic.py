@@ -12,11 +12,31 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["DAMAGE", "Sink", "open_hdf5", "partial_name", "reason", "replacing", "writable_folder"]
+__all__ = ["DAMAGE", "Sink", "of_this_version", "open_hdf5", "partial_name", "reason", "replacing", "writable_folder"]
 
 
 #: What the HDF5 libraries raise on files that are damaged or not what they should be.
 DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
+
+
+@contextmanager
+def of_this_version(file: Path, damage: tuple[type[Exception], ...] = DAMAGE) -> Iterator[None]:
+    """Run code that takes the contents of a results file for granted; what is damaged or missing is one clear error.
+
+    Parameters
+    ----------
+    file : Path
+        For the message.
+    damage : tuple of types
+        Exceptions that mean damage.
+    """
+    try:
+        yield
+    except damage as problem:
+        raise ResultsError(
+            f"{file} must hold results as this version writes them (got {type(problem).__name__}: {reason(problem)}); "
+            "run the scene again with --overwrite"
+        ) from problem
 
 
 class Sink:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.errors import ResultsError, shown
+from eigencontact.errors import SceneError, shown
 from eigencontact.results.history import history_of
 from eigencontact.results.records import StepRecord
 
@@ -38,13 +38,13 @@ def step_of(dataset: xr.Dataset, index: int | None = None) -> tuple[StepRecord, 
 
     Raises
     ------
-    ResultsError
+    SceneError
         A step that the results do not hold.
     """
     steps = [int(step) for step in dataset["step"].values]
     wanted = steps[-1] if index is None else index
     if wanted not in steps:
-        raise ResultsError(f"step must be one that was solved, {steps[0]} to {steps[-1]} (got {shown(index)})")
+        raise SceneError(f"step must be one that was solved, {steps[0]} to {steps[-1]} (got {shown(index)})")
     at = steps.index(wanted)
     fields, scalars = dict[str, Any](), dict[str, Any]()
     for name, variable in dataset.data_vars.items():

@@ -10,7 +10,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.errors import ResultsError
+from eigencontact.errors import ResultsError, SceneError
 from eigencontact.results.atomic import partial_name, reason, replacing, writable_folder
 from eigencontact.results.history import history_name
 from eigencontact.results.join import join_steps
@@ -94,13 +94,15 @@ class ResultStore:
 
         Raises
         ------
+        SceneError
+            Both choices at once.
         ResultsError
             When the folder cannot be written, or holds results that neither choice covers.
         """
         folder = Path(folder)
         store = cls(folder, info)
         if resume and overwrite:
-            raise ResultsError("results must be continued or replaced, not both; give --resume or --overwrite")
+            raise SceneError("results must be continued or replaced, not both; give --resume or --overwrite")
         try:
             kept = tuple(
                 _kept_hash(path, read, overwrite=overwrite)

@@ -6,15 +6,16 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
-from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from eigencontact.errors import PluginError, SceneError, shown
+from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin.component import Component
 from eigencontact.scene.checks import only_numbers
 from eigencontact.scene.messages import explain_error, refuse_unknown
+from eigencontact.scene.plain import plain
 
 __all__ = ["build_component", "converted", "instantiate", "kind_within"]
 
@@ -43,15 +44,16 @@ def instantiate(
     """Component of a registered class from named parameters, each converted to its annotated type."""
     values = converted(registry, entry, parameters, where, beside)
     try:
-        return entry.component(**values)
+        with plugin_code(lambda problem: _failure(entry, where, problem), passing=(SceneError,)):
+            return entry.component(**values)
     except SceneError as problem:
         if re.search(r"\.\d+$", where) and where not in str(problem):  # a component names its key, not which of many
             raise SceneError(f"{where}: {problem}") from None
         raise
-    except Exception as problem:
-        raise PluginError(
-            f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {type(problem).__name__}: {problem}"
-        ) from problem
+
+
+def _failure(entry: Entry, where: str, problem: BaseException) -> str:
+    return f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {reason_of(problem)}"
 
 
 def converted(
@@ -82,7 +84,7 @@ def converted(
         place = f"{where}.{name.replace('_', '-')}"
         kind = kind_within(hints[name])
         held = kind is not None and _parts(registry, kind, hints[name], value, place)
-        out[name] = _convert(adapters[name], held or _named(hints[name], _plain(value), place), place)
+        out[name] = _convert(adapters[name], held or _named(hints[name], plain(value, place), place), place)
     return out
 
 
@@ -171,13 +173,6 @@ def _named(hint: Any, value: Any, where: str) -> Any:
         for field in [name.replace("-", "_")]
     }
     return [table] if get_origin(hint) in (list, tuple) else table
-
-
-def _plain(value: Any) -> Any:
-    """Value as a table of a file would have it: numpy's arrays and numbers, and paths, come from Python."""
-    if isinstance(value, Path):
-        return str(value)
-    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _convert(adapter: Any, value: Any, where: str) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 from eigencontact.core.names import to_folder_name
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.scene.checks import refuse_deep
+from eigencontact.scene.plain import plain
 from eigencontact.scene.schema import Scene
 
 __all__ = ["apply_changes", "bundled_names", "bundled_text", "load_scene_file", "put_values", "value_of_text"]
@@ -81,8 +82,8 @@ def _read(path: Path) -> str:
         raise SceneError(f"scene file must be readable text (got {str(path)!r}): {problem}") from None
 
 
-def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, Any]:
-    """Return the tables with ``key=value`` changes applied.
+def apply_changes(data: Mapping[str, Any], changes: Iterable[str], option: str = "--set") -> dict[str, Any]:
+    """Return the tables with ``key=value`` changes applied; `option` gave them, for messages.
 
     A dotted key walks through tables; a number picks an entry of an array, and may be left out where there is one.
 
@@ -91,17 +92,15 @@ def apply_changes(data: Mapping[str, Any], changes: Iterable[str]) -> dict[str, 
     >>> apply_changes({"steps": [{"normal-load": 1.0}]}, ["steps.normal-load=2 N"])
     {'steps': [{'normal-load': '2 N'}]}
     """
-    from copy import deepcopy
-
     refuse_deep(data)
-    out = deepcopy(dict(data))
+    out: dict[str, Any] = plain(data)
     for change in changes:
         key, equals, text = change.partition("=") if isinstance(change, str) else ("", "", "")
         if not equals or not key.strip():
             raise SceneError(
-                f"--set must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
+                f"{option} must be key=value with a dotted key, like body1.poisson-ratio=0.3 (got {change!r})"
             )
-        _put(out, key, value_of_text(text.strip()), f"--set {change!r}")
+        _put(out, key, value_of_text(text.strip()), f"{option} {change!r}")
     return out
 
 

@@ -26,6 +26,7 @@ from eigencontact.scene.checks import (
 )
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
+from eigencontact.scene.plain import plain
 from eigencontact.scene.regions import StressRequest
 from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
 from eigencontact.scene.table import Also, FiniteLength, OfKind, PositiveLength, Table, Tables
@@ -341,6 +342,7 @@ class Scene(Table):
         from eigencontact.scene.messages import explain_error
 
         refuse_deep(data)
+        data = plain(data)
         try:
             super().__init__(**_with_tables(data))
         except ValidationError as problem:
@@ -444,7 +446,7 @@ def _table(item: Any) -> Any:
     if isinstance(item, list | tuple) and any(map(is_dataclass, item)):
         return [_table(one) for one in item]
     if not isinstance(item, dict):
-        return item.tolist() if hasattr(item, "tolist") else item
+        return plain(item)
     nested = ("type", "eigenstrain", "material", "value")
     out = {key: _table(value) if key in nested else value for key, value in item.items()}
     return out if not isinstance(out.get("type"), dict) else {**out, **out["type"]}

@@ -10,7 +10,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.errors import EigencontactError, NotConverged, PluginError
+from eigencontact.core.arrays import real_answer
+from eigencontact.errors import NotConverged, PluginError
 
 __all__ = ["Answer", "AnsweringLaw", "Law", "answer_of", "cell_answer_of", "place_of", "refuse"]
 
@@ -85,8 +86,8 @@ def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], st
         The law fails, or answers with other shapes, other variables or no numbers.
     """
     where, count = _words(law), strain.shape[1]
-    with _blamed(law):
-        found = law.update(strain, before, step)
+    found = law.update(strain, before, step)
+    with _of_its_form(where):
         stress, tangent = (_numbers(getattr(found, name), where, name) for name in ("stress", "tangent"))
         given = dict(found.variables)
     _formed(stress, [(6, count)], where, "stress")
@@ -110,8 +111,9 @@ def cell_answer_of(
         The law fails, or answers with other shapes, other variables or no finite numbers.
     """
     where, count = _words(law), foreign.shape[1]
-    with _blamed(law):
-        found, given = law.cell_answer(foreign, prestrain, around, before, step)
+    answer = law.cell_answer(foreign, prestrain, around, before, step)
+    with _of_its_form(where):
+        found, given = answer
         eigenstrain, given = _numbers(found, where, "eigenstrain"), dict(given)
     _formed(eigenstrain, [(6, count)], where, "eigenstrain")
     variables = _declared(law, given, count)
@@ -155,14 +157,12 @@ def _words(law: Any) -> str:
 
 
 @contextmanager
-def _blamed(law: Any) -> Iterator[None]:
-    """What a law raises is its own fault, and said so."""
+def _of_its_form(where: str) -> Iterator[None]:
+    """Blame the law where its answer cannot be taken apart."""
     try:
         yield
-    except EigencontactError:
-        raise
-    except Exception as problem:
-        raise PluginError(f"{_words(law)} failed with {type(problem).__name__}: {problem}") from problem
+    except (AttributeError, TypeError, ValueError) as problem:
+        raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
 
 
 def _declared(law: Any, given: dict[str, Any], count: int) -> dict[str, FloatArray]:
@@ -179,10 +179,7 @@ def _declared(law: Any, given: dict[str, Any], count: int) -> dict[str, FloatArr
 
 
 def _numbers(values: Any, where: str, what: str) -> FloatArray:
-    out = np.asarray(values)
-    if out.dtype.kind not in "fiu":
-        raise PluginError(f"{what} of {where} must be real numbers (got {out.dtype})")
-    return out.astype(float, copy=False)
+    return real_answer(values, f"{what} of {where}")
 
 
 def _formed(values: FloatArray, shapes: list[tuple[int, ...]], where: str, what: str) -> None:

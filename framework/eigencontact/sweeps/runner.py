@@ -19,7 +19,7 @@ import numpy as np
 from eigencontact.core.kept import Kept
 from eigencontact.engines.cluster import Cluster
 from eigencontact.engines.engine import Engine, Lost, Processes, Share, ThisProcess
-from eigencontact.errors import EigencontactError, ResultsError
+from eigencontact.errors import EigencontactError
 from eigencontact.results.atomic import replacing
 from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, refuse_foreign_file
 from eigencontact.sweeps.folder import AGAIN
@@ -239,12 +239,12 @@ def _damage(folder: Path, mark: Mapping[str, Any]) -> str:
 
 def _chosen(dataset: Any, names: Sequence[str]) -> dict[str, Any]:
     """Surface fields at the last step."""
-    from eigencontact.errors import nearest
+    from eigencontact.errors import SceneError, nearest
 
     known = [str(name) for name, field in dataset.data_vars.items() if field.dims[-2:] == ("y", "x")]
     for name in names:
         if name not in known:
-            raise ResultsError(
+            raise SceneError(
                 f"field must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; fields of regions are "
                 "in the results of each variant"
             )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from eigencontact.core.names import ANIMATION
-from eigencontact.errors import ResultsError
+from eigencontact.errors import SceneError
 from eigencontact.viz.frame import Film, Frame
 from eigencontact.viz.friction import shear_map
 from eigencontact.viz.friction_history import fretting_loops
@@ -189,12 +189,14 @@ def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = 
 
     Raises
     ------
+    SceneError
+        Where there is nothing to animate (`subject_of`).
     ResultsError
-        Where there is nothing to animate (`subject_of`); when it cannot be stored, or ffmpeg is missing or fails.
+        When it cannot be stored, or ffmpeg is missing or fails.
     """
     subject = subject_of(dataset)
     if subject is None:
-        raise ResultsError(
+        raise SceneError(
             "an animation must be of several load steps with contact or a plane of stress "
             f"(got {dataset.sizes['step']} of {dataset.attrs['title'] or 'a run'!r}); draw pictures alone"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ class ExponentialDamage(PlasticDamage):
     """
 
     key: ClassVar[str] = "exponential"
+    example: ClassVar[dict[str, Any]] = {"saturation": 0.6, "strain": 0.02}
     references: ClassVar[tuple[str, ...]] = (
         "D. Garcia, P. K. Zysset, M. Charlebois, A. Curnier 2009, Biomech. Model. Mechanobiol. 8, 149",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,7 @@ class MazarsDamage(StrainDamage):
     """
 
     key: ClassVar[str] = "mazars"
+    example: ClassVar[dict[str, Any]] = {"threshold": 1e-4, "A": 0.9, "B": 2e4}
     references: ClassVar[tuple[str, ...]] = (
         "J. Mazars 1986, Eng. Fract. Mech. 25, 729",
         "G. Pijaudier-Cabot, Z. P. Bazant 1987, J. Eng. Mech. 113, 1512 (length)",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,7 @@ class TabulatedDamage(PlasticDamage, StrainDamage):
     """
 
     key: ClassVar[str] = "tabulated"
+    example: ClassVar[dict[str, Any]] = {"strain": [0, 0.01, 0.1], "values": [0, 0.3, 0.4]}
     references: ClassVar[tuple[str, ...]] = ("elementary: linear interpolation",)
 
     strain: tuple[float, ...] = ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,7 @@ class DepthProfile(TimedField):
     """
 
     key: ClassVar[str] = "depth-profile"
+    example: ClassVar[dict[str, Any]] = {"depths": [0.0, 2e-3], "values": [4e-3, 0.0]}
     references: ClassVar[tuple[str, ...]] = ("T. Mura, Micromechanics of Defects in Solids (1987), section 1",)
 
     depths: tuple[Length, ...]

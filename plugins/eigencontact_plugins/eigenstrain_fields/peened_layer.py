@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,7 @@ class PeenedLayer(TimedField):
     """
 
     key: ClassVar[str] = "peened-layer"
+    example: ClassVar[dict[str, Any]] = {"peak": 2e-3, "peak_depth": "100 um", "width": "50 um"}
     references: ClassVar[tuple[str, ...]] = (
         "A. M. Korsunsky, J. Strain Anal. 40 (2005) 817, doi:10.1243/030932405X30984 (peening as an eigenstrain)",
         "G. T. Robertson, The Shot Peener 11 (1997) 46 (Gaussian profile)",

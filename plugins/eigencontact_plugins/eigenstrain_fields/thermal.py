@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,7 @@ class Thermal(TimedField):
     """
 
     key: ClassVar[str] = "thermal"
+    example: ClassVar[dict[str, Any]] = {"expansion": 1e-5, "temperature": 100.0}
     references: ClassVar[tuple[str, ...]] = (
         "W. Nowacki, Thermoelasticity (1986), section 1",
         "T. Mura, Micromechanics of Defects in Solids (1987), section 1",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ class Uniform(TimedField):
     """
 
     key: ClassVar[str] = "uniform"
+    example: ClassVar[dict[str, Any]] = {"value": 1e-3}
     uniform: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = ("T. Mura, Micromechanics of Defects in Solids (1987), section 1",)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ class Coulomb(FrictionLaw):
     """
 
     key: ClassVar[str] = "coulomb"
+    example: ClassVar[dict[str, Any]] = {"coefficient": 0.3}
     references: ClassVar[tuple[str, ...]] = ("C. A. Coulomb 1785, Theorie des machines simples",)
 
     coefficient: float

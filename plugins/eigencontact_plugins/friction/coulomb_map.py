@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +96,7 @@ class CoulombMap(FrictionLaw):
     """
 
     key: ClassVar[str] = "coulomb-map"
+    example: ClassVar[dict[str, Any]] = {"coefficient": 0.2, "regions": [{"radius": 1e-6, "coefficient": 0.6}]}
     references: ClassVar[tuple[str, ...]] = ("C. A. Coulomb 1785, Theorie des machines simples",)
 
     coefficient: float | None = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ class ShearCap(FrictionLaw):
     """
 
     key: ClassVar[str] = "shear-cap"
+    example: ClassVar[dict[str, Any]] = {"coefficient": 0.3, "cap": "200 MPa"}
     references: ClassVar[tuple[str, ...]] = ("E. Orowan 1943, Proc. Instn Mech. Engrs 150, 140",)
 
     coefficient: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,7 @@ class Cylinder(Geometry):
     """
 
     key: ClassVar[str] = "cylinder"
+    example: ClassVar[dict[str, Any]] = {"radius": "1 mm", "length": "2 mm"}
     references: ClassVar[tuple[str, ...]] = (
         "K. L. Johnson 1985, Contact Mechanics, sec. 4.2, doi:10.1017/CBO9781139171731",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,7 @@ class Ellipsoid(Geometry):
     """
 
     key: ClassVar[str] = "ellipsoid"
+    example: ClassVar[dict[str, Any]] = {"radius_x": "1 mm", "radius_y": "2 mm"}
     references: ClassVar[tuple[str, ...]] = ("H. Hertz 1882, doi:10.1515/crll.1882.92.156",)
 
     radius_x: Length

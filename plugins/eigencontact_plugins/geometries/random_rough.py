@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,7 @@ class RandomRough(Geometry):
     """
 
     key: ClassVar[str] = "random-rough"
+    example: ClassVar[dict[str, Any]] = {"size": "100 um", "short_cutoff": "10 um", "rms_slope": 0.1}
     larger_window: ClassVar[str] = "give the geometry 'random-rough' a larger size"
     references: ClassVar[tuple[str, ...]] = (
         "B. N. J. Persson et al. 2005, doi:10.1088/0953-8984/17/1/R01",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,7 @@ class RoundedCone(Revolution):
     """
 
     key: ClassVar[str] = "rounded-cone"
+    example: ClassVar[dict[str, Any]] = {"half_angle": 1.4, "tip_radius": "10 um"}
     references: ClassVar[tuple[str, ...]] = (
         "M. Ciavarella 1999, Int. J. Solids Struct. 36, 4149-4181",
         "I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4",

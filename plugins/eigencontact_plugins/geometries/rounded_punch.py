@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,7 @@ class RoundedPunch(Revolution):
     """
 
     key: ClassVar[str] = "rounded-punch"
+    example: ClassVar[dict[str, Any]] = {"flat_radius": "100 um", "edge_radius": "10 um"}
     references: ClassVar[tuple[str, ...]] = (
         "M. Ciavarella 1999, Int. J. Solids Struct. 36, 4149-4181",
         "I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,7 @@ class Sphere(Revolution):
     """
 
     key: ClassVar[str] = "sphere"
+    example: ClassVar[dict[str, Any]] = {"radius": "1 mm"}
     references: ClassVar[tuple[str, ...]] = (
         "H. Hertz 1882, doi:10.1515/crll.1882.92.156",
         "I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +65,7 @@ class Topography(Geometry):
     """
 
     key: ClassVar[str] = "topography"
+    example: ClassVar[dict[str, Any]] = {"file": "gallery:rough_surface.npz"}
     references: ClassVar[tuple[str, ...]] = ("bilinear interpolation of measured heights: elementary",)
     larger_window: ClassVar[str] = "measure a larger patch or let it go on (outside = 'mirror', and a larger grid)"
 

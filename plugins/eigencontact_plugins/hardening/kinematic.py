@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ class Prager(KinematicHardening):
     """
 
     key: ClassVar[str] = "prager"
+    example: ClassVar[dict[str, Any]] = {"modulus": "20 GPa"}
     references: ClassVar[tuple[str, ...]] = ("W. Prager 1955, Proc. Inst. Mech. Eng. 169, 41",)
 
     modulus: Stress
@@ -54,6 +55,7 @@ class ArmstrongFrederick(KinematicHardening):
     """
 
     key: ClassVar[str] = "armstrong-frederick"
+    example: ClassVar[dict[str, Any]] = {"modulus": "100 GPa", "recovery": 500.0}
     references: ClassVar[tuple[str, ...]] = (
         "P. J. Armstrong, C. O. Frederick 1966, CEGB report RD/B/N 731",
         "J.-L. Chaboche 1986, Int. J. Plasticity 2, 149",

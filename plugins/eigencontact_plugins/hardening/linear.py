@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ class Linear(IsotropicHardening):
     """
 
     key: ClassVar[str] = "linear"
+    example: ClassVar[dict[str, Any]] = {"yield_stress": "1 GPa", "modulus": "20 GPa"}
     references: ClassVar[tuple[str, ...]] = ("J. Lemaitre, J.-L. Chaboche 1990, Mechanics of Solid Materials, 5.4",)
 
     yield_stress: Stress

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ class Perfect(IsotropicHardening):
     """
 
     key: ClassVar[str] = "perfect"
+    example: ClassVar[dict[str, Any]] = {"yield_stress": "1 GPa"}
     references: ClassVar[tuple[str, ...]] = ("R. Hill 1950, The Mathematical Theory of Plasticity, chapter II",)
 
     yield_stress: Stress

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ class Swift(IsotropicHardening):
     """
 
     key: ClassVar[str] = "swift"
+    example: ClassVar[dict[str, Any]] = {"B": "1240 MPa", "C": 30.0, "n": 0.085}
     references: ClassVar[tuple[str, ...]] = (
         "H. W. Swift 1952, J. Mech. Phys. Solids 1, 1",
         "C. Jacq, D. Nelias, G. Lormand, D. Girodin 2002, J. Tribol. 124, 653 (p in microstrain)",
@@ -72,6 +73,7 @@ class Ludwik(IsotropicHardening):
     """
 
     key: ClassVar[str] = "ludwik"
+    example: ClassVar[dict[str, Any]] = {"yield_stress": "1 GPa", "strength": "2 GPa", "n": 0.4}
     references: ClassVar[tuple[str, ...]] = ("P. Ludwik 1909, Elemente der technologischen Mechanik",)
 
     yield_stress: Stress

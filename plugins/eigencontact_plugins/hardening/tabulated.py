@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ class Tabulated(IsotropicHardening):
     """
 
     key: ClassVar[str] = "tabulated"
+    example: ClassVar[dict[str, Any]] = {"strain": [0, 0.01, 0.1], "stress": ["1 GPa", "1.2 GPa", "1.5 GPa"]}
     references: ClassVar[tuple[str, ...]] = ("elementary: linear interpolation",)
 
     strain: tuple[float, ...] = ()

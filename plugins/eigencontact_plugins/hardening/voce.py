@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ class Voce(IsotropicHardening):
     """
 
     key: ClassVar[str] = "voce"
+    example: ClassVar[dict[str, Any]] = {"yield_stress": "1 GPa", "saturation": "0.5 GPa", "rate": 40.0}
     references: ClassVar[tuple[str, ...]] = ("E. Voce 1948, J. Inst. Metals 74, 537",)
 
     yield_stress: Stress

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,11 @@ class Brittle(ConstitutiveLaw):
     """
 
     key: ClassVar[str] = "brittle"
+    example: ClassVar[dict[str, Any]] = {
+        "young_modulus": "30 GPa",
+        "poisson_ratio": 0.2,
+        "damage": {"type": "mazars", "threshold": 1e-4, "A": 0.9, "B": 2e4},
+    }
     references: ClassVar[tuple[str, ...]] = (
         "J. Mazars 1986, Eng. Fract. Mech. 25, 729",
         "J. Ladeveze, J. Lemaitre 1984, Proc. 16th IUTAM Congress (crack closure)",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,18 @@ class ByDepth(ConstitutiveLaw):
     """
 
     key: ClassVar[str] = "by-depth"
+    example: ClassVar[dict[str, Any]] = {
+        "interfaces": ["2 um"],
+        "laws": [
+            {"type": "elastic", "young_modulus": "210 GPa", "poisson_ratio": 0.3},
+            {
+                "type": "j2",
+                "young_modulus": "210 GPa",
+                "poisson_ratio": 0.3,
+                "hardening": {"type": "perfect", "yield_stress": "1 GPa"},
+            },
+        ],
+    }
     references: ClassVar[tuple[str, ...]] = ("K. L. Johnson 1985, Contact Mechanics, section 5.8",)
 
     interfaces: tuple[Length, ...]

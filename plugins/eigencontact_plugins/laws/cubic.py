@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ class Cubic(LinearLaw):
     """
 
     key: ClassVar[str] = "cubic"
+    example: ClassVar[dict[str, Any]] = {"c11": "246.5 GPa", "c12": "147.3 GPa", "c44": "124.7 GPa"}
     references: ClassVar[tuple[str, ...]] = ("J. F. Nye 1957, Physical Properties of Crystals, chapter 8",)
 
     c11: Stress

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,7 @@ class Elastic(LinearLaw):
     """
 
     key: ClassVar[str] = "elastic"
+    example: ClassVar[dict[str, Any]] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
     references: ClassVar[tuple[str, ...]] = ("R. Hooke 1678, Lectures de potentia restitutiva",)
     isotropic: ClassVar[bool] = True
 

@@ -61,6 +61,11 @@ class J2(ConstitutiveLaw):
     """
 
     key: ClassVar[str] = "j2"
+    example: ClassVar[dict[str, Any]] = {
+        "young_modulus": "210 GPa",
+        "poisson_ratio": 0.3,
+        "hardening": {"type": "linear", "yield_stress": "1 GPa", "modulus": "20 GPa"},
+    }
     references: ClassVar[tuple[str, ...]] = (
         "R. von Mises 1913, Nachr. Ges. Wiss. Goettingen, 582",
         "J. C. Simo, T. J. R. Hughes 1998, Computational Inelasticity, chapter 3",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,11 @@ class Orthotropic(LinearLaw):
     """
 
     key: ClassVar[str] = "orthotropic"
+    example: ClassVar[dict[str, Any]] = {
+        "moduli": ["130 GPa", "10 GPa", "8 GPa"],
+        "poisson_ratios": [0.3, 0.25, 0.4],
+        "shear_moduli": ["5 GPa", "4 GPa", "3 GPa"],
+    }
     references: ClassVar[tuple[str, ...]] = (
         "S. G. Lekhnitskii 1963, Theory of Elasticity of an Anisotropic Elastic Body, section 3",
     )

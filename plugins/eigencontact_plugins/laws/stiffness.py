@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,7 @@ class GivenStiffness(LinearLaw):
     """
 
     key: ClassVar[str] = "stiffness"
+    example: ClassVar[dict[str, Any]] = {"stiffness": [[1e9 * ((i == j) + 0.1) for j in range(6)] for i in range(6)]}
     references: ClassVar[tuple[str, ...]] = ("M. M. Mehrabadi, S. C. Cowin 1990, Q. J. Mech. Appl. Math. 43, 15",)
 
     stiffness: tuple[tuple[Stress, ...], ...]

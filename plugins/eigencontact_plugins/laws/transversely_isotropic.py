@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,13 @@ class TransverselyIsotropic(LinearLaw):
     """
 
     key: ClassVar[str] = "transversely-isotropic"
+    example: ClassVar[dict[str, Any]] = {
+        "axial_modulus": "230 GPa",
+        "transverse_modulus": "15 GPa",
+        "axial_poisson_ratio": 0.2,
+        "transverse_poisson_ratio": 0.4,
+        "axial_shear_modulus": "24 GPa",
+    }
     references: ClassVar[tuple[str, ...]] = (
         "S. G. Lekhnitskii 1963, Theory of Elasticity of an Anisotropic Elastic Body, section 3",
     )

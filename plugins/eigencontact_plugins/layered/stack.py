@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,6 +123,10 @@ class BondedLayers(LayeredMedium):
     """
 
     key: ClassVar[str] = "bonded-layers"
+    example: ClassVar[dict[str, Any]] = {
+        "layers": [{"thickness": "1 um", "young_modulus": "420 GPa", "poisson_ratio": 0.25}],
+        "substrate": {"young_modulus": "210 GPa", "poisson_ratio": 0.3},
+    }
     references: ClassVar[tuple[str, ...]] = (
         "D. M. Burmister 1945, The general theory of stresses and displacements in layered systems, J. Appl. Phys. 16",
         "K. L. Johnson 1985, Contact Mechanics, sec. 3.1-3.3, doi:10.1017/CBO9781139171731 (homogeneous half-space)",

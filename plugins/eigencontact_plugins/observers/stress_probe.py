@@ -34,6 +34,7 @@ class StressProbe(Observer):
     """
 
     key: ClassVar[str] = "stress-probe"
+    example: ClassVar[dict[str, Any]] = {"points": [[0.0, 0.0, 1e-6]]}
 
     points: tuple[tuple[Length, Length, Length], ...]
     quantity: Literal["von_mises", "tresca", "hydrostatic"] = "von_mises"

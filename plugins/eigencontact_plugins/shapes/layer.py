@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +57,7 @@ class Layer(InclusionShape):
     """
 
     key: ClassVar[str] = "layer"
+    example: ClassVar[dict[str, Any]] = {"size": ["10 um", "10 um"], "thickness": "2 um"}
     references: ClassVar[tuple[str, ...]] = ("S. Liu & Q. Wang 2005, J. Appl. Mech. 72, 871 (sum over cuboids)",)
 
     size: tuple[Length, Length]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ class AmplitudeScaled(WearLaw):
     """
 
     key: ClassVar[str] = "amplitude-scaled"
+    example: ClassVar[dict[str, Any]] = {"coefficient": "1e4 mm^3/(J mm)"}
     references: ClassVar[tuple[str, ...]] = (
         "S. Fouvry, C. Paulin, T. Liskiewicz, Tribol. Int. 40 (2007) 1428, doi:10.1016/j.triboint.2007.02.011",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class Archard(WearLaw):
     """
 
     key: ClassVar[str] = "archard"
+    example: ClassVar[dict[str, Any]] = {"coefficient": "1e-13 m^3/(N m)"}
     references: ClassVar[tuple[str, ...]] = ("J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448",)
     linear_in_pressure: ClassVar[bool] = True
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class ByMaterial(WearLaw):
     """
 
     key: ClassVar[str] = "by-material"
+    example: ClassVar[dict[str, Any]] = {"laws": {"substrate": {"type": "archard", "coefficient": 1e-13}}}
     references: ClassVar[tuple[str, ...]] = ("J. F. Archard, J. Appl. Phys. 24 (1953) 981, doi:10.1063/1.1721448",)
 
     laws: dict[str, WearLaw]

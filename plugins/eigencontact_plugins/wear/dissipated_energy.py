@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ class DissipatedEnergy(WearLaw):
     """
 
     key: ClassVar[str] = "dissipated-energy"
+    example: ClassVar[dict[str, Any]] = {"coefficient": "1e-3 mm^3/J"}
     references: ClassVar[tuple[str, ...]] = (
         "S. Fouvry, P. Kapsa, L. Vincent, Wear 200 (1996) 186, doi:10.1016/S0043-1648(96)07306-1",
     )

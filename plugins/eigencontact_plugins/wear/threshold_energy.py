@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ class ThresholdEnergy(WearLaw):
     """
 
     key: ClassVar[str] = "threshold-energy"
+    example: ClassVar[dict[str, Any]] = {"coefficient": "1e-3 mm^3/J", "threshold": "1 kJ/m^2"}
     references: ClassVar[tuple[str, ...]] = (
         "S. Fouvry, T. Liskiewicz, P. Kapsa et al., Wear 255 (2003) 287, doi:10.1016/S0043-1648(03)00117-0",
     )

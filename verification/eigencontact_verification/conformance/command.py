@@ -21,6 +21,10 @@ def check(
         list[str], typer.Argument(help="Plugin files, or keys of installed plugins.", metavar="FILE|KEY...")
     ],
     *,
+    parameters: Annotated[
+        list[str] | None,
+        typer.Option("--with", metavar="KEY=VALUE", help="A parameter: `--with radius='1 mm'`; repeatable."),
+    ] = None,
     finite_elements: Annotated[
         bool, typer.Option("--finite-elements", help="Also the slow check of a shape: ten seconds to two minutes.")
     ] = False,
@@ -28,16 +32,20 @@ def check(
 ) -> None:
     """Ask the conformance kit about plugins: what every one of its kind promises, one line a promise.
 
-    The parameters are those of the class attribute `example`; of a shape that has none, lengths are tried.
+    The parameters are those of the class attribute `example`, changed by `--with`; of a shape that has none, lengths
+    are tried.
 
     Exit codes: 0 all promises are kept, 1 some are not, 2 wrong input.
 
-    Example: `eigencontact check torus.py`
+    Examples: `eigencontact check torus.py`, `eigencontact check j2 --with hardening.yield-stress="300 MPa"`
     """
     from eigencontact.errors import EigencontactError
 
     try:
-        found = {entry.full_key: list(_verdicts(entry, finite_elements=finite_elements)) for entry in _entries(plugins)}
+        found = {
+            entry.full_key: list(_verdicts(entry, parameters or [], finite_elements=finite_elements))
+            for entry in _entries(plugins)
+        }
     except (EigencontactError, ValueError) as problem:
         typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
         raise typer.Exit(2) from None
@@ -66,11 +74,11 @@ def _entries(plugins: list[str]) -> list[Entry]:
     return found
 
 
-def _verdicts(entry: Entry, *, finite_elements: bool) -> Iterator[dict[str, str]]:
+def _verdicts(entry: Entry, parameters: list[str], *, finite_elements: bool) -> Iterator[dict[str, str]]:
     from eigencontact_verification.conformance.kit import checks_for
     from eigencontact_verification.conformance.report import ConformanceError
 
-    component = _example(entry)
+    component = _example(entry, parameters)
     for one in checks_for(component, finite_elements=finite_elements):
         try:
             one(component)
@@ -81,25 +89,27 @@ def _verdicts(entry: Entry, *, finite_elements: bool) -> Iterator[dict[str, str]
         yield {"check": one.__name__, "promise": promise, "failed": failed}
 
 
-def _example(entry: Entry) -> Any:
+def _example(entry: Entry, parameters: list[str]) -> Any:
     """Component to check: of the declared example, of lengths that are tried, or of nothing but defaults."""
     from dataclasses import MISSING, fields
 
     from eigencontact.library import make
+    from eigencontact.scene.loader import apply_changes
     from eigencontact_verification.campaign.strangers import example_of
 
     declared = getattr(entry.component, "example", None)
-    if not isinstance(declared, Mapping) and entry.kind == "inclusion-shape":
+    if not isinstance(declared, Mapping) and entry.kind == "inclusion-shape" and not parameters:
         declared = example_of(entry.component)
+    given = apply_changes(declared if isinstance(declared, Mapping) else {}, parameters, option="--with")
     needed = [
         item.name for item in fields(entry.component) if item.default is MISSING and item.default_factory is MISSING
     ]
-    if not isinstance(declared, Mapping) and needed:
+    if needed and not given:
         raise ValueError(
-            f"{entry.kind} {entry.key!r} must say with which parameters it is to be checked (got none); give its class "
-            f"an attribute example, a mapping with {', '.join(needed)}"
+            f"{entry.kind} {entry.key!r} must say with which parameters it is to be checked (got none); give --with "
+            f"{needed[0]}=VALUE, or give its class an attribute example, a mapping with {', '.join(needed)}"
         )
-    return make(entry.full_key, kind=entry.kind, **(declared or {}))
+    return make(entry.full_key, kind=entry.kind, **given)
 
 
 def _print(found: dict[str, list[dict[str, str]]]) -> None:

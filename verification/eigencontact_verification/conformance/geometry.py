@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import real_answer
 from eigencontact.plugin import HasNativeGrid
 from eigencontact_verification.conformance.report import check, ensure
 from eigencontact_verification.conformance.sampling import evenly
@@ -32,7 +33,7 @@ def check_separation_arrays(geometry: Any) -> None:
     x, y = _places(geometry)
     for case, (a, b) in {"(1, nx), (ny, 1)": (x[None, :], y[:, None]), "(n,)": (x, y), "(1,)": (x[:1], y[:1])}.items():
         shape = np.broadcast_shapes(a.shape, b.shape)
-        answer = np.broadcast_to(np.asarray(geometry.separation(a, b), dtype=float), shape)
+        answer = real_answer(geometry.separation(a, b), f"separation of geometry {geometry.key!r}", shape)
         ensure(
             np.all(np.isfinite(answer)), f"separation at points of shape {case}", "finite near the origin",
             f"{int(np.sum(~np.isfinite(answer)))} of {answer.size} that are not", "take the limit there",

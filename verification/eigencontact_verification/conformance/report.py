@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.errors import PluginError
+
 __all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "place_of"]
 
 FloatArray = NDArray[np.float64]
@@ -36,6 +38,8 @@ def check(function: Check) -> Check:
                 function(component)
         except ConformanceError as problem:
             raise ConformanceError(f"{where}: {problem}") from None
+        except PluginError as problem:  # it names the method and the fault already
+            raise ConformanceError(f"{where}: {problem}; the traceback above shows the line") from problem
         except Exception as problem:
             raise ConformanceError(
                 f"{where}: it must answer without an error or warning (got {type(problem).__name__}: {problem}); "

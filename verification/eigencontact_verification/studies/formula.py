@@ -26,9 +26,24 @@ __all__ = ["FUNCTIONS", "Context", "evaluate"]
 
 Value = Any
 
+#: Most values that a function of a formula makes.
+_MOST = 1_000_000
+
+
+def _power(base: Value, exponent: Value) -> Value:
+    """Power of float64: whole numbers of any length would take any time."""
+    return (float(base) if isinstance(base, int) else base) ** exponent
+
+
+def _bounded(n: Value) -> int:
+    if not n <= _MOST:
+        raise SceneError(f"a formula must make at most {_MOST} values (got {n:g})")
+    return int(n)
+
+
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: operator.pow, ast.Mod: operator.mod, ast.FloorDiv: operator.floordiv,
+    ast.Pow: _power, ast.Mod: operator.mod, ast.FloorDiv: operator.floordiv,
     ast.BitAnd: np.logical_and, ast.BitOr: np.logical_or,
     ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt,
     ast.GtE: operator.ge,
@@ -65,6 +80,7 @@ def _parted(values: Any, places: Any, border: float) -> Any:
 
 
 def _lattice(x: Any, y: Any, z: Any) -> list[list[float]]:
+    _bounded(np.size(x) * np.size(y) * np.size(z))
     return [[float(a), float(b), float(c)] for c in np.ravel(z) for b in np.ravel(y) for a in np.ravel(x)]
 
 
@@ -91,11 +107,11 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], str]] = {
     "sort": (np.sort, "values in order"),
     "join": (lambda *parts: np.concatenate([np.ravel(part) for part in parts]), "values one after the other"),
     "if_else": (lambda condition, one, other: one if condition else other, "the second value if the first holds"),
-    "count": (lambda n: np.arange(1.0, n + 1.0), "1, 2, … n"),
-    "places": (lambda n: np.arange(n) - 0.5 * (n - 1), "n places one apart, with 0 in their middle"),
+    "count": (lambda n: np.arange(1.0, _bounded(n) + 1.0), "1, 2, … n"),
+    "places": (lambda n: np.arange(_bounded(n)) - 0.5 * (n - 1), "n places one apart, with 0 in their middle"),
     "column": (lambda values, n: values[:, int(n)], "one column of a table: of points over steps, the course of one"),
-    "linspace": (lambda a, b, n: np.linspace(a, b, int(n)), "n values from a to b, evenly"),
-    "geomspace": (lambda a, b, n: np.geomspace(a, b, int(n)), "n values from a to b, by one ratio"),
+    "linspace": (lambda a, b, n: np.linspace(a, b, _bounded(n)), "n values from a to b, evenly"),
+    "geomspace": (lambda a, b, n: np.geomspace(a, b, _bounded(n)), "n values from a to b, by one ratio"),
     "lattice": (_lattice, "points [x, y, z] of all combinations, x fastest"),
     "interp": (lambda at, x, y: np.interp(at, np.ravel(x), np.ravel(y)), "y at a place, linear between values of x"),
     "integral": (_integral, "∫ y dx by the trapezoidal rule; first y, then x"),
@@ -160,6 +176,8 @@ def evaluate(text: str, context: Context, told: str = "formula") -> Value:
         return _value(_parsed(text), context)
     except SceneError as problem:
         raise SceneError(f"{told}: {problem} in {text!r}") from None
+    except OverflowError:
+        raise SceneError(f"{told} must stay within the range of float64 (got {text!r})") from None
     except Exception as problem:
         if isinstance(problem, KeyboardInterrupt | MemoryError):
             raise
@@ -185,7 +203,10 @@ def _value(node: ast.expr, context: Context) -> Value:
         case ast.UnaryOp(op=op, operand=operand) if type(op) in _UNARY:
             return _UNARY[type(op)](_value(operand, context))
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            return _BINARY[type(op)](_value(left, context), _value(right, context))
+            operands = _value(left, context), _value(right, context)
+            if any(isinstance(operand, str) for operand in operands):
+                raise SceneError("texts of a formula must stand alone: there is no arithmetic on them")
+            return _BINARY[type(op)](*operands)
         case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _BINARY:
             return _BINARY[type(op)](_value(left, context), _value(right, context))
         case ast.BoolOp(op=op, values=values):
