@@ -13,7 +13,15 @@ from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
 from eigencontact.scene.steps import solved_cycles, spaced_by_radius
 from eigencontact.worth.foreseen import worst_above
-from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads, wear_lines
+from eigencontact.worth.understood import (
+    body_laws,
+    contact_as_data,
+    expected_lines,
+    geometry_lines,
+    largest_loads,
+    law_lines,
+    wear_lines,
+)
 
 if TYPE_CHECKING:
     from eigencontact.execution.block import Block
@@ -65,6 +73,7 @@ def told(plan: Plan) -> Told:
     facts = [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         *([f"layers      {layers}"] if layers else []),
+        *law_lines(plan),
         *geometry_lines(plan),
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
@@ -266,7 +275,7 @@ def _alike(sources: Sequence[Source]) -> list[str]:
 
 
 def _body(plan: Plan, index: int) -> str:
-    return f"body {index + 1} {body_in_words(plan.bodies[index])}"
+    return f"body {index + 1} {body_in_words(plan.bodies[index], body_laws(plan).get(index + 1))}"
 
 
 def _bytes(value: float) -> str:
