@@ -158,7 +158,7 @@ class RunResult:
 
     def _repr_html_(self) -> str:
         from eigencontact.core.html_table import html_table
-        from eigencontact.core.units import readable
+        from eigencontact.core.units import readable, time_in_words
 
         units, numbers = self.summary["units"], self.summary
         rows = [("steps", str(numbers["steps"]))] + [
@@ -167,7 +167,7 @@ class RunResult:
             if (value := numbers.get(name)) is not None
             for unit in [units[name]]
         ]
-        rows += [("wall time", readable(self.seconds, "s")), ("folder", str(self.folder or "none: in memory"))]
+        rows += [("wall time", time_in_words(self.seconds)), ("folder", str(self.folder or "none: in memory"))]
         return html_table(numbers["title"] or numbers["name"], rows, _cautions(numbers["warnings"]))
 
     def course(self) -> str:

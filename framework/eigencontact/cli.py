@@ -153,7 +153,7 @@ def _report(name: str, result: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from eigencontact.core.units import readable
+    from eigencontact.core.units import readable, time_in_words
     from eigencontact.results.course import course_table
 
     console, summary = Console(highlight=False), result.summary
@@ -186,20 +186,22 @@ def _report(name: str, result: Any) -> None:
     for file, text in result.files.items():
         files.add_row(f"  {file}", text)
     console.print(files)
-    solved = f"computed in {summary['compute_seconds']:.3g} s"
+    solved = f"computed in {time_in_words(summary['compute_seconds'])}"
     if summary["iterations"] is not None:
-        solved = f"solved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
+        solved = f"solved in {time_in_words(summary['solve_seconds'])} ({summary['iterations']} iterations, "
         solved += f"{summary['convolutions']} convolutions)"
-    console.print(f"\n{solved}; everything, pictures included, in {result.seconds:.3g} s")
+    console.print(f"\n{solved}; everything, pictures included, in {time_in_words(result.seconds)}")
     console.print(_spent(summary["seconds_by_block"]), soft_wrap=True)
 
 
 def _spent(seconds: dict[str, float]) -> str:
     """Where the time went; what took less than a part of it together, at the end."""
+    from eigencontact.core.units import time_in_words
+
     least = 0.01 * sum(seconds.values())
     shown = {name: value for name, value in seconds.items() if value >= least and name != "rest"}
     shown["rest"] = sum(seconds.values()) - sum(shown.values())
-    return "  " + ", ".join(f"{name} {value:.2g} s" for name, value in shown.items())
+    return "  " + ", ".join(f"{name} {time_in_words(value)}" for name, value in shown.items())
 
 
 @app.command()

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from eigencontact.core.memory import resident_bytes
-from eigencontact.core.units import readable
+from eigencontact.core.units import readable, time_in_words
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
@@ -283,4 +283,4 @@ def _bytes(value: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    return f"{seconds:.2g} s" if seconds >= 1 else f"{float(f'{1e3 * seconds:.2g}'):g} ms"
+    return time_in_words(seconds) if seconds >= 1 else f"{float(f'{1e3 * seconds:.2g}'):g} ms"

@@ -77,7 +77,7 @@ class Plan(Model):
 
     def _repr_html_(self) -> str:
         from eigencontact.core.html_table import html_table
-        from eigencontact.core.units import readable
+        from eigencontact.core.units import readable, time_in_words
 
         grid = self.grid
         rows = [
@@ -86,7 +86,7 @@ class Plan(Model):
             ("blocks", ", ".join(block.name for block in self.blocks)),
             ("kernels", str(sum(kernel.count for kernel in self.kernels))),
             ("memory, predicted", readable(float(self.cost.peak), "B")),
-            ("time, predicted", readable(self.seconds, "s")),
+            ("time, predicted", time_in_words(self.seconds)),
             *(("left out", f"{one.what}: {one.why}") for one in self.left_out),
         ]
         return html_table(self.scene.title or self.name, rows)

@@ -105,6 +105,7 @@ def _progress(*, enabled: bool) -> Any:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+        from eigencontact.core.units import time_in_words
         from eigencontact.progress import draws_in_place
 
         console = Console(stderr=True)
@@ -113,7 +114,7 @@ def _progress(*, enabled: bool) -> Any:
             return
         if not draws_in_place(sys.stderr):
             yield lambda outcome, done, total: typer.echo(
-                f"variant {done} of {total}: {outcome.failed or f'{outcome.seconds:.2g} s'}", err=True
+                f"variant {done} of {total}: {outcome.failed or time_in_words(outcome.seconds)}", err=True
             )
             return
         columns = (TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())

@@ -73,7 +73,7 @@ class Bar:
 
     def _say(self, task: Task, outcome: Outcome) -> None:
         """A line for what failed, and for how far it is where the last one is some time ago."""
-        from eigencontact.progress import time_in_words
+        from eigencontact.core.units import time_in_words
 
         now = time.monotonic()
         if outcome.status != "done":

@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.core.units import time_in_words
 from eigencontact_verification.campaign.brief import MARKS
 from eigencontact_verification.maps.answer import answers, totals
 from eigencontact_verification.maps.figure import axes_of_map, draw_map, label_of, levels_of, percent, quantities_of
@@ -119,7 +120,7 @@ def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
 
 
 def _time(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2g} s" if value < 100 else f"{value:.0f} s"
+    return "–" if value is None else time_in_words(value)
 
 
 def _memory(value: float | None) -> str:
