@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
-from typer.core import TyperGroup
 
 from eigencontact import completion
+from eigencontact.command_help import PANELS, HelpfulCommand, HelpfulGroup, panel_of
 from eigencontact.errors import EigencontactError
 from eigencontact.pictures.command import plot
 from eigencontact.skeleton import TEMPLATES
@@ -26,17 +26,22 @@ __all__ = ["main"]
 COMMANDS = "eigencontact.commands"
 
 
-class _Commands(TyperGroup):
+class _Commands(HelpfulGroup):
     """Own commands, then those that installed packages add; one is loaded when it is run or help is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         own = super().list_commands(ctx)
-        return [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+        names = [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+        order = [name for panel in PANELS.values() for name in panel]
+        return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         own = super().get_command(ctx, cmd_name)
-        found = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
-        return _loaded(found[0]) if found else own
+        points = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
+        command = _loaded(points[0]) if points else own
+        if command is not None:
+            command.rich_help_panel = panel_of(cmd_name)
+        return command
 
 
 def _loaded(point: EntryPoint) -> Any:
@@ -44,7 +49,8 @@ def _loaded(point: EntryPoint) -> Any:
     package = f"{point.dist.name} {point.dist.version}" if point.dist else point.value
     group = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
     try:
-        group.command(point.name, context_settings={"help_option_names": ["-h", "--help"]})(point.load())
+        settings = {"help_option_names": ["-h", "--help"]}
+        group.command(point.name, cls=HelpfulCommand, context_settings=settings)(point.load())
         return typer.main.get_command(group)
     except (Exception, SystemExit) as problem:  # noqa: BLE001 - a stranger's module may raise anything at import
         reason = f"cannot be loaded from {package}: {type(problem).__name__}: {' '.join(str(problem).split())}"
@@ -102,7 +108,7 @@ def _root(*, version: Annotated[bool, typer.Option("--version", help="Print the 
         raise typer.Exit
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def run(
     scene: SceneArgument,
     *,
@@ -204,7 +210,7 @@ def _spent(seconds: dict[str, float]) -> str:
     return "  " + ", ".join(f"{name} {time_in_words(value)}" for name, value in shown.items())
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOption = False) -> None:
     """Say what a scene will model, with which kernels, memory and time; and what is left out and why."""
     from eigencontact import app as calls
@@ -216,7 +222,7 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
         _fail(problem)
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def plugins(
     key: Annotated[
         str | None, typer.Argument(
@@ -241,7 +247,7 @@ def plugins(
         _fail(problem)
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def schema(
     table: Annotated[
         str | None,
@@ -270,7 +276,9 @@ def schema(
         _fail(problem)
 
 
-gallery = typer.Typer(help="List the bundled scenes, or print one to start from.", invoke_without_command=True)
+gallery = typer.Typer(
+    help="List the bundled scenes, or print one to start from.", invoke_without_command=True, cls=HelpfulGroup
+)
 app.add_typer(gallery, name="gallery")
 
 
@@ -290,7 +298,7 @@ def _gallery(context: typer.Context, *, as_json: JsonOption = False) -> None:
     typer.echo("\n`eigencontact run NAME` solves one; `eigencontact gallery show NAME > my.toml` copies one.")
 
 
-@gallery.command("show")
+@gallery.command("show", cls=HelpfulCommand)
 def _show(
     name: Annotated[str, typer.Argument(help="Name of a bundled scene.", autocompletion=completion.bundled)],
 ) -> None:
@@ -303,10 +311,18 @@ def _show(
         _fail(problem)
 
 
-app.command()(plot)
+@gallery.command("run", hidden=True, context_settings={"ignore_unknown_options": True})
+def _run_of_gallery(words: Annotated[list[str] | None, typer.Argument(hidden=True)] = None) -> None:
+    """Name the command that solves a bundled scene."""
+    command = " ".join(["eigencontact run", *(words or ["NAME"])])
+    typer.echo(f"eigencontact: gallery must list or show scenes (got run); `{command}` solves one", err=True)
+    raise typer.Exit(2)
 
 
-@app.command("cache")
+app.command(cls=HelpfulCommand)(plot)
+
+
+@app.command("cache", cls=HelpfulCommand)
 def _cache(
     *,
     clear: Annotated[bool, typer.Option("--clear", help="Remove all tables.")] = False,
@@ -328,7 +344,7 @@ def _cache(
     typer.echo(json.dumps(data, indent=2) if as_json else cache_text(data))
 
 
-@app.command("new-plugin")
+@app.command("new-plugin", cls=HelpfulCommand)
 def new_plugin(
     name: Annotated[str, typer.Argument(help="Name of the plugin in scenes: lower case, hyphens.", metavar="NAME")],
     *,

@@ -126,7 +126,7 @@ def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Cross-check kernels, laws, or a stored run against finite elements with an error estimate; write a report.
+    """Cross-check kernels, laws, or one stored run against finite elements with an error estimate.
 
     Of a run the stored tractions of a step load the elements, which have its layers, inclusions, and what its bodies
     remember as their own; compared are displacement of the surface and stored stress.

@@ -31,7 +31,7 @@ def extremes(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Test numerical stability at the corners of the parameter space: largest error, or where it refuses.
+    """Test numerical stability at built-in extreme inputs: the largest error, or where the program refuses.
 
     Poisson's ratio and stiffness at their ends, aspects and depths over six decades, loads from first touch to a full
     window, friction from 1e-6 to 10, scales from nm to km, odd grids, single precision, thin stiff layers, softening

@@ -46,7 +46,9 @@ def campaign(
     form: Annotated[bool, typer.Option("--form", help="Print what a campaign may hold: keys.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled campaign, to start from.")] = False,
 ) -> None:  # fmt: skip
-    """Judge a model over its parameters: a map of verdicts and errors. What is finished is kept, the same continues.
+    """Map where a model is accurate: its error over a range of parameters, with a verdict at each point.
+
+    Re-running resumes; finished runs and solutions are reused.
 
     A campaign is a TOML file: scenes, what is varied, who judges (another model, finite elements under the tractions of
     each run, a contact by finite elements), the tolerance, and where agreement is claimed. `--form` tells its keys.

@@ -35,7 +35,9 @@ def study(
     form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
 ) -> None:
-    """Compute a trend anew: a sweep as data, its numbers, and a figure with its source. Finished variants are kept.
+    """Reproduce a trend of the literature: a parameter sweep from one file, its numbers, and a figure with its source.
+
+    Re-running resumes; finished variants are reused.
 
     A study is a TOML file: a scene, what is varied, what is read and drawn, and where the trend was published. `--form`
     tells its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.

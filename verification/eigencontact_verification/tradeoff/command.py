@@ -50,7 +50,7 @@ def tradeoff(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Solve a scene at several fidelities: error, time and memory of each, and which are worth it.
+    """Compare fidelities of one scene: error, time and memory of each, and which are worth their cost.
 
     What is varied follows from the scene: grid, precision and tolerance of a contact, coupling with friction, treatment
     of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
