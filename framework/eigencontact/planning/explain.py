@@ -47,7 +47,7 @@ class Told:
         Bodies, geometry, grid ...: a name of `NAMES` characters, empty where a line continues the one before it, then
         what is said.
     cautions : list of str
-        What makes its numbers worth less than they look.
+        Warnings about limited accuracy.
     inclusions, blocks, kernels, predicted : list of str
         Lines of their paragraphs; those of `predicted` as in `facts`.
     left_out : list of (str, str)

@@ -34,7 +34,7 @@ class Plan(Model):
     left_out : sequence of LeftOut
         What is not modelled, and why.
     cautions : sequence of Caution
-        What makes its numbers worth less than they look, as far as it is known before they are computed.
+        Warnings about limited accuracy that are known before the numbers are computed.
     seconds_planned : float
         Wall time that the decisions took [s].
     """
