@@ -159,6 +159,7 @@ def _report(name: str, result: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact.core.units import readable, time_in_words
     from eigencontact.results.course import course_table
 
@@ -181,7 +182,7 @@ def _report(name: str, result: Any) -> None:
     if summary["gap_residual"] is not None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
-    console.print(numbers)
+    print_table(numbers, console)
     if course := course_table(summary["history"]):
         console.print(f"\n{course}", markup=False, soft_wrap=True)
     for caution in summary["warnings"]:
@@ -191,12 +192,12 @@ def _report(name: str, result: Any) -> None:
     files = Table.grid(padding=(0, 2))
     for file, text in result.files.items():
         files.add_row(f"  {file}", text)
-    console.print(files)
+    print_table(files, console)
     solved = f"computed in {time_in_words(summary['compute_seconds'])}"
     if summary["iterations"] is not None:
         solved = f"solved in {time_in_words(summary['solve_seconds'])} ({summary['iterations']} iterations, "
         solved += f"{summary['convolutions']} convolutions)"
-    console.print(f"\n{solved}; everything, pictures included, in {time_in_words(result.seconds)}")
+    console.print(f"\n{solved}; everything, pictures included, in {time_in_words(result.seconds)}", soft_wrap=True)
     console.print(_spent(summary["seconds_by_block"]), soft_wrap=True)
 
 

@@ -299,3 +299,9 @@ def test_cache_that_is_turned_off_has_no_limit(command):
     outcome = command("cache", "--limit", "1 GB")
     assert outcome.code == 2
     assert "EIGENCONTACT_CACHE must name a folder" in outcome.err
+
+
+def test_tables_in_a_pipe_have_no_blanks_at_the_ends_of_lines(command, quick, tmp_path):
+    outcome = command("run", "hertz", "-o", tmp_path, *quick)
+    assert outcome.code == 0
+    assert [line for line in outcome.out.splitlines() if line != line.rstrip()] == []

@@ -129,6 +129,7 @@ def _report(found: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact.sweeps.warned import warnings_in_words
 
     console = Console(highlight=False)
@@ -136,7 +137,7 @@ def _report(found: Any) -> None:
     for name, text in found.files.items():
         files.add_row(f"  {name}", text)
     console.print(f"in {found.folder.resolve()}:", soft_wrap=True)
-    console.print(files)
+    print_table(files, console)
     for line in warnings_in_words(found.warnings, found.dataset["failed"].size):
         typer.echo(line)
     for label, reason in found.failed.items():

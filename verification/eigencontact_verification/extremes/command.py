@@ -93,8 +93,7 @@ def _computed(features: tuple[Feature, ...], *, quick: bool, told: bool) -> Repo
 
 def _tell(report: Report, folder: Path, markdown: Path | None, *, as_json: bool, quiet: bool) -> None:
     """Write the files, print the table."""
-    from rich.console import Console
-
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.extremes.report import as_markdown, table, write_report
 
     files = write_report(report, folder)
@@ -104,7 +103,7 @@ def _tell(report: Report, folder: Path, markdown: Path | None, *, as_json: bool,
     if as_json:
         typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
-        Console(highlight=False).print(table(report))
+        print_table(table(report))
         for key, fault in report.faults:
             typer.echo(f"{key}, {fault.corner.name}: {fault.message}")
         typer.echo(f"\n{report.summary}\nin {folder.resolve()}: {', '.join(file.name for file in files.values())}")

@@ -62,9 +62,9 @@ def study(
 
 
 def _list() -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.studies.catalogue import studies
 
     table = Table("study", "what", "after", box=None, pad_edge=False)
@@ -72,7 +72,7 @@ def _list() -> None:
         after = "; ".join(f"{one.get('authors', '')} {one.get('year', '')}, {one.get('figure', one.get('form', ''))}"
                           for one in item.sources)  # fmt: skip
         table.add_row(item.name, item.title, after)
-    Console().print(table)
+    print_table(table)
 
 
 def _print_form() -> None:
@@ -145,9 +145,9 @@ def _run(
 
 
 def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact.sweeps.warned import warnings_in_words
     from eigencontact_verification.studies.checks import verdicts
     from eigencontact_verification.studies.run import source_in_words
@@ -159,7 +159,7 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     table = Table("variant", *columns, box=None, pad_edge=False)
     for one in done:
         table.add_row(one.label, *(f"{one.row[name]:.4g}" if name in one.row else "" for name in columns))
-    Console().print(table)
+    print_table(table)
     for line in warnings_in_words({one.label: one.warnings for one in done}, len(found)):
         typer.echo(line)
     for verdict in verdicts(item, done):

@@ -65,6 +65,7 @@ def tradeoff(
     from rich.console import Console
 
     from eigencontact import app
+    from eigencontact.core.text_table import print_table
     from eigencontact.errors import EigencontactError
     from eigencontact_verification.tradeoff import report
     from eigencontact_verification.tradeoff.study import predict, study
@@ -85,7 +86,7 @@ def tradeoff(
         if as_json:
             typer.echo(json.dumps(report.plan_data(predictions), indent=2))
         else:
-            console.print(report.plan_table(predictions))
+            print_table(report.plan_table(predictions), console)
         return
 
     def told(words: str) -> None:
@@ -104,7 +105,7 @@ def tradeoff(
     if as_json or markdown:
         typer.echo(files["json" if as_json else "md"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
-        console.print(report.study_table(found, console.width))
+        print_table(report.study_table(found, console.width), console)
         for line in report.remarks(found):
             typer.echo(line)
         typer.echo(f"\nin {files['png'].parent.resolve()}: {', '.join(file.name for file in files.values())}")
