@@ -38,7 +38,7 @@ class _Commands(HelpfulGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         own = super().get_command(ctx, cmd_name)
         points = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
-        command = _loaded(points[0]) if points else own
+        command: Any = _loaded(points[0]) if points else own
         if command is not None:
             command.rich_help_panel = panel_of(cmd_name)
         return command

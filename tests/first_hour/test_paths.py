@@ -165,10 +165,13 @@ def test_own_damage_law(command, desk):
 
 @pytest.mark.slow
 def test_own_damage_law_agrees_with_finite_elements(command, desk):
-    """The quick check of a law decides: nothing is left inconclusive."""
+    """The quick check of a law: what it cannot decide has a remedy."""
     succeeded(command("new-plugin", "my-damage", "--kind", "damage-law", "--file"))
     printed = succeeded(command("verify", "--plugin", "my_damage.py", "--quick"))
-    assert "7 verdicts: 0 disagrees, 7 agrees" in printed
+    assert "7 verdicts: 0 disagrees" in printed
+    undecided = [line for line in printed.splitlines() if line.startswith("inconclusive: ")]
+    assert len(undecided) <= 1
+    assert all("; repeat with --refine " in line for line in undecided)
 
 
 def test_campaign_from_one_file(command, desk):
