@@ -33,8 +33,8 @@ def told(times):
 
 def test_a_line_per_load_step_tells_the_time_that_is_left():
     assert told([10.0, 12.0, 14.0]) == [
-        "load step 1 of 3 done after 10 s, some 20 s left",
-        "load step 2 of 3 done after 12 s, some 2 s left",  # the first step builds what the others only use
+        "load step 1 of 3 done after 10 s, about 20 s left",
+        "load step 2 of 3 done after 12 s, about 2 s left",  # the first step builds what the others only use
         "load step 3 of 3 done after 14 s",
     ]
 
@@ -51,8 +51,9 @@ def test_runs_within_a_second_say_nothing():
 
 
 def test_long_times_are_readable():
-    assert told([400.0, 7000.0])[0].endswith("done after 6 min 40 s, some 6 min 40 s left")
-    assert told([36000.0, 36001.0])[0].endswith("done after 10 h 0 min, some 10 h 0 min left")
+    assert told([400.0, 7000.0])[0].endswith("done after 6 min 40 s, about 6 min 40 s left")
+    assert told([36000.0, 36001.0])[0].endswith("done after 10 h 0 min, about 10 h 0 min left")
+    assert told([99.7, 199.4])[0].endswith("done after 100 s, about 100 s left")
 
 
 def test_a_load_step_that_takes_long_says_how_far_it_is():

@@ -151,12 +151,12 @@ class RunResult:
 
     def _repr_html_(self) -> str:
         from eigencontact.core.html_table import html_table
-        from eigencontact.core.units import readable
+        from eigencontact.core.units import time_in_words
         from eigencontact.results.summary import headlines
 
         numbers = self.summary
         rows = [("steps", str(numbers["steps"])), *headlines(numbers)]
-        rows += [("wall time", readable(self.seconds, "s")), ("folder", str(self.folder or "none: in memory"))]
+        rows += [("wall time", time_in_words(self.seconds)), ("folder", str(self.folder or "none: in memory"))]
         return html_table(numbers["title"] or numbers["name"], rows, _cautions(numbers["warnings"]))
 
     def course(self) -> str:

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
-from typer.core import TyperGroup
 
 from eigencontact import completion
+from eigencontact.command_help import PANELS, HelpfulCommand, HelpfulGroup, panel_of
 from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.pictures.command import plot
@@ -27,17 +27,22 @@ __all__ = ["main"]
 COMMANDS = "eigencontact.commands"
 
 
-class _Commands(TyperGroup):
+class _Commands(HelpfulGroup):
     """Own commands, then those that installed packages add; one is loaded when it is run or help is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         own = super().list_commands(ctx)
-        return [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+        names = [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+        order = [name for panel in PANELS.values() for name in panel]
+        return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         own = super().get_command(ctx, cmd_name)
-        found = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
-        return _loaded(found[0]) if found else own
+        points = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
+        command: Any = _loaded(points[0]) if points else own
+        if command is not None:
+            command.rich_help_panel = panel_of(cmd_name)
+        return command
 
 
 def _loaded(point: EntryPoint) -> Any:
@@ -46,7 +51,8 @@ def _loaded(point: EntryPoint) -> Any:
     group = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
     try:
         with plugin_code(reason_of, passing=()):
-            group.command(point.name, context_settings={"help_option_names": ["-h", "--help"]})(point.load())
+            settings = {"help_option_names": ["-h", "--help"]}
+            group.command(point.name, cls=HelpfulCommand, context_settings=settings)(point.load())
             return typer.main.get_command(group)
     except PluginError as problem:
         reason = f"cannot be loaded from {package}: {problem}"
@@ -104,7 +110,7 @@ def _root(*, version: Annotated[bool, typer.Option("--version", help="Print the 
         raise typer.Exit
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def run(
     scene: SceneArgument,
     *,
@@ -156,6 +162,8 @@ def _report(name: str, result: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
+    from eigencontact.core.units import time_in_words
     from eigencontact.results.course import course_table
     from eigencontact.results.summary import headlines
 
@@ -166,7 +174,7 @@ def _report(name: str, result: Any) -> None:
     if summary.get("gap_residual") is not None:
         numbers.add_row("largest gap residual", f"{summary['gap_residual']:.1e} of the deflection (converged)")
     console.print(f"\n[bold]{summary.get('title') or name}[/bold]")
-    console.print(numbers)
+    print_table(numbers, console)
     if course := course_table(summary["history"]):
         console.print(f"\n{course}", markup=False, soft_wrap=True)
     for caution in summary["warnings"]:
@@ -176,24 +184,26 @@ def _report(name: str, result: Any) -> None:
     files = Table.grid(padding=(0, 2))
     for file, text in result.files.items():
         files.add_row(f"  {file}", text)
-    console.print(files)
-    solved = f"computed in {summary['compute_seconds']:.3g} s"
+    print_table(files, console)
+    solved = f"computed in {time_in_words(summary['compute_seconds'])}"
     if summary.get("iterations") is not None:
-        solved = f"solved in {summary['solve_seconds']:.3g} s ({summary['iterations']} iterations, "
+        solved = f"solved in {time_in_words(summary['solve_seconds'])} ({summary['iterations']} iterations, "
         solved += f"{summary['convolutions']} convolutions)"
-    console.print(f"\n{solved}; everything, pictures included, in {result.seconds:.3g} s")
+    console.print(f"\n{solved}; everything, pictures included, in {time_in_words(result.seconds)}", soft_wrap=True)
     console.print(_spent(summary["seconds_by_block"]), soft_wrap=True)
 
 
 def _spent(seconds: dict[str, float]) -> str:
     """Where the time went; what took less than a part of it together, at the end."""
+    from eigencontact.core.units import time_in_words
+
     least = 0.01 * sum(seconds.values())
     shown = {name: value for name, value in seconds.items() if value >= least and name != "rest"}
     shown["rest"] = sum(seconds.values()) - sum(shown.values())
-    return "  " + ", ".join(f"{name} {value:.2g} s" for name, value in shown.items())
+    return "  " + ", ".join(f"{name} {time_in_words(value)}" for name, value in shown.items())
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOption = False) -> None:
     """Say what a scene will model, with which kernels, memory and time; and what is left out and why."""
     from eigencontact import app as calls
@@ -205,7 +215,7 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
         _fail(problem)
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def plugins(
     key: Annotated[
         str | None, typer.Argument(
@@ -230,7 +240,7 @@ def plugins(
         _fail(problem)
 
 
-@app.command()
+@app.command(cls=HelpfulCommand)
 def schema(
     table: Annotated[
         str | None,
@@ -259,7 +269,9 @@ def schema(
         _fail(problem)
 
 
-gallery = typer.Typer(help="List the bundled scenes, or print one to start from.", invoke_without_command=True)
+gallery = typer.Typer(
+    help="List the bundled scenes, or print one to start from.", invoke_without_command=True, cls=HelpfulGroup
+)
 app.add_typer(gallery, name="gallery")
 
 
@@ -279,7 +291,7 @@ def _gallery(context: typer.Context, *, as_json: JsonOption = False) -> None:
     typer.echo("\n`eigencontact run NAME` solves one; `eigencontact gallery show NAME > my.toml` copies one.")
 
 
-@gallery.command("show")
+@gallery.command("show", cls=HelpfulCommand)
 def _show(
     name: Annotated[str, typer.Argument(help="Name of a bundled scene.", autocompletion=completion.bundled)],
 ) -> None:
@@ -292,10 +304,18 @@ def _show(
         _fail(problem)
 
 
-app.command()(plot)
+@gallery.command("run", hidden=True, context_settings={"ignore_unknown_options": True})
+def _run_of_gallery(words: Annotated[list[str] | None, typer.Argument(hidden=True)] = None) -> None:
+    """Name the command that solves a bundled scene."""
+    command = " ".join(["eigencontact run", *(words or ["NAME"])])
+    typer.echo(f"eigencontact: gallery must list or show scenes (got run); `{command}` solves one", err=True)
+    raise typer.Exit(2)
 
 
-@app.command("cache")
+app.command(cls=HelpfulCommand)(plot)
+
+
+@app.command("cache", cls=HelpfulCommand)
 def _cache(
     *,
     clear: Annotated[bool, typer.Option("--clear", help="Remove all tables.")] = False,
@@ -317,7 +337,7 @@ def _cache(
     typer.echo(json.dumps(data, indent=2) if as_json else cache_text(data))
 
 
-@app.command("new-plugin")
+@app.command("new-plugin", cls=HelpfulCommand)
 def new_plugin(
     name: Annotated[str, typer.Argument(help="Name of the plugin in scenes: lower case, hyphens.", metavar="NAME")],
     *,

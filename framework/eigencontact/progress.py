@@ -10,14 +10,14 @@ from math import log10
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO
 
-from eigencontact.core.units import readable
+from eigencontact.core.units import readable, time_in_words
 
 if TYPE_CHECKING:
     from eigencontact.execution.driver import Watcher
     from eigencontact.execution.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
-__all__ = ["ProgressLines", "VerboseLines", "draws_in_place", "progress", "time_in_words"]
+__all__ = ["ProgressLines", "VerboseLines", "draws_in_place", "progress"]
 
 #: Shortest time between two lines on load steps, and longest silence while one of them is solved [s].
 _LINES, _SILENCE = 1.0, 15.0
@@ -143,7 +143,7 @@ class ProgressLines:
             return
         text = f"load step {record.index} of {total} done after {time_in_words(self._ends[-1] - self._ends[0])}"
         if record.index < total:
-            text += f", some {time_in_words((total - record.index) * self._pace())} left"
+            text += f", about {time_in_words((total - record.index) * self._pace())} left"
         self._say(text)
 
     def _pace(self) -> float:
@@ -185,13 +185,3 @@ class VerboseLines(ProgressLines):
         parts = [", ".join([*said, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
         self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))
-
-
-def time_in_words(seconds: float) -> str:
-    """Time in words: ``"0.21 s"``, ``"45 s"``, ``"3 min 20 s"``, ``"2 h 5 min"``."""
-    if seconds < 100.0:
-        return f"{seconds:.2g} s"
-    minutes = round(seconds / 60)
-    if minutes < 10:
-        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
-    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

@@ -272,9 +272,9 @@ def test_cache_tells_clears_and_bounds_the_tables_on_disk(command, tables):
     size = sum(entry.size for entry in tables.entries())
     expected = {"folder": str(tables.folder), "entries": 2, "bytes": size, "limit": 1_000_000_000}
     assert json.loads(command("cache", "--json").out) == expected
-    assert command("cache").out.startswith("2 tables, 16.5")
+    assert command("cache").out.startswith("2 tables, 17.5")
     assert "of at most 2.5 GB" in command("cache", "--limit", "2.5 GB").out
-    assert command("cache", "--limit", "10 kB").out.startswith("1 tables, 8.2")
+    assert command("cache", "--limit", "10 kB").out.startswith("1 tables, 8.7")
     assert command("cache", "--clear").out.startswith("0 tables, 0 B of at most 10 kB")
     assert tables.entries() == []
 
@@ -299,3 +299,9 @@ def test_cache_that_is_turned_off_has_no_limit(command):
     outcome = command("cache", "--limit", "1 GB")
     assert outcome.code == 2
     assert "EIGENCONTACT_CACHE must name a folder" in outcome.err
+
+
+def test_tables_in_a_pipe_have_no_blanks_at_the_ends_of_lines(command, quick, tmp_path):
+    outcome = command("run", "hertz", "-o", tmp_path, *quick)
+    assert outcome.code == 0
+    assert [line for line in outcome.out.splitlines() if line != line.rstrip()] == []

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -96,22 +97,61 @@ def test_other_code_has_another_address(tmp_path):
 # --- damage and disks -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "text"])
-def test_a_damaged_table_is_absent_and_can_be_kept_again(tables, damage):
-    kept(tables, "a")
-    path = tables.folder / "a.npz"
+def damaged(path, damage):
+    """Damage the bytes of a file, or replace it by a valid file with other arrays."""
     whole = path.read_bytes()
     middle = len(whole) // 2
     flipped = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]
-    path.write_bytes({"cut": whole[:middle], "flipped": flipped, "empty": b"", "text": b"no table"}[damage])
-    assert tables.find("a") is None
+    bytes_of = {"cut": whole[:middle], "flipped": flipped, "empty": b"", "text": b"no table"}
+    if damage in bytes_of:
+        path.write_bytes(bytes_of[damage])
+        return
+    with np.load(path) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    values = arrays["values"]
+    arrays |= {
+        "altered": {"values": values * 1.01},
+        "shape": {"values": values.T},
+        "type": {"values": values.astype(np.float32)},
+        "nan": {"values": np.full_like(values, np.nan)},
+        "words": {"values": np.full(values.shape, "1.0")},
+        "objects": {"values": np.array([object()])},
+        "more": {"others": values},
+        "checksum": {"sha256": np.array([1.0, 2.0])},
+    }.get(damage, {})
+    if damage == "no checksum":
+        del arrays["sha256"]
+    if damage == "other table":
+        arrays = TABLE
+    np.savez(path, **arrays)
+
+
+DAMAGES = (
+    "cut", "flipped", "empty", "text", "altered", "shape", "type", "nan", "words", "objects", "more", "checksum",
+    "no checksum", "other table",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_table_is_absent_with_one_line_and_can_be_kept_again(tables, damage):
+    kept(tables, "a")
+    path = tables.folder / "a.npz"
+    damaged(path, damage)
+    with pytest.warns(UserWarning, match=r"must be as the program stored it \(got .+\); the program computes") as lines:
+        assert tables.find("a") is None
+    (line,) = lines
+    assert str(path) in str(line.message)
+    assert len(warnings.formatwarning(line.message, line.category, line.filename, line.lineno).splitlines()) == 1
     kept(tables, "a")
     np.testing.assert_array_equal(tables.find("a")["values"], TABLE["values"])
 
 
-def test_objects_in_a_table_are_not_loaded(tables):
-    tables.keep("a", {"values": np.array([object()])})
-    assert tables.find("a") is None
+def test_a_table_under_the_name_of_another_is_absent(tables):
+    kept(tables, "a")
+    kept(tables, "b")
+    (tables.folder / "a.npz").replace(tables.folder / "b.npz")
+    with pytest.warns(UserWarning, match="do not match the checksum"):
+        assert tables.find("b") is None
 
 
 def test_a_folder_that_cannot_be_made_keeps_nothing(tmp_path):

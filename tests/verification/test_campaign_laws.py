@@ -8,10 +8,11 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.execution.interiors.cells import Cells
+from eigencontact_verification.campaign.case import own_error
 from eigencontact_verification.campaign.judge import judge
 from eigencontact_verification.campaign.laws import LawOfPlugin, law_cases
 from eigencontact_verification.campaign.run import Solved, tasks_of
-from eigencontact_verification.campaign.worker import perform
+from eigencontact_verification.campaign.worker import Outcome, perform
 from eigencontact_verification.fem.yielding_law import YieldingLaw, linear
 
 STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
@@ -74,6 +75,46 @@ def test_a_law_of_damage_is_put_into_metal_plasticity(my_damage):
     assert loaded.problem.pressure == close(1.7 * 3e9 / 0.62, rel=2e-3)
     law = loaded.law_of(loaded.parameters["law"], 210e9, 0.3)
     assert law.law.damage.key == "my-damage"
+
+
+def test_a_refined_law_has_finer_meshes_and_cells(my_damage):
+    case = law_cases("my-damage")[0]
+    finer = case.refined(1.5)
+    assert finer.parameters["divisions"] == [6, 12, 24]
+    assert (finer.cells, finer.coarser) == (24, (9, 12))
+    assert {**finer.parameters, "divisions": None} == {**case.parameters, "divisions": None}
+    assert case.refined(1.0).parameters == case.parameters
+
+
+def test_an_inconclusive_law_names_the_largest_part_and_the_refinement(my_damage):
+    """Cells that differ much are no reason to refine the elements alone, and the outer faces none at all."""
+    case = law_cases("my-damage")[0]
+    case = replace(case, profiles=tuple(profile for profile in case.profiles if profile.quantity == "strain"))
+    points = case.profiles[0].points
+    exact = np.exp(-points[:, 2:])
+    outcomes = []
+    for task in tasks_of(case):
+        fields = {profile.name: exact for profile in case.profiles}
+        if task.level is None:
+            fields |= {own_error(profile.name): 0.05 + 0 * exact for profile in case.profiles}
+        outcomes.append((task, Outcome(status="done", fields=fields)))
+    row = judge(Solved(case=case, outcomes=tuple(outcomes))).rows[0]
+    assert row.word == "inconclusive"
+    assert "exceeds the limit of 2 %; its largest part is the cells of the semi-analytical model (" in row.reason
+    assert row.reason.endswith("; repeat with --refine 2.5")
+    assert case.remedy("truncation", 2.0) == ""
+
+
+def test_the_error_of_cells_has_the_order_of_what_the_law_remembers(my_damage, monkeypatch):
+    """Plastic strain has the order that it has in the cases of plasticity, damage a lower one."""
+    case = law_cases("my-damage")[0]
+    values = {16: 1.0, 8: 1.3, 6: 1.3}
+    names = [profile.name for profile in case.profiles]
+    made = {cells: {name: np.full((3, 1), value) for name in names} for cells, value in values.items()}
+    monkeypatch.setattr(type(case), "by_cells", lambda _self, cells: made[cells])
+    fields = case.judged()
+    for name, order in (("axis-equivalent_plastic_strain", 2.0), ("axis-damage", 1.5), ("axis-stress", 1.5)):
+        assert fields[own_error(name)].max() == close(0.3 / (2.0**order - 1.0), rel=1e-12)
 
 
 def test_what_the_law_remembers_is_compared(my_damage):

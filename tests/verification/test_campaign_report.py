@@ -187,7 +187,7 @@ def test_the_sentence_before_the_table(written):
     assert "peak memory of the largest" in text
     assert ("More than 15 %" in text) == (part > 15)
     plain = dataclasses.replace(report, cases=report.cases[:1], quick=False, seconds=4000.0)
-    assert totals(plain).startswith("1 case (full), 5 verdicts: 0 disagrees, 5 agrees; 0.0 % inconclusive; 1 h 6 min.")
+    assert totals(plain).startswith("1 case (full), 5 verdicts: 0 disagrees, 5 agrees; 0.0 % inconclusive; 67 min.")
     assert "More than" not in totals(plain)
     blunt = dataclasses.replace(report, cases=report.cases[1:2])
     assert "More than 15 % is inconclusive" in totals(blunt)

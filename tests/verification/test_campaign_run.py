@@ -39,7 +39,8 @@ def test_a_campaign_in_processes_and_its_resumption(tmp_path):
     assert [solved.case.name for solved in first] == ["plain", "sharp"]
     for solved in first:
         assert [task.label for task, _ in solved.outcomes] == [
-            "semi-analytical", "level 0 fixed", "level 1 fixed", "level 2 fixed", "level 1 free",
+            "semi-analytical", *(f"elements, {mesh} mesh, fixed outer faces" for mesh in ("coarse", "medium", "fine")),
+            "elements, medium mesh, free outer faces",
         ]  # fmt: skip
         for task, outcome in solved.outcomes:
             assert outcome.status == "done"
@@ -73,7 +74,9 @@ def test_an_interrupted_campaign_goes_on_where_it_was(tmp_path):
         run_campaign([case], store, executor=interrupted)
     counter = Counter()
     run_campaign([case], store, executor=here, progress=counter)
-    assert sorted(task.label for task in counter.planned) == ["level 0 fixed", "level 1 free", "semi-analytical"]
+    assert sorted(task.label for task in counter.planned) == [
+        "elements, coarse mesh, fixed outer faces", "elements, medium mesh, free outer faces", "semi-analytical"
+    ]  # fmt: skip
 
 
 FAILURES = [

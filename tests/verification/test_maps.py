@@ -1,5 +1,6 @@
 """Campaigns over parameters: files, verdicts, claims, maps, resuming, a fault in the model that is found."""
 
+import csv
 import importlib
 import json
 import signal
@@ -44,7 +45,7 @@ fine = 8
 
 [vary]
 softer = { values = [0.0, 0.2], label = "taken off E" }
-load = [0.4, 0.6]
+load = { values = [0.4, 0.6], label = "P_n / N" }
 
 [coarse]
 vary = { load = [0.4] }
@@ -134,6 +135,11 @@ def test_what_is_stored_is_read_again(toy, done, tmp_path):
     lost.with_name("variant.json").unlink()
     again = perform(read_campaign(toy), tmp_path / "out", told=lambda *words: told.append(words))
     assert [words[1:] for words in told] == [(n + 1, 16) for n in range(16)]
+    runs_of_a_point = {"model", *(f"reference, refinement {k} of 3" for k in (1, 2, 3))}
+    names = {words[0] for words in told}
+    assert {name for name in names if name.startswith("softer 0.2, P 0.4: ")} == {
+        f"softer 0.2, P 0.4: {run}" for run in runs_of_a_point
+    }
     assert [path for path, stamp in stamps.items() if path.stat().st_mtime_ns != stamp] == [lost]
     assert [one.findings for one in again.found] == [one.findings for one in done[1].found]
 
@@ -152,6 +158,32 @@ def test_files_are_written_and_tell_the_same(found, tmp_path):
     assert files["map"].stat().st_size > 5000
     assert "| (✗ 16 % ±" in as_section(found)
     assert "largest error" in as_section(found, trade=True)
+
+
+def test_the_table_has_every_number_in_csv_and_latex(found, tmp_path):
+    files = write_map(found, tmp_path)
+    with files["csv"].open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert files["csv"].name == "table.csv"
+    findings = [(point, finding) for point in found.found for finding in point.findings]
+    assert len(rows) == len(findings)
+    for row, (point, finding) in zip(rows, findings, strict=True):
+        assert (row["quantity"], row["verdict"]) == (finding.quantity, finding.word)
+        assert (float(row["softer"]), float(row["load"])) == (point.point.values["softer"], point.point.values["load"])
+        assert float(row["error"]) == finding.error  # all digits
+        assert float(row["model_seconds"]) > 0.0
+    latex = files["latex"].read_text(encoding="utf-8")
+    assert r"\begin{tabular}{rrll}" in latex
+    assert r"taken off E & $P_{n}$ / N & approach & pressure \\" in latex
+    assert latex.count(r" \%") == 2 * len(findings)
+    assert "*" not in latex.split("\n", 1)[1]
+    assert latex.count(r"$^\ast$") == sum(finding.word == "disagrees" for _, finding in findings)
+
+
+def test_symbols_with_an_index_are_formulas_on_the_axes(found):
+    (axes, *_) = draw_map(found.campaign, found.found).axes
+    assert axes.get_ylabel() == "$P_{n}$ / N"
+    assert axes.get_xlabel() == "taken off E"
 
 
 def test_a_map_has_a_cell_for_each_point_and_a_curve_where_one_parameter_varies(found):
@@ -227,7 +259,7 @@ def test_different_numbers_of_values_are_told(toy, done):
 
 
 def test_a_variant_that_fails_is_told_and_stops_nothing(toy, tmp_path):
-    toy.write_text(TOY.replace("load = [0.4, 0.6]", "load = [0.4, 400.0]", 1), encoding="utf-8")
+    toy.write_text(TOY.replace("[0.4, 0.6]", "[0.4, 400.0]", 1), encoding="utf-8")
     toy.write_text(toy.read_text(encoding="utf-8").replace("[0.0, 0.2]", "[0.0]", 1), encoding="utf-8")
     report = perform(read_campaign(toy), tmp_path / "out")
     assert [one.word for one in report.found] == ["agrees", "failed"]

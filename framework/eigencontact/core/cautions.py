@@ -9,7 +9,7 @@ __all__ = ["Caution"]
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """Something that makes numbers worth less than they look.
+    """A warning about limited accuracy.
 
     Attributes
     ----------

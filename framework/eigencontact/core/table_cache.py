@@ -2,8 +2,9 @@
 
 A table is a few arrays in one ``.npz`` file, named by a hash of all that determines them: numbers, names, and the code
 that computed them (`address`). The folder is bounded; tables used longest ago go first. Files are written under another
-name and renamed, so that processes may share the folder; a file that is damaged counts as absent. Nothing depends on
-the folder: where it cannot be read or written, tables are computed.
+name and renamed, so that processes may share the folder. Each file holds a checksum of its arrays: a file that is
+damaged or altered counts as absent, with a warning. Nothing depends on the folder: where it cannot be read or written,
+tables are computed.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import struct
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Mapping
 from functools import cache
 from hashlib import sha256
@@ -43,6 +45,8 @@ _KEPT = 0.8
 #: Unfinished files older than this are left over from processes that were killed [s].
 _ABANDONED = 3600.0
 _TABLE, _UNFINISHED, _LIMIT = ".npz", ".unfinished", "limit"
+#: Name of the checksum among the arrays of a file.
+_CHECKSUM = "sha256"
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -68,16 +72,33 @@ class TableCache:
         self._size: int | None = None
 
     def find(self, key: str, *names: str) -> dict[str, FloatArray] | None:
-        """Arrays kept under a key, these names among them; None where there are none, or where they are damaged."""
+        """Arrays kept under a key, these names among them; None where the file is absent, damaged or altered.
+
+        Warns
+        -----
+        UserWarning
+            The file is not a table, or its arrays do not match its checksum.
+        """
         path = self._path(key)
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-                found = {name: stored[name] for name in stored.files}
-        except Exception:  # noqa: BLE001 - there is none, or a damaged one, which raises what it likes
+                arrays = {name: stored[name] for name in stored.files}
+            checksum = arrays.pop(_CHECKSUM, None)
+            if checksum is None or checksum.shape or checksum.item() != _checksum(key, arrays):
+                raise ValueError("arrays that do not match the checksum")  # noqa: TRY301 - like any other damage
+        except OSError:  # no file, or one that another user may read
+            return None
+        except Exception as damage:  # noqa: BLE001 - a damaged file raises errors of any type
+            # The place of a warning is a source line, which says nothing here: a name without source keeps one line.
+            warnings.warn_explicit(
+                f"cache table {path} must be as the program stored it (got {' '.join(str(damage).split())}); "
+                "the program computes it anew",
+                UserWarning, filename="eigencontact", lineno=1,
+            )  # fmt: skip
             return None
         with contextlib.suppress(OSError):  # the folder may be there to read only
             os.utime(path)
-        return found if found.keys() >= set(names) else None
+        return arrays if arrays.keys() >= set(names) else None
 
     def keep(self, key: str, arrays: Mapping[str, FloatArray]) -> None:
         """Keep arrays under a key; where the disk refuses, they are not kept."""
@@ -87,7 +108,7 @@ class TableCache:
             handle, name = tempfile.mkstemp(suffix=_UNFINISHED, dir=self.folder)
             try:
                 with os.fdopen(handle, "wb") as file:
-                    np.savez(file, **arrays)  # type: ignore[arg-type]
+                    np.savez(file, **arrays, **{_CHECKSUM: np.array(_checksum(key, arrays))})  # type: ignore[arg-type]
                 Path(name).replace(path)
             finally:
                 Path(name).unlink(missing_ok=True)
@@ -206,6 +227,11 @@ def address(*parts: Any, code: tuple[object, ...] = ()) -> str | None:
     except TypeError:
         return None
     return sha256(told).hexdigest()
+
+
+def _checksum(key: str, arrays: Mapping[str, FloatArray]) -> str:
+    """Hash of the key and the arrays of a table: names, types, shapes and values."""
+    return sha256(_told([key, *((name, arrays[name]) for name in sorted(arrays))])).hexdigest()
 
 
 def _told(part: Any) -> bytes:

@@ -9,7 +9,9 @@ from typing import Any
 
 from eigencontact.errors import nearest
 
-__all__ = ["LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "quantity_text", "readable"]
+__all__ = [
+    "LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "quantity_text", "readable", "time_in_words",
+]  # fmt: skip
 
 #: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
 SMALLEST, LARGEST = 1e-30, 1e30
@@ -193,3 +195,19 @@ def readable(value: float, unit: str) -> str:
         if abs(scaled) >= 1.0 and not (unit.startswith("m") and exponent > 3):
             return f"{scaled:.5g} {prefix}{unit}"
     return f"{value:.4g} {unit}"
+
+
+def time_in_words(seconds: float) -> str:
+    """Return a duration with two digits or in whole seconds and minutes, never with an exponent.
+
+    Examples
+    --------
+    >>> [time_in_words(seconds) for seconds in (0.2071, 45.3, 99.7, 200.0, 3600.0, 7500.0)]
+    ['0.21 s', '45 s', '100 s', '3 min 20 s', '60 min', '2 h 5 min']
+    """
+    if seconds < 100.0:
+        return f"{float(f'{seconds:.2g}'):g} s"
+    minutes = round(seconds / 60)
+    if minutes < 10:
+        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

@@ -14,7 +14,7 @@ from eigencontact.errors import PluginError, SceneError
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.installed import installed_influence
 from eigencontact.model.kernels import Bodies, Solid
-from eigencontact.plugin import LayeredMedium, SurfaceInfluence
+from eigencontact.plugin import ConstitutiveLaw, LayeredMedium, SurfaceInfluence
 from eigencontact.scene.components import build_component
 
 if TYPE_CHECKING:
@@ -124,12 +124,12 @@ def kernel_key(influence: SurfaceInfluence, bodies: Sequence[Solid | None]) -> s
     return " + ".join([influence.key, *media]) if homogeneous or not media else " + ".join(media)
 
 
-def body_in_words(body: Solid | None) -> str:
-    """What a body is made of, in one line."""
+def body_in_words(body: Solid | None, law: ConstitutiveLaw | None = None) -> str:
+    """What a body is made of, in one line; of its law, if it has one, the key."""
     if body is None:
         return "rigid"
     if isinstance(body, Material):
-        return f"elastic, {_constants(body)}"
+        return f"{'elastic' if law is None else f'of law {law.key!r}'}, {_constants(body)}"
     tops = (0.0, *body.interfaces)
     parts = [
         f"{readable(bottom - top, 'm')} of {called}{_constants(body.material_at(top))}"

@@ -7,13 +7,21 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from eigencontact.core.memory import resident_bytes
-from eigencontact.core.units import readable
+from eigencontact.core.units import readable, time_in_words
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
 from eigencontact.scene.steps import segments_of, solved_cycles, spaced_by_radius
 from eigencontact.worth.foreseen import worst_above
-from eigencontact.worth.understood import contact_as_data, expected_lines, geometry_lines, largest_loads, wear_lines
+from eigencontact.worth.understood import (
+    body_laws,
+    contact_as_data,
+    expected_lines,
+    geometry_lines,
+    largest_loads,
+    law_lines,
+    wear_lines,
+)
 
 if TYPE_CHECKING:
     from eigencontact.execution.block import Block
@@ -39,7 +47,7 @@ class Told:
         Bodies, geometry, grid ...: a name of `NAMES` characters, empty where a line continues the one before it, then
         what is said.
     cautions : list of str
-        What makes its numbers worth less than they look.
+        Warnings about limited accuracy.
     inclusions, blocks, kernels, predicted : list of str
         Lines of their paragraphs; those of `predicted` as in `facts`.
     left_out : list of (str, str)
@@ -65,6 +73,7 @@ def told(plan: Plan) -> Told:
     facts = [
         f"bodies      {_body(plan, 0)}; {_body(plan, 1)}",
         *([f"layers      {layers}"] if layers else []),
+        *law_lines(plan),
         *geometry_lines(plan),
         f"grid        {grid.nx} x {grid.ny} cells of {pitch}; {plan.grid_reason}",
         f"window      {readable(width, 'm')} x {readable(height, 'm')}",
@@ -270,7 +279,7 @@ def _alike(sources: Sequence[Source]) -> list[str]:
 
 
 def _body(plan: Plan, index: int) -> str:
-    return f"body {index + 1} {body_in_words(plan.bodies[index])}"
+    return f"body {index + 1} {body_in_words(plan.bodies[index], body_laws(plan).get(index + 1))}"
 
 
 def _bytes(value: float) -> str:
@@ -278,4 +287,4 @@ def _bytes(value: float) -> str:
 
 
 def _time(seconds: float) -> str:
-    return f"{seconds:.2g} s" if seconds >= 1 else f"{float(f'{1e3 * seconds:.2g}'):g} ms"
+    return time_in_words(seconds) if seconds >= 1 else f"{float(f'{1e3 * seconds:.2g}'):g} ms"

@@ -35,7 +35,7 @@ class Plan(Model):
     left_out : sequence of LeftOut
         What is not modelled, and why.
     cautions : sequence of Caution
-        What makes its numbers worth less than they look, as far as it is known before they are computed.
+        Warnings about limited accuracy that are known before the numbers are computed.
     seconds_planned : float
         Wall time that the decisions took [s].
     """
@@ -83,7 +83,7 @@ class Plan(Model):
 
     def _repr_html_(self) -> str:
         from eigencontact.core.html_table import html_table
-        from eigencontact.core.units import readable
+        from eigencontact.core.units import readable, time_in_words
 
         grid = self.grid
         rows = [
@@ -92,7 +92,7 @@ class Plan(Model):
             ("blocks", ", ".join(block.name for block in self.blocks)),
             ("kernels", str(sum(kernel.count for kernel in self.kernels))),
             ("memory, predicted", readable(float(self.cost.peak), "B")),
-            ("time, predicted", readable(self.seconds, "s")),
+            ("time, predicted", time_in_words(self.seconds)),
             *(("left out", f"{one.what}: {one.why}") for one in self.left_out),
         ]
         return html_table(self.scene.title or self.name, rows)

@@ -125,6 +125,7 @@ def _progress(*, enabled: bool) -> Any:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+        from eigencontact.core.units import time_in_words
         from eigencontact.progress import draws_in_place
 
         console = Console(stderr=True)
@@ -133,7 +134,7 @@ def _progress(*, enabled: bool) -> Any:
             return
         if not draws_in_place(sys.stderr):
             yield lambda outcome, done, total: typer.echo(
-                f"variant {done} of {total}: {outcome.failed or f'{outcome.seconds:.2g} s'}", err=True
+                f"variant {done} of {total}: {outcome.failed or time_in_words(outcome.seconds)}", err=True
             )
             return
         columns = (TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -148,6 +149,7 @@ def _report(found: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact.sweeps.warned import warnings_in_words
 
     console = Console(highlight=False)
@@ -155,7 +157,7 @@ def _report(found: Any) -> None:
     for name, text in found.files.items():
         files.add_row(f"  {name}", text)
     console.print(f"in {found.folder.resolve()}:", soft_wrap=True)
-    console.print(files)
+    print_table(files, console)
     for line in warnings_in_words(found.warnings, found.dataset["failed"].size):
         typer.echo(line)
     for label, problem in found.problems.items():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Iterator
+from dataclasses import Field, fields, is_dataclass
 from typing import Any, get_args, get_type_hints
 
 from eigencontact.core.grid import Grid
@@ -11,14 +12,26 @@ from eigencontact.core.units import readable
 from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.model import Model
 from eigencontact.model.resolution import cells_per_radius, percent
+from eigencontact.plugin import Component, ConstitutiveLaw
 from eigencontact.scene.schema import Scene, Step
 from eigencontact.scene.steps import solved_cycles
 from eigencontact.scene.wear import Wear
 
-__all__ = ["contact_as_data", "expected_lines", "geometry_lines", "largest_loads", "sizes", "wear_lines"]
+__all__ = [
+    "body_laws",
+    "contact_as_data",
+    "expected_lines",
+    "geometry_lines",
+    "largest_loads",
+    "law_lines",
+    "sizes",
+    "wear_lines",
+]
 
 #: Sides of a contact that differ by less are those of a circle.
 _ROUND = 0.1
+#: A field with more numbers than a vector has, such as a tabulated curve, is given by its count.
+_LISTED = 6
 
 
 def geometry_lines(model: Model) -> list[str]:
@@ -38,13 +51,61 @@ def sizes(component: Any) -> str:
     """
     hints = get_type_hints(type(component), include_extras=True)
     said = []
-    for item in fields(component):
+    for item in _fields(component):
         unit, value = _unit(hints[item.name]), getattr(component, item.name)
         numbers = value if isinstance(value, tuple) else (value,)
         if all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers) and any(numbers):
             text = ", ".join(readable(number, unit) if unit else f"{number:.4g}" for number in numbers)
-            said.append(f"{item.name.replace('_', '-')} {text if len(numbers) == 1 else f'({text})'}")
+            if len(numbers) > 1:
+                text = f"({text})" if len(numbers) <= _LISTED else f"({len(numbers)} values)"
+            said.append(f"{item.name.replace('_', '-')} {text}")
     return ", ".join(said)
+
+
+def _fields(component: Any) -> tuple[Field[Any], ...]:
+    """Fields of a component; a plugin class without parameters need not be a dataclass."""
+    return fields(component) if is_dataclass(component) else ()
+
+
+def body_laws(model: Model) -> dict[int, ConstitutiveLaw]:
+    """Law of each body that has one, also where the body stays elastic."""
+    numbers = [number for number, body in enumerate((model.scene.body1, model.scene.body2), 1) if body.law is not None]
+    return dict(zip(numbers, model.laws, strict=False))
+
+
+def law_lines(model: Model) -> list[str]:
+    """Constitutive laws with memory, of bodies and of regions, with hardening, damage and all parameters."""
+    owners: dict[int, tuple[ConstitutiveLaw, list[str]]] = {
+        id(law): (law, [f"body {number}"]) for number, law in body_laws(model).items()
+    }
+    for region in model.inhomogeneities:
+        if region.law.variables and not region.guessed:
+            owners.setdefault(id(region.law), (region.law, []))[1].append(region.name)
+    lines = []
+    for law, names in owners.values():
+        owner = names[0] if len(names) == 1 else f"{names[0]} ... {names[-1]}, {len(names)} regions"
+        lines += [f"{owner}: {_parameters(law)}", *(f"  {line}" for line in _nested(law))]
+    return [f"{'' if number else 'law':<12}{text}" for number, text in enumerate(lines)]
+
+
+def _parameters(component: Component) -> str:
+    """Key of a component, its numbers, and its choices: text and switches that are on."""
+    choices = []
+    for item in _fields(component):
+        value, name = getattr(component, item.name), item.name.replace("_", "-")
+        if value is True or isinstance(value, str):
+            choices.append(name if value is True else f"{name} {value}")
+    return ", ".join(text for text in (component.key, sizes(component), *choices) if text)
+
+
+def _nested(component: Component) -> Iterator[str]:
+    """Lines of the components that the fields of a component hold, each by the name of its field."""
+    for item in _fields(component):
+        value = getattr(component, item.name)
+        for member in value if isinstance(value, tuple) else (value,):
+            if isinstance(member, Component):
+                yield f"{item.name.replace('_', '-')}: {_parameters(member)}"
+                yield from (f"  {line}" for line in _nested(member))
 
 
 def wear_lines(model: Model) -> list[str]:

@@ -142,7 +142,8 @@ class J2(ConstitutiveLaw):
     @property
     def words(self) -> str:
         """See `ConstitutiveLaw.words`."""
-        return f"material that yields ({', '.join(law.key for law in self.hardening)})"
+        damage = "" if self.damage is None else f" and is damaged ({self.damage.key})"
+        return f"material that yields ({', '.join(law.key for law in self.hardening)}){damage}"
 
     @cached_property
     def _kinematic(self) -> list[KinematicHardening]:

@@ -118,6 +118,12 @@ class AuditCase(Case):
                 fields[own_error(name)] = own
         return fields
 
+    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
+        """The finer meshes of a full audit; see `Case.remedy`."""
+        if part == "judged":
+            return "run the scene with finer cells"
+        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
+
     @property
     def words(self) -> str:
         """What is compared, for the figures."""

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
+from eigencontact.core.units import time_in_words
 from eigencontact_verification.campaign.judge import Coverage, coverage
 
 if TYPE_CHECKING:
@@ -35,11 +36,11 @@ def totals(report: Report) -> str:
     kind = "quick" if report.quick else "full"
     cases = "1 case" if len(report.cases) == 1 else f"{len(report.cases)} cases"
     said = f"{cases} ({kind}), {total} verdicts: {words}; {100 * part:.1f} % inconclusive"
-    said += f"; {_duration(report.seconds)}."
+    said += f"; {time_in_words(report.seconds)}."
     solves = report.solves
     if solves:
         computed = "" if report.computed else " (all from the store)"
-        whole, longest = (_duration(of(seconds for seconds, _ in solves)) for of in (sum, max))
+        whole, longest = (time_in_words(of(seconds for seconds, _ in solves)) for of in (sum, max))
         said += f" {len(solves)} finite-element solves, together {whole}, the longest {longest}"
         if any(memory for _, memory in solves):
             said += f", peak memory of the largest {max(memory or 0 for _, memory in solves) / 1e9:.2f} GB"
@@ -98,14 +99,3 @@ def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     lines = [head, tuple("-" * width for width in widths), *rows]
     padded = (" | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines)
     return "\n".join(f"| {line} |" for line in padded)
-
-
-def _duration(seconds: float) -> str:
-    """``"42 s"``, ``"3 min 20 s"``, ``"1 h 12 min"``."""
-    if seconds < 10:
-        return f"{seconds:.1f} s"
-    whole = round(seconds)
-    hours, minutes = divmod(whole // 60, 60)
-    if hours:
-        return f"{hours} h {minutes} min"
-    return f"{minutes} min {whole % 60} s" if minutes else f"{whole} s"

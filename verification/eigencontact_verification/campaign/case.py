@@ -11,8 +11,9 @@ The list of cases is the module `eigencontact_verification.campaign.cases`, whic
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from dataclasses import dataclass, replace
+from math import ceil, gcd
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,32 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["UNKNOWNS", "Case", "Curve", "Fields", "Gap", "Level", "Outer", "Profile", "Quantity", "own_error"]
+__all__ = [
+    "UNKNOWNS",
+    "Case",
+    "Curve",
+    "Fields",
+    "Gap",
+    "Level",
+    "Outer",
+    "Profile",
+    "Quantity",
+    "own_error",
+    "refine_option",
+]
 
 Quantity = Literal["displacement", "stress", "strain"]
 #: Mesh of a case: 0 coarse, 1 medium, 2 fine.
 Level = Literal[0, 1, 2]
 #: Boundary condition on the outer faces of the finite-element model.
 Outer = Literal["fixed", "free"]
+#: Parameter with the divisions of the undivided mesh, coarse to fine. Meshes of three dimensions have none: twice as
+#: many elements along each edge would take eight times the memory.
+_MESHES = "divisions"
+#: Order of convergence at which a suggested refinement is enough: most fields have 1.5 to 2.
+_LIKELY_ORDER = 1.5
+#: A product of whole numbers and a factor is taken for the whole number next to it [-].
+_ROUNDING = 1e-9
 #: Name under which `Case.reference` may tell how many unknowns it solved for, as one number.
 UNKNOWNS = "number of unknowns"
 #: Values by name of profile, each (n, components).
@@ -89,6 +109,17 @@ class Profile:
             raise ValueError(f"{where} components must be different names (got {self.components}); name each column")
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "along", along)
+
+
+def refine_option(excess: float) -> str:
+    """Option of `eigencontact verify` with the factor that an uncertainty so many times its limit needs.
+
+    Examples
+    --------
+    >>> refine_option(1.2), refine_option(3.0)
+    ('repeat with --refine 1.5', 'repeat with --refine 2.5')
+    """
+    return f"repeat with --refine {max(1.5, ceil(2 * excess ** (1 / _LIKELY_ORDER)) / 2):g}"
 
 
 def own_error(profile: str) -> str:
@@ -160,6 +191,35 @@ class Case(ABC):
         Where the method itself discretises (a shape cut into cells), a second entry named `own_error` of the profile
         gives the error of the values, of the same shape; it is added to the reference's uncertainty.
         """
+
+    def refined(self, factor: float) -> Self:
+        """The same case on meshes finer by a factor, or a little more: whole numbers of elements keep their ratio.
+
+        Raises
+        ------
+        ValueError
+            A case whose meshes are not divided.
+        """
+        if _MESHES not in self.parameters:
+            raise ValueError(
+                f"--refine must be of laws, plasticity, layers or inhomogeneities (got {self.key}); leave it out"
+            )
+        meshes = [int(number) for number in self.parameters[_MESHES]]
+        shared = gcd(*meshes)
+        times = ceil(shared * factor - _ROUNDING)
+        return replace(self, parameters={**self.parameters, _MESHES: [number // shared * times for number in meshes]})
+
+    def remedy(self, part: str, excess: float) -> str:
+        """What a user can do about an uncertainty above its limit; empty where there is nothing.
+
+        Parameters
+        ----------
+        part : str
+            Largest part of the uncertainty: ``"discretisation"``, ``"truncation"``, ``"iteration"``, ``"judged"``.
+        excess : float
+            Uncertainty over its limit.
+        """
+        return refine_option(excess) if part == "discretisation" and _MESHES in self.parameters else ""
 
     @property
     def words(self) -> str:

@@ -81,6 +81,15 @@ def verify(
     limit: Annotated[
         float, typer.Option("--limit", metavar="PART", help="Largest u_FE for agreement, as a part of the field.")
     ] = 0.02,
+    refine: Annotated[
+        float,
+        typer.Option(
+            "--refine",
+            metavar="FACTOR",
+            min=1.0,
+            help="Finer meshes and cells by this factor, where a verdict is inconclusive: laws, plasticity, layers.",
+        ),
+    ] = 1.0,
     memory: Annotated[
         float | None,
         typer.Option(
@@ -117,7 +126,7 @@ def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Compare every kernel, or a stored run, with finite elements whose own error is known; write a report.
+    """Cross-check kernels, laws, or one stored run against finite elements with an error estimate.
 
     Of a run the stored tractions of a step load the elements, which have its layers, inclusions, and what its bodies
     remember as their own; compared are displacement of the surface and stored stress.
@@ -156,12 +165,13 @@ def verify(
         options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
         options["show"] = not (quiet or as_json)
         chosen: tuple[Case, ...] = ()
-        _refuse_together(runs, names, laws, figure, step, contact=contact)
+        _refuse_together(runs, names, laws, figure, step, contact=contact, refine=refine)
         if runs:
             solve = partial(audit_results, runs, output, step=step, contact=contact, **options)
         else:
             chosen = _chosen(cases, names, quick=quick) if names or not laws else ()
             chosen += _of_laws(laws, quick=quick)
+            chosen = chosen if refine == 1.0 else tuple(case.refined(refine) for case in chosen)
             solve = partial(campaign, chosen, _gaps(cases, names, laws), output, **options)
         copies = _copies(chosen, figure or [])
         if markdown is not None:
@@ -200,7 +210,7 @@ def _refuse(problem: str) -> NoReturn:
 
 def _refuse_together(
     runs: Sequence[str], names: Sequence[str], laws: Sequence[str], figures: Sequence[str] | None, step: int | None, *,
-    contact: bool,
+    contact: bool, refine: float,
 ) -> None:  # fmt: skip
     """Refuse runs together with kernels and laws, and what only the one or the other has."""
     if not runs:
@@ -212,6 +222,8 @@ def _refuse_together(
     others = [*(name for name in names if name not in runs), *laws]
     if others:
         raise ValueError(f"runs must be audited by themselves (got {runs[0]} and {others[0]}); leave one of them out")
+    if refine != 1.0:
+        raise ValueError(f"--refine must be of kernels or laws (got {refine:g} with a run); refine the scene itself")
     if figures:
         raise ValueError(f"--figure must be of kernels (got {figures[0]}); the report of an audit has its figures")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +12,15 @@ from eigencontact_verification.campaign.run import Solved
 from eigencontact_verification.campaign.worker import Outcome, Task
 from eigencontact_verification.fem.uncertainty import Estimate, Verdict, estimate, verdicts
 
-__all__ = ["WORDS", "Coverage", "JudgedCase", "Row", "coverage", "judge"]
+__all__ = ["SOURCES", "WORDS", "Coverage", "JudgedCase", "Row", "coverage", "judge"]
 
+#: Origin of each part of an uncertainty, in words.
+SOURCES = {
+    "discretisation": "the mesh of the finite elements",
+    "truncation": "the outer faces of the finite elements",
+    "iteration": "the solver of the finite elements",
+    "judged": "the cells of the semi-analytical model",
+}
 #: Verdicts from worst to best; only the last is agreement. "failed": a solution is missing.
 WORDS = ("disagrees", "failed", "inconclusive", "agrees")
 
@@ -121,7 +128,7 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
             scale=_size_of_field(found[2, "fixed"], case, profile),
         )  # fmt: skip
         for k, (component, one) in enumerate(zip(profile.components, given, strict=True)):
-            rows.append(_judged_row(case, profile, component, one, reference, k))
+            rows.append(_judged_row(case, profile, component, one, reference, k, limit))
     return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates=estimates)
 
 
@@ -142,15 +149,29 @@ def _row(case: Case, profile: Profile, component: str, word: str, reason: str) -
     )  # fmt: skip
 
 
-def _judged_row(case: Case, profile: Profile, component: str, one: Verdict, reference: Estimate, k: int) -> Row:
+def _judged_row(
+    case: Case, profile: Profile, component: str, one: Verdict, reference: Estimate, k: int, limit: float
+) -> Row:
     parts = {name: float(np.max(values[:, k])) for name, values in reference.parts.items()}
+    reason = one.reason
+    if one.word == "inconclusive" and _finite(one.uncertainty):
+        reason += _cause(case, max(parts, key=lambda name: parts[name]), parts, one, limit)
     return Row(
         kernel=case.kernel, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
-        word=one.word, reason=one.reason, difference=_part(one.difference, one.scale),
+        word=one.word, reason=reason, difference=_part(one.difference, one.scale),
         uncertainty=_part(one.uncertainty, one.scale), discretisation=_part(parts["discretisation"], one.scale),
         truncation=_part(parts["truncation"], one.scale), ratio=_finite(one.ratio), scale=_finite(one.scale),
         order=_finite(float(reference.order[k])), credible=bool(reference.credible[k]),
     )  # fmt: skip
+
+
+def _cause(case: Case, part: str, parts: Mapping[str, float], one: Verdict, limit: float) -> str:
+    """Largest part of an uncertainty that allows no verdict, and what a user can do about it."""
+    share = _part(parts[part], one.scale)
+    said = f"; its largest part is {SOURCES[part]}" + ("" if share is None else f" ({100 * share:.2g} %)")
+    excess = one.uncertainty / (limit * one.scale) if one.scale > 0.0 else 1.0
+    remedy = case.remedy(part, excess)
+    return f"{said}; {remedy}" if remedy else said
 
 
 def _finite(value: float) -> float | None:

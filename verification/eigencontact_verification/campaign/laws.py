@@ -35,6 +35,11 @@ _YOUNG, _POISSON, _RADIUS, _PAST = 210e9, 0.3, 105e-6, 1.7
 _ACROSS, _DOWN = -0.182, -0.802
 #: Departure from elasticity that is seen, and the strains between which it is looked for.
 _SEEN, _LEAST, _MOST = 1e-6, 1e-7, 0.2
+#: Meshes and cells of these cases. With growth 2.5 and meshes of 3, 6, 12 the residual stress at the end of the plastic
+#: zone is uncertain by 2.5 % of the pressure, with these by 0.3 %, in the same time. By 12 cells to a radius plastic
+#: strain is uncertain by 1.6 % of its largest value, by 16 by 0.9 %.
+_GROWTH, _DIVISIONS = 4.0, (4, 8, 16)
+_CELLS, _COARSER = 16, (6, 8)
 _MANDEL = np.array([0, 1, 2, 4])
 _FIELDS = ("hardening-law", "damage-law")
 
@@ -86,6 +91,9 @@ class LawCase(PlasticCase):
     code: ClassVar[tuple[str, ...]] = (*PlasticCase.code, f"{__name__}:LawOfPlugin", f"{__name__}:LawCase.law_of")
 
     states: ClassVar[Mapping[str, str]] = VARIABLES
+    #: As in an audit, the field around the law is judged: the residual stress along z, 2 % of the largest pressure,
+    #: need not be known to a quarter of itself, but to a quarter of a twentieth of the field.
+    small: ClassVar[float] = 0.05
 
     def law_of(self, table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> PointLaw:
         """The plugin's law itself."""
@@ -123,7 +131,8 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
         case = plastic_case(
             name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded"
         )
-        given = {**case.parameters, "text": text_digest(component)}
+        meshes = {"growth": _GROWTH, "divisions": list(_DIVISIONS)}
+        given = {**case.parameters, **meshes, "text": text_digest(component)}
         profiles = _with_variables(case.profiles, numbers)
         cases.append(
             LawCase(
@@ -134,6 +143,8 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
                 quick=case.quick,
                 profiles=profiles,
                 ratio=case.ratio,
+                cells=_CELLS,
+                coarser=_COARSER,
             )
         )
     return tuple(cases)

@@ -73,7 +73,7 @@ class Bar:
 
     def _say(self, task: Task, outcome: Outcome) -> None:
         """A line for what failed, and for how far it is where the last one is some time ago."""
-        from eigencontact.progress import time_in_words
+        from eigencontact.core.units import time_in_words
 
         now = time.monotonic()
         if outcome.status != "done":
@@ -88,6 +88,7 @@ def print_report(report: Report, files: dict[str, Path]) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.campaign.brief import totals
     from eigencontact_verification.campaign.judge import coverage
 
@@ -97,7 +98,7 @@ def print_report(report: Report, files: dict[str, Path]) -> None:
         numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (one.uncertainty, one.difference))
         agreed = f"{one.counts['agrees']}/{sum(one.counts.values())}"
         table.add_row(one.kernel, one.quantity, one.component, one.word, agreed, *numbers)
-    console.print(table)
+    print_table(table, console)
     for row in report.rows:
         if row.word != "agrees":
             words = f"{row.word}: {row.kernel}/{row.case}, {row.profile}, {row.component}: {row.reason}"

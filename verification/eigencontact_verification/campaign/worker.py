@@ -41,7 +41,9 @@ class Task:
     @property
     def label(self) -> str:
         """Words for progress and report."""
-        return "semi-analytical" if self.level is None else f"level {self.level} {self.outer}"
+        if self.level is None:
+            return "semi-analytical"
+        return f"elements, {('coarse', 'medium', 'fine')[self.level]} mesh, {self.outer} outer faces"
 
     @property
     def weight(self) -> float:

@@ -30,7 +30,7 @@ def check(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
 ) -> None:
-    """Ask the conformance kit about plugins: what every one of its kind promises, one line a promise.
+    """Check plugins against the contract of their kind: interface, shapes, units, derivatives, symmetries.
 
     The parameters are those of the class attribute `example`, changed by `--with`; of a shape that has none, lengths
     are tried.

@@ -31,7 +31,7 @@ def extremes(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Test numerical stability at the corners of the parameter space: largest error, or where it refuses.
+    """Test numerical stability at built-in extreme inputs: the largest error, or where the program refuses.
 
     Poisson's ratio and stiffness at their ends, aspects and depths over six decades, loads from first touch to a full
     window, friction from 1e-6 to 10, scales from nm to km, odd grids, single precision, thin stiff layers, softening
@@ -98,8 +98,7 @@ def _computed(features: tuple[Feature, ...], *, quick: bool, told: bool) -> Repo
 
 def _tell(report: Report, folder: Path, markdown: Path | None, *, as_json: bool, quiet: bool) -> None:
     """Write the files, print the table."""
-    from rich.console import Console
-
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.extremes.report import as_markdown, table, write_report
 
     files = write_report(report, folder)
@@ -109,7 +108,7 @@ def _tell(report: Report, folder: Path, markdown: Path | None, *, as_json: bool,
     if as_json:
         typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
-        Console(highlight=False).print(table(report))
+        print_table(table(report))
         for key, fault in report.faults:
             typer.echo(f"{key}, {fault.corner.name}: {fault.message}")
         typer.echo(f"\n{report.summary}\nin {folder.resolve()}: {', '.join(file.name for file in files.values())}")

@@ -320,9 +320,10 @@ def _judge(
     elif ratio > 1.0:
         word, reason = "disagrees", f"outside by a factor of {ratio:.3g} at the worst of {len(value)} points"
     elif band_top > limit * field:
-        reason = f"uncertainty above {limit:.3g} of the field"
+        size = f"{100 * band_top / field:.2g} % of the field" if field > 0.0 else f"{band_top:.2g} in a field of zeros"
+        reason = f"the uncertainty, {size}, exceeds the limit of {100 * limit:.3g} %"
     elif not zero and band_top > resolution * max(largest, small * field):
-        reason = f"uncertainty above {resolution:.3g} of this small component"
+        reason = f"the uncertainty exceeds {100 * resolution:.3g} % of this small component"
     elif zero:
         word, reason = "agrees", "zero within the uncertainty"
     elif band_top > resolution * largest:

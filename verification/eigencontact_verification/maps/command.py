@@ -46,9 +46,9 @@ def campaign(
     form: Annotated[bool, typer.Option("--form", help="Print what a campaign may hold: keys.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled campaign, to start from.")] = False,
 ) -> None:  # fmt: skip
-    """Judge a model over its parameters: a map of verdicts and errors.
+    """Map where a model is accurate: its error over a range of parameters, with a verdict at each point.
 
-    Re-running resumes; finished runs are reused.
+    Re-running resumes; finished runs and solutions are reused.
 
     A campaign is a TOML file: scenes, what is varied, who judges (another model, finite elements under the tractions of
     each run, a contact by finite elements), the tolerance, and where agreement is claimed. `--form` tells its keys.
@@ -86,15 +86,15 @@ def _leave(problem: str, code: int) -> NoReturn:
 
 
 def _list() -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.maps.campaign import find, names
 
     table = Table("campaign", "question", "judge", box=None, pad_edge=False)
     for item in map(find, names()):
         table.add_row(item.name, item.title, item.judge)
-    Console().print(table)
+    print_table(table)
 
 
 def _print_form() -> None:
@@ -159,6 +159,7 @@ def _report(report: MapReport) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.campaign.brief import MARKS
     from eigencontact_verification.maps.answer import answers, totals
     from eigencontact_verification.maps.figure import percent, quantities_of
@@ -174,7 +175,8 @@ def _report(report: MapReport) -> None:
         style = "bold red" if one.breaks_claim else None
         table.add_row(one.point.label, claimed, *(cells.get(name, "") for name in names), style=style)
     console = Console(highlight=False)
-    Console(highlight=False, width=console.width if console.is_terminal else 40 + 24 * (len(names) + 1)).print(table)
+    width = console.width if console.is_terminal else 40 + 24 * (len(names) + 1)
+    print_table(table, Console(highlight=False, width=width))
     for one in found:
         for finding in one.findings:
             if finding.word == "failed":

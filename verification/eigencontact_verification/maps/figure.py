@@ -12,6 +12,7 @@ from eigencontact.viz.style import COLOURS, new_figure
 from eigencontact_verification.campaign.brief import MARKS
 from eigencontact_verification.maps.finding import Finding, Judged
 from eigencontact_verification.studies.study import number_of, plain
+from eigencontact_verification.typeset import subscripts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,17 +66,18 @@ def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
     for place, (name, group) in zip(places, panels, strict=False):
         at = dict(zip(others, group, strict=True))
         chosen = [one for one in found if all(one.point.values.get(key) == value for key, value in at.items())]
-        place.set_title(", ".join([name, *(f"{label_of(campaign, key)} {plain(value)}" for key, value in at.items())]))
+        panel = ", ".join([name, *(f"{label_of(campaign, key)} {plain(value)}" for key, value in at.items())])
+        place.set_title(subscripts(panel))
         if y is None:
             _curve(place, chosen, name, x, across)
         else:
             _cells(place, chosen, name, (x, across), (y, up))
-            place.set_ylabel(str(campaign.drawn.get("y-label", label_of(campaign, y))))
-        place.set_xlabel(str(campaign.drawn.get("x-label", label_of(campaign, x))))
+            place.set_ylabel(subscripts(str(campaign.drawn.get("y-label", label_of(campaign, y)))))
+        place.set_xlabel(subscripts(str(campaign.drawn.get("x-label", label_of(campaign, x)))))
     for place in places[len(panels) :]:
         place.set_axis_off()
     _key(figure, found, cells=y is not None)
-    figure.suptitle(f"{campaign.title}\n{campaign.words}, judged by {campaign.reference}", fontsize=9)
+    figure.suptitle(subscripts(f"{campaign.title}\n{campaign.words}, judged by {campaign.reference}"), fontsize=9)
     return figure
 
 

@@ -8,7 +8,7 @@ __all__ = ["FORM", "JUDGES", "SHARED"]
 
 #: Who judges a campaign.
 JUDGES = {
-    "scene": "another semi-analytical model of the same thing, refined three times",
+    "scene": "the same scene with the changes of [reference], solved by this package at three refinements",
     "audit": "finite elements under the tractions of each run",
     "contact": "a contact of revolution solved by finite elements alone",
 }

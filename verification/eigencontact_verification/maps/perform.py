@@ -58,6 +58,7 @@ def perform(
     began = time.perf_counter()
     points = points_of(campaign, coarse=coarse)
     counted = _Counted(told, sum(1 + len(point.reference) for point in points))
+    counted.labels = {point.model.variant.label: point.label for point in points}
     ran = perform_runs(
         points, folder / "runs", workers=workers, cluster=cluster, alone=campaign.whole_scenes, told=counted.one
     )
@@ -79,6 +80,8 @@ class _Counted:
 
     def __init__(self, told: Told | None, total: int) -> None:
         self._told, self._total, self._done = told, total, 0
+        #: Label of each point by the name of its folder, with which the names of its cases begin.
+        self.labels: dict[str, str] = {}
 
     def one(self, label: str) -> None:
         """Something has ended."""
@@ -92,4 +95,8 @@ class _Counted:
 
     def finished(self, task: Task, outcome: Outcome) -> None:
         """A solution has ended."""
-        self.one(f"{task.case.name}, {task.label}{f': {outcome.reason}' if outcome.reason else ''}")
+        folders = [folder for folder in self.labels if task.case.name.startswith(f"{folder}_")]
+        folder = max(folders, key=len, default="")
+        name = task.case.name.removeprefix(f"{folder}_").replace("-", " ")
+        label = ", ".join(text for text in (self.labels.get(folder, ""), name) if text)
+        self.one(f"{label}: {task.label}{f': {outcome.reason}' if outcome.reason else ''}")

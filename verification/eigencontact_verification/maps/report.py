@@ -11,9 +11,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eigencontact.core.units import time_in_words
 from eigencontact_verification.campaign.brief import MARKS
 from eigencontact_verification.maps.answer import answers, totals
 from eigencontact_verification.maps.figure import axes_of_map, draw_map, label_of, levels_of, percent, quantities_of
+from eigencontact_verification.maps.tables import csv_table, latex_table
 from eigencontact_verification.studies.run import source_in_words
 from eigencontact_verification.studies.study import plain
 
@@ -119,7 +121,7 @@ def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
 
 
 def _time(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2g} s" if value < 100 else f"{value:.0f} s"
+    return "–" if value is None else time_in_words(value)
 
 
 def _memory(value: float | None) -> str:
@@ -235,7 +237,7 @@ def _html(report: MapReport, picture: Path | None) -> str:
 
 
 def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
-    """Write map.png, report.json, report.md and report.html; files of an earlier report are replaced."""
+    """Write map.png, the report (JSON, Markdown, HTML) and the table (CSV, LaTeX); earlier files are replaced."""
     from eigencontact.viz.style import paper_style, save
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -248,4 +250,7 @@ def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
     )
     files["markdown"].write_text(_markdown(report), encoding="utf-8")
     files["html"].write_text(_html(report, picture), encoding="utf-8")
-    return {"map": picture, **files}
+    tables = {"csv": folder / "table.csv", "latex": folder / "table.tex"}
+    tables["csv"].write_text(csv_table(report.found), encoding="utf-8")
+    tables["latex"].write_text(latex_table(report.campaign, report.found), encoding="utf-8")
+    return {"map": picture, **files, **tables}

@@ -116,6 +116,13 @@ def points_of(campaign: Campaign, *, coarse: bool = False) -> list[Point]:
     return found
 
 
+def _labels(point: Point) -> list[str]:
+    """Names of the runs of a point for people: the variant, and whether model or reference."""
+    count = len(point.reference)
+    references = (f"{point.label}: reference, refinement {k} of {count}" for k in range(1, count + 1))
+    return [f"{point.label}: model", *references]
+
+
 def _placed(variant: Variant, kind: str) -> Variant:
     return replace(variant, label=f"{kind}_{folder_name(variant.label)}")
 
@@ -151,6 +158,7 @@ def perform_runs(
 
     folder.mkdir(parents=True, exist_ok=True)
     runs = [run for point in points for run in (point.model, *point.reference)]
+    labels = [label for point in points for label in _labels(point)]
     variants = [replace(run.variant, place=(n,)) for n, run in enumerate(runs)]
     done = dict[int, Run]()
     if alone and cluster is None:
@@ -161,6 +169,6 @@ def perform_runs(
         n = outcome.place[0]
         done[n] = replace(runs[n], failed=outcome.failed, summary=outcome.summary)
         if told is not None:
-            told(variants[n].label)
+            told(labels[n])
     rest = iter(done[n] for n in range(len(runs)))
     return [replace(point, model=next(rest), reference=tuple(next(rest) for _ in point.reference)) for point in points]

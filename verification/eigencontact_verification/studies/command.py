@@ -35,7 +35,7 @@ def study(
     form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
 ) -> None:
-    """Compute a trend anew: a sweep as data, its numbers, and a figure with its source.
+    """Reproduce a trend of the literature: a parameter sweep from one file, its numbers, and a figure with its source.
 
     Re-running resumes; finished variants are reused.
 
@@ -62,9 +62,9 @@ def study(
 
 
 def _list() -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact_verification.studies.catalogue import studies
 
     table = Table("study", "what", "after", box=None, pad_edge=False)
@@ -72,7 +72,7 @@ def _list() -> None:
         after = "; ".join(f"{one.get('authors', '')} {one.get('year', '')}, {one.get('figure', one.get('form', ''))}"
                           for one in item.sources)  # fmt: skip
         table.add_row(item.name, item.title, after)
-    Console().print(table)
+    print_table(table)
 
 
 def _print_form() -> None:
@@ -147,9 +147,9 @@ def _run(
 
 
 def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from eigencontact.core.text_table import print_table
     from eigencontact.sweeps.warned import warnings_in_words
     from eigencontact_verification.studies.checks import verdicts
     from eigencontact_verification.studies.run import source_in_words
@@ -161,7 +161,7 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     table = Table("variant", *columns, box=None, pad_edge=False)
     for one in done:
         table.add_row(one.label, *(f"{one.row[name]:.4g}" if name in one.row else "" for name in columns))
-    Console().print(table)
+    print_table(table)
     for line in warnings_in_words({one.label: one.warnings for one in done}, len(found)):
         typer.echo(line)
     for verdict in verdicts(item, done):

@@ -13,6 +13,7 @@ from eigencontact.viz.style import COLOURS, new_figure
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.run import source_in_words
 from eigencontact_verification.studies.study import Finished, Study, formatted, number_of, plain
+from eigencontact_verification.typeset import subscripts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -158,7 +159,7 @@ def _dress(axes: Axes, panel: Mapping[str, Any], study: Study, one: Finished) ->
     for axis in "xy":
         plain = str(first.get(axis, ""))
         told = panel.get(f"{axis}-label", _label(study, plain) if plain in one.values else plain)
-        getattr(axes, f"set_{axis}label")(told)
+        getattr(axes, f"set_{axis}label")(subscripts(str(told)))
         if f"{axis}-limits" in panel:
             getattr(axes, f"set_{axis}lim")(*panel[f"{axis}-limits"])
     if "x-scale" in panel:
@@ -187,7 +188,8 @@ def _draw_maps(figure: Figure, table: Mapping[str, Any], places: Sequence[tuple[
         if "line" in table:
             axes.axhline(float(table["line"]), color="white", linewidth=0.8)
     if image is not None:
-        figure.colorbar(image, ax=[axes for axes, _ in places], shrink=0.9, label=str(table.get("label", table["z"])))
+        label = subscripts(str(table.get("label", table["z"])))
+        figure.colorbar(image, ax=[axes for axes, _ in places], shrink=0.9, label=label)
 
 
 def _field(table: Mapping[str, Any], one: Finished) -> tuple[Any, Any, Any] | None:

@@ -50,7 +50,7 @@ def tradeoff(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Solve a scene at several fidelities: error, time and memory of each, and which are worth it.
+    """Compare fidelities of one scene: error, time and memory of each, and which are worth their cost.
 
     What is varied follows from the scene: grid, precision and tolerance of a contact, coupling with friction, treatment
     of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
@@ -65,6 +65,7 @@ def tradeoff(
     from rich.console import Console
 
     from eigencontact import app
+    from eigencontact.core.text_table import print_table
     from eigencontact.errors import EigencontactError, ResultsError
     from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.tradeoff import report
@@ -86,7 +87,7 @@ def tradeoff(
         if as_json:
             typer.echo(json.dumps(report.plan_data(predictions), indent=2))
         else:
-            console.print(report.plan_table(predictions))
+            print_table(report.plan_table(predictions), console)
         return
 
     def told(words: str) -> None:
@@ -107,7 +108,7 @@ def tradeoff(
     if as_json or markdown:
         typer.echo(files["json" if as_json else "md"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
-        console.print(report.study_table(found, console.width))
+        print_table(report.study_table(found, console.width), console)
         for line in report.remarks(found):
             typer.echo(line)
         typer.echo(f"\nin {files['png'].parent.resolve()}: {', '.join(file.name for file in files.values())}")

@@ -1,0 +1,71 @@
+"""Help of the command line: groups of commands by purpose, flags without a value, options that exist."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+
+__all__ = ["PANELS", "HelpfulCommand", "HelpfulGroup", "panel_of"]
+
+#: Commands by purpose, in the order of the help; commands that other packages add come last.
+PANELS = {
+    "Scenes": ("gallery", "schema", "explain"),
+    "Solve and look": ("run", "plot", "report"),
+    "Vary parameters": ("sweep", "study", "tradeoff"),
+    "Verify": ("verify", "campaign", "extremes"),
+    "Plugins": ("plugins", "new-plugin", "check"),
+    "Housekeeping": ("cache",),
+}
+_OTHERS = "Commands of other packages"
+
+
+def panel_of(command: str) -> str:
+    """Heading under which the help lists a command.
+
+    Examples
+    --------
+    >>> panel_of("verify"), panel_of("my-command")
+    ('Verify', 'Commands of other packages')
+    """
+    return next((panel for panel, names in PANELS.items() if command in names), _OTHERS)
+
+
+class _Helpful:
+    """Parameters without a value type behind flags; an unknown option names those that exist."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Parameters of the command; a flag takes no value, so that its help shows none."""
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if getattr(param, "is_flag", False):
+                param.metavar = ""
+        return params
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments; where an option is unknown and no other resembles it, name all of them."""
+        try:
+            rest: list[str] = super().parse_args(ctx, args)  # type: ignore[misc]
+        except Exception as problem:
+            unknown = str(getattr(problem, "option_name", ""))
+            if unknown.startswith("-") and hasattr(problem, "possibilities"):
+                every = [name for param in self.get_params(ctx) for name in param.opts if name.startswith("--")]
+                problem.possibilities = _resembling(unknown, every) or every
+            raise
+        return rest
+
+
+def _resembling(unknown: str, options: list[str]) -> list[str]:
+    """Options that are a slip of the one given; names alone are compared, for all begin with two hyphens."""
+    from difflib import get_close_matches
+
+    names = get_close_matches(unknown.lstrip("-"), [option.lstrip("-") for option in options], cutoff=0.6)
+    return [f"--{name}" for name in names]
+
+
+class HelpfulCommand(_Helpful, TyperCommand):
+    """A command."""
+
+
+class HelpfulGroup(_Helpful, TyperGroup):
+    """A group of commands."""
