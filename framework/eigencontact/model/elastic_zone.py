@@ -150,7 +150,8 @@ def _loaded(load: Tractions) -> tuple[FloatArray, tuple[float, float], dict[str,
 
 def _places(loaded: Mapping[str, FloatArray]) -> int:
     """Places along one side of a box of the search."""
-    return 3 * max(*loaded["p"].shape, ACROSS)
+    ny, nx = loaded["p"].shape
+    return 3 * max(int(ny), int(nx), ACROSS)
 
 
 def _coarser(
