@@ -76,8 +76,8 @@ class Study:
 def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Prediction]:
     """Plan each variant without solving."""
     from eigencontact import app
-    from eigencontact.planning.memory import run_bytes
     from eigencontact.errors import EigencontactError
+    from eigencontact.planning.memory import run_bytes
 
     found = []
     scene = None
