@@ -43,6 +43,8 @@ def test_what_a_run_takes_beside_its_arrays():
     assert drawn - alone > 1e8
     quiet = ec.plan(ec.load_scene("fretting-mode-3", ["output.pictures=false"]))
     assert run_bytes(quiet) == close(run_bytes(quiet, painter=False), rel=0.05)
+    film = ec.plan(ec.load_scene("fretting-mode-3", ["output.animation='gif'"]))
+    assert run_bytes(film) - drawn > 1.5e8
     assert plan.to_dict()["predicted_memory_bytes"] == close(drawn, rel=0.05)
     assert "with libraries and pictures" in plan.explain()
 
