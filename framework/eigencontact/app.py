@@ -245,13 +245,15 @@ def run(
         raise SceneError(
             "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
         )
+    from eigencontact.planning.memory import run_bytes
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
 
+    predicted = run_bytes(planned, stored=False)
     store = MemoryStore(run_info(planned))
     solved = _solve(planned, store, watcher, stopwatch, {})
     noted = _noted(planned, store, solved.last)
-    summary = _summary(planned, store, solved, noted, {}, stopwatch, began)
+    summary = _summary(planned, store, solved, noted, {}, stopwatch, began, predicted)
     return RunResult(summary=summary, folder=None, seconds=perf_counter() - began, _store=store)
 
 
@@ -266,6 +268,7 @@ def _run_in(
     watcher: Watcher | None,
     painter: Painter | None,
 ) -> RunResult:
+    from eigencontact.planning.memory import run_bytes
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.ownership import refuse_foreign
     from eigencontact.results.store import ResultStore
@@ -282,6 +285,7 @@ def _run_in(
     refuse_foreign(
         folder, regions, summary=True, pictures=wanted.pictures, vtk=wanted.vtk, animation=bool(wanted.animation)
     )
+    predicted = run_bytes(planned, painter=painter is not None)
     store = ResultStore.create(folder, run_info(planned), resume=resume, overwrite=overwrite)
     accepted = store.accepted() if resume else []
     done = {index: partial(store.load_step, index) for index in accepted}
@@ -297,7 +301,7 @@ def _run_in(
     solved = solved._replace(last=solved.last.without_arrays())  # pictures have the memory for themselves
     files |= _draw(planned, results, folder, stopwatch, painter)
     files["summary.json"] = "the numbers of this run, in SI units"
-    summary = _summary(planned, store, solved, noted, files, stopwatch, began)
+    summary = _summary(planned, store, solved, noted, files, stopwatch, began, predicted, painter)
     write_summary(folder, summary)
     return RunResult(
         summary=summary,
@@ -314,8 +318,6 @@ class _Solved(NamedTuple):
 
     last: StepRecord
     seconds: float
-    predicted: float
-    peak: int | None
 
 
 def _solve(
@@ -326,11 +328,9 @@ def _solve(
     done: Mapping[int, Callable[[], StepRecord]],
 ) -> _Solved:
     """Solve and store all steps that are not done."""
-    from eigencontact.core.memory import peak_bytes, resident_bytes
     from eigencontact.execution.driver import drive
 
     last = done[max(done)]() if done else None
-    predicted = resident_bytes() + planned.cost.peak
     solving, resumed = 0.0, perf_counter()
     try:
         for record in drive(planned, watcher=watcher, stopwatch=stopwatch, done=done):
@@ -343,7 +343,7 @@ def _solve(
 
         raise with_room(problem, planned, problem.step) from problem
     assert last is not None
-    return _Solved(last, solving, predicted, peak_bytes())
+    return _Solved(last, solving)
 
 
 def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
@@ -362,13 +362,16 @@ def _summary(
     files: Mapping[str, str],
     stopwatch: Stopwatch,
     began: float,
+    predicted: float,
+    painter: Painter | None = None,
 ) -> dict[str, Any]:
+    from eigencontact.core.memory import peak_bytes
     from eigencontact.results.summary import summary_of
 
     extra = {
         **noted,
-        "peak_memory_bytes": solved.peak,
-        "predicted_memory_bytes": int(solved.predicted),
+        "peak_memory_bytes": peak_bytes() + (0 if painter is None else painter.peak_bytes),
+        "predicted_memory_bytes": int(predicted),
         "compute_seconds": solved.seconds,
         "predicted_seconds": planned.seconds,
         "files": files,

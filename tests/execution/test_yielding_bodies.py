@@ -172,7 +172,7 @@ def test_resume_after_growth_continues_to_the_bit(grown, tmp_path):
     [
         ({"type": "isotropic", "young-modulus": 1e9, "poisson-ratio": 0.3}, {}, "body1.law.type must be of a material"),
         (perfect("1 GPa", **{"young-modulus": "9 GPa"}), {}, r"begins with the constants of body 1"),
-        (perfect("1 Pa"), {}, r"body1.law must stay elastic up to a stress of 210 Pa.*; check the unit of its"),
+        (perfect("1 Pa"), {}, r"body1.law must yield near the contact alone .* times its yield.*; check the unit of"),
         ({"type": "j3"}, {}, r"body1.law.*'j2'"),
         (perfect("1 GPa"), {"numerics": {"inclusion_resolution": "whole"}}, r"inclusion-resolution = \"cells\""),
     ],

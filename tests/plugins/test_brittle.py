@@ -132,3 +132,15 @@ def test_the_mean_about_a_point_decides_where_there_is_one():
 def test_refusals_name_the_field_and_the_rule(change, message):
     with pytest.raises(SceneError, match=message):
         ec.make("brittle", **{"young_modulus": E, "poisson_ratio": NU, "damage": MAZARS, **change})
+
+
+def test_damage_by_a_mean_that_is_a_jump_is_refused():
+    """Without a length the cells say so themselves; with one, rounds between cells that flip to and fro had no end."""
+    for steep in ({"B": 1e9}, {"B": 1e6}):
+        with pytest.raises(SceneError, match=r"brittle.damage.type must be a law that rises by at most 0.5 .*flatter"):
+            ec.make("brittle", damage=MAZARS | steep | {"length": 1e-3})
+        ec.make("brittle", damage=MAZARS | steep)
+    ec.make("brittle", damage=MAZARS | {"B": 1e5, "length": 1e-3})
+    points = {"type": "tabulated", "strain": [0, 1e-4, 1.0001e-4, 1.0], "values": [0, 0, 0.8, 0.9]}
+    with pytest.raises(SceneError, match=r"rises by 0\.8 at the strain 0\.0001"):
+        ec.make("brittle", damage=points | {"length": 1e-3})

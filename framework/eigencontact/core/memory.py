@@ -7,7 +7,10 @@ import resource
 import sys
 from pathlib import Path
 
-__all__ = ["machine_bytes", "peak_bytes", "resident_bytes"]
+__all__ = ["largest_child_bytes", "machine_bytes", "peak_bytes", "resident_bytes"]
+
+#: Unit in which the system counts memory [bytes].
+_UNIT = 1 if sys.platform == "darwin" else 1024
 
 
 def resident_bytes() -> float:
@@ -25,8 +28,12 @@ def peak_bytes() -> int:
         lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
         return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
     except (OSError, StopIteration):
-        unit = 1 if sys.platform == "darwin" else 1024
-        return unit * int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+        return _UNIT * int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+
+def largest_child_bytes() -> int:
+    """Largest memory that a process started from this one has had, of those that have ended."""
+    return _UNIT * int(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
 
 
 def machine_bytes() -> float:

@@ -121,10 +121,13 @@ class TractionField:
         shape, lattice = model.grid.shape, self._lattice
         if self._periodic:
             return Layout(shape, shape, periodic=True)
-        first = [(n - b) // 2 for n, b in zip(shape, model.contact_box, strict=True)]
+        box = model.contact_box
+        if _moves(model):  # an operator that has to hold a contact elsewhere is made with a margin; see `_kept`
+            box = tuple(min(n, b + 2 * max(2, b // 6)) for n, b in zip(shape, box, strict=True))  # type: ignore[assignment]
+        first = [(n - b) // 2 for n, b in zip(shape, box, strict=True)]
         target = tuple(-(-n // m) for n, m in zip(lattice.target, lattice.finer, strict=True))
         origin = (lattice.origin[0] - first[0], lattice.origin[1] - first[1])
-        return Layout(model.contact_box, (target[0], target[1]), origin)
+        return Layout(box, (target[0], target[1]), origin)
 
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Stress, and strain and displacement where they are wanted, ``(6 or 3, *lattice.shape)``."""
@@ -233,6 +236,18 @@ class TractionField:
                     threads=self._numerics.threads,
                 )
                 out[:, layers, rows, columns] = operator.apply(tractions)
+
+
+def _moves(model: Model) -> bool:
+    """Whether the contact of a later increment reaches beyond that of the first: it grows, or tilts."""
+    ramps = model.scene.ramps
+    pressed = [(ramp.normal_load, ramp.approach) for ramp in ramps]
+    tilts = any(getattr(ramp, f"{name}_{axis}") for ramp in ramps for name in ("moment", "tilt") for axis in "xy")
+    return bool(ramps) and (ramps[0].increments > 1 or max(map(_size, pressed)) > _size(pressed[0]) or tilts)
+
+
+def _size(pressed: tuple[float | None, float | None]) -> float:
+    return max(abs(value or 0.0) for value in pressed)
 
 
 def _hooke(stress: FloatArray, body: Material) -> FloatArray:

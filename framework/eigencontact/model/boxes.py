@@ -12,7 +12,7 @@ import numpy as np
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
 from eigencontact.model.regions import RegionLattice
-from eigencontact.model.sizes import comfortable, cut_down, most, refuse_more
+from eigencontact.model.sizes import BYTES_OF_LAW_CELL, BYTES_OF_ONE, comfortable, cut_down, most, refuse_more
 from eigencontact.model.sources import Inhomogeneity, Lattice, Patch, Source
 from eigencontact.scene.schema import Scene
 from eigencontact.solvers.cells import Cells
@@ -122,7 +122,8 @@ def box_of_inhomogeneities(sources: Sequence[Inhomogeneity]) -> CellBox:
     lattices = [source.lattice for source in sources if source.lattice is not None]
     box = CellBox(tuple(sources), _union(lattices))
     advice = "give a coarser grid or numerics.inclusion-pitch, or let the regions lie closer together"
-    refuse_more(box.lattice.cells, "inclusions that share a box", "cells inside a body", box.words, advice)
+    where, cells = "inclusions that share a box", box.lattice.cells
+    refuse_more(cells, where, "cells inside a body", box.words, advice, BYTES_OF_LAW_CELL)
     return box
 
 
@@ -226,13 +227,14 @@ def _around(source: Source, height: float, grid: Grid, setting: _Setting | None)
 def _refuse_many(lattice: Lattice, source: Source, setting: _Setting | None) -> None:
     """Refuse more cells than fit: by what sets their height where some layers would fit, else by the region."""
     nz, ny, nx = lattice.shape
-    if lattice.cells <= most():
+    each = BYTES_OF_LAW_CELL if isinstance(source, Inhomogeneity) else BYTES_OF_ONE
+    if lattice.cells <= most(each):
         return
     got = f"{nx} x {ny} x {nz} for {source.name!r}"
-    if setting is not None and _FEW * ny * nx <= comfortable():
+    if setting is not None and _FEW * ny * nx <= comfortable(each):
         name, value, power = setting
-        nearest = cut_down(value**power, lattice.cells) ** power
-        refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do")
+        nearest = cut_down(value**power, lattice.cells, each=each) ** power
+        refuse_more(lattice.cells, name, "cells inside a body", got, f"{nearest:.3g} would do", each)
     wide = f"{lattice.edges[2]:.3g} m x {lattice.edges[1]:.3g} m"
     advice = f"its cells are {wide} wide: give a smaller one, or a coarser grid"
-    refuse_more(lattice.cells, source.where, "cells inside a body", got, advice)
+    refuse_more(lattice.cells, source.where, "cells inside a body", got, advice, each)

@@ -32,6 +32,8 @@ FloatArray = NDArray[np.float64]
 
 #: Share of the window that a contact takes at least where a coarse solve over all of it shows its size.
 _PLAIN = 0.3
+#: Cells around the estimate of a contact, which itself is larger by some coarse cells.
+_AROUND = 4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -69,9 +71,9 @@ def contact_window(
     whole = ContactEstimate(-0.5 * grid.size[0], 0.5 * grid.size[0], -0.5 * grid.size[1], 0.5 * grid.size[1])
     found = contacts_of_steps(scene, grid, geometries, normal)
     touched = reduce(ContactEstimate.join, [contact for contact, _, _ in found]) if found else whole
-    box = (
-        min(grid.ny, int(np.ceil(touched.extent[1] / grid.dy * 1.05)) + 4),
-        min(grid.nx, int(np.ceil(touched.extent[0] / grid.dx * 1.05)) + 4),
+    box = tuple(
+        _box_size(extent / edge, size)
+        for extent, edge, size in zip(touched.extent[::-1], (grid.dy, grid.dx), grid.shape, strict=True)
     )
     expected = _expected(found, grid, normal)
     measured = any(isinstance(geometry, HasNativeGrid) for geometry in geometries)
@@ -79,7 +81,17 @@ def contact_window(
         refuse_coarse(expected, grid)
     growth = None if measured else _growth(scene, found)
     _refuse_radius(scene, growth)
-    return ContactWindow(grid=grid, reason=reason, box=box, expected=expected, growth=growth)
+    return ContactWindow(grid=grid, reason=reason, box=(box[0], box[1]), expected=expected, growth=growth)
+
+
+def _box_size(cells: float, size: int) -> int:
+    """Cells along one side of a box that holds a contact of so many cells, by coarse estimate.
+
+    A contact in the middle of the window has an even number of cells where the window has. Half of the coefficients are
+    images of the others then, and the price halves.
+    """
+    box = int(np.ceil(cells)) + _AROUND
+    return min(size, box + (size - box) % 2)
 
 
 def _controls(scene: Scene) -> list[Control]:

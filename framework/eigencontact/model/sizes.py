@@ -11,26 +11,29 @@ from math import floor, log10
 from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import SceneError
 
-__all__ = ["MEMORY_SHARE", "comfortable", "cut_down", "most", "refuse_more"]
+__all__ = ["BYTES_OF_LAW_CELL", "BYTES_OF_ONE", "MEMORY_SHARE", "comfortable", "cut_down", "most", "refuse_more"]
 
 #: The largest plan that is accepted, as a share of the machine's memory.
 MEMORY_SHARE = 0.9
 #: Of a cell of a window, a point of a region or a cell inside a body: a dozen numbers of 64 bits [bytes]. A contact
 #: takes 116 for a cell of its window (README), six components of stress and what is read off them 104 for a point.
 BYTES_OF_ONE = 96.0
+#: Of a cell with a law of its own: the spectra that give the stress of every cell by the strain of every other. Plans
+#: take 3400 (one contact, single precision) to 7200 (many regions, double) [bytes].
+BYTES_OF_LAW_CELL = 3000.0
 
 
-def most() -> int:
-    """Cells or points that this machine's memory can hold."""
-    return int(MEMORY_SHARE * machine_bytes() / BYTES_OF_ONE)
+def most(each: float = BYTES_OF_ONE) -> int:
+    """Cells or points, of so many bytes `each`, that this machine's memory can hold."""
+    return int(MEMORY_SHARE * machine_bytes() / each)
 
 
-def comfortable() -> int:
+def comfortable(each: float = BYTES_OF_ONE) -> int:
     """Half of `most`, with room for what is computed beside them: what refusals name as the nearest choice."""
-    return most() // 2
+    return most(each) // 2
 
 
-def cut_down(value: float, count: float, power: int = 1) -> float:
+def cut_down(value: float, count: float, power: int = 1, each: float = BYTES_OF_ONE) -> float:
     """Value, rounded down to two digits, at which a count that grows with its `power` is `comfortable`.
 
     Examples
@@ -38,30 +41,34 @@ def cut_down(value: float, count: float, power: int = 1) -> float:
     >>> cut_down(1e9, 4.0 * comfortable(), power=2)
     500000000.0
     """
-    fitting = value * (comfortable() / count) ** (1.0 / power) * (1.0 + 1e-12)
+    fitting = value * (comfortable(each) / count) ** (1.0 / power) * (1.0 + 1e-12)
     unit = 10.0 ** (floor(log10(fitting)) - 1)
     return float(f"{floor(fitting / unit) * unit:.2g}")
 
 
-def refuse_more(count: int, where: str, what: str, got: str, advice: str) -> None:
+def refuse_more(
+    count: float, where: str, what: str, got: str, advice: str, each: float = BYTES_OF_ONE
+) -> None:
     """Refuse a size that cannot fit.
 
     Parameters
     ----------
-    count : int
+    count : float
         Cells or points.
     where, what : str
         The field of the scene, and what it is a size of.
     got, advice : str
         Its value, and the nearest one that would do.
+    each : float
+        Least memory that one of them takes [bytes].
 
     Raises
     ------
     SceneError
         ``<where> must make at most <most> <what> ... (got <got>); <advice>``.
     """
-    if count > most():
+    if count > most(each):
         raise SceneError(
-            f"{where} must make at most {most():.2g} {what}, which fill the {machine_bytes() / 1e9:.3g} GB of memory "
-            f"here (got {got}); {advice}"
+            f"{where} must make at most {most(each):.2g} {what}, which fill the {machine_bytes() / 1e9:.3g} GB of "
+            f"memory here (got {got}); {advice}"
         )

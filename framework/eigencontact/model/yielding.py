@@ -13,17 +13,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
-from eigencontact.core.grid import Box, Grid
+from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
-from eigencontact.core.tensors import COMPONENTS, SQRT2
 from eigencontact.core.units import readable
 from eigencontact.errors import EigencontactError, NotUnique, SceneError, require
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.contact_window import contacts_of_steps
+from eigencontact.model.elastic_zone import ACROSS, ElasticStress, Tractions, elastic_zone, overload
 from eigencontact.model.initial import InitialState
 from eigencontact.model.kernels import Bodies, PairCoefficients
+from eigencontact.model.sizes import BYTES_OF_LAW_CELL, most, refuse_more
 from eigencontact.model.sources import Inhomogeneity, Patch, Source, build_law
 from eigencontact.model.window import coarse_contact
 from eigencontact.plugin import (
@@ -44,12 +44,6 @@ __all__ = ["SAFETY", "YieldingBody", "laws_of_bodies", "yielding_bodies"]
 FloatArray = NDArray[np.float64]
 _Bounds = tuple[FloatArray, FloatArray]
 
-#: Coarse cells across a contact, and times that the box that is searched may be doubled.
-_ACROSS, _DOUBLINGS = 16, 5
-#: Points about which a law is asked at once, where a depth does not have more [points].
-_AT_ONCE = 1 << 15
-#: Elastic stress that is kept at most, of all loads together [bytes].
-_KEPT = 100_000_000
 #: Stress that is tried, as a multiple of the elastic one: the coarse contact errs by some 3 %.
 SAFETY = 1.1
 #: The same beside inclusions and eigenstrain, one after another until a place is found: stress next to a void or to a
@@ -57,6 +51,11 @@ SAFETY = 1.1
 _BESIDE = (1.1, 1.5, 2.0, 3.0)
 #: A law that answers another stress than this close to the elastic one is not elastic there.
 _SAME = 1e-6
+#: Words in the names of such limits.
+_LIMITS = ("stress", "strength", "threshold")
+#: Stress at which a law must have the constants of its body, in parts of Young's modulus: the second for a law that is
+#: beyond its limit at the first.
+_SMALL = (1e-9, 1e-15)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,13 +111,11 @@ def yielding_bodies(
     for number, law in laws.items():
         where, material = f"body{number}.law", bodies[number - 1]
         assert isinstance(material, Material)
-        loads = [
-            (window, fields)
-            for window, pressure in _coarse_contacts(scene, bodies, geometries, influences["p"], grid)
-            for fields in _loads(window, pressure, influences, friction)
-        ]
+        contacts = _coarse_contacts(scene, bodies, geometries, influences["p"], grid)
+        loads = _distinct([(at, load) for at, p in contacts for load in _loads(at, p, influences, friction)])
         beside = [source.shape for source in sources if source.body == number]
-        patch = _box_where(_Trial(law, material, where), loads, influences, beside, scene.numerics.law_room)
+        trial = _Trial(law, material, where)
+        patch = _box_where(trial, loads, influences, beside, scene, grid)
         if number in initial:
             patch = _with(patch, initial[number].bounds(grid))
         if patch is not None:
@@ -158,20 +155,19 @@ class _Trial:
         SceneError
             It has elastic constants other than the body.
         """
-        small = 1e-9 * self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
-        depths = np.unique(z)
-        asked = np.repeat(depths, small.shape[1])
-        other = self._differs(np.tile(small, depths.size), asked)
-        if other.any() and not self._differs(1e-9 * np.tile(small, depths.size), asked).any():
-            limit = readable(1e-9 * self.material.young_modulus, "Pa")
-            raise SceneError(
-                f"{self.where} must stay elastic up to a stress of {limit}, 1e-9 of the Young modulus "
-                f"(got {self.law.key!r}, which yields or degrades below it); check the unit of its yield stress"
-            )
+        self._require_constants(np.unique(z))
+        return self._differs(stress, z)
+
+    def _require_constants(self, depths: FloatArray) -> None:
+        stress = self.material.young_modulus * np.random.default_rng(0).standard_normal((6, 8))
+        asked = np.repeat(depths, stress.shape[1])
+        for part in _SMALL:
+            other = self._differs(np.tile(part * stress, depths.size), asked)
+            if not other.any():
+                return
         rule = f"of a law that begins with the constants of body {self.where[4]}: leave out its own"
         got = f"{self.law.key!r}, with others at a depth of {asked[np.argmax(other)]:g} m"
-        require(not other.any(), self.where, "type", got, rule)
-        return self._differs(stress, z)
+        require(False, self.where, "type", got, rule)
 
     def _differs(self, stress: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         count = stress.shape[1]
@@ -204,29 +200,78 @@ class _Trial:
 
 def _box_where(
     trial: _Trial,
-    loads: Sequence[tuple[Grid, Mapping[str, FloatArray]]],
+    loads: Sequence[Tractions],
     influences: Mapping[str, SurfaceInfluence],
     beside: Sequence[InclusionShape | Patch],
-    room: float,
+    scene: Scene,
+    grid: Grid,
 ) -> Patch | None:
-    """Box around all places where a law is more than elastic under a load of the scene; None where it never is."""
-    elastic = _ElasticStress(influences, trial.material)
+    """Box around all places where a law is more than elastic under a load of the scene; None where it never is.
 
-    def bounds(factor: float) -> _Bounds | None:
-        found = [_extent(trial, window, fields, elastic, factor) for window, fields in loads]
-        return _around([one for one in found if one is not None])
+    Raises
+    ------
+    SceneError
+        The zone is larger than the search looks, or than this machine's memory holds cells.
+    """
+    elastic = ElasticStress(influences, trial.material)
 
-    box = next((found for factor in (_BESIDE if beside else [SAFETY]) if (found := bounds(factor))), None)
+    def bounds(factor: float, *, closed: bool) -> _Bounds | None:
+        zones = []
+        for load in loads:
+            zone = elastic_zone(trial.beyond, load, elastic, factor)
+            if zone is not None:
+                if closed and not zone.closed:
+                    got, advice = _pressed(trial, load, elastic, scene)
+                    got += f"the plastic zone is larger than {_sizes(*(zone.high - zone.low))}"
+                    raise SceneError(f"{trial.where} must yield near the contact alone (got {got}); {advice}")
+                zones.append((zone.low, zone.high))
+        return _around(zones)
+
+    tried = (bounds(factor, closed=True) for factor in (_BESIDE if beside else [SAFETY]))
+    box = next((around for around in tried if around is not None), None)
     if box is None:
         return None
     if beside:
-        far = bounds(_BESIDE[-1]) or box
+        far = bounds(_BESIDE[-1], closed=False) or box
         box = _around([box, *(held for shape in beside if (held := _held(shape, far)))]) or box
     low, high = box
-    margin = room * (high - low)
+    margin = scene.numerics.law_room * (high - low)
     margin += max(trial.law.averaged.values(), default=0.0)
     (x0, y0, _), (x1, y1, depth) = low - margin, high + margin
+    cells = (x1 - x0) * (y1 - y0) * depth / (grid.dx * grid.dy * min(grid.dx, grid.dy))
+    if scene.numerics.inclusion_pitch is None and cells > most(BYTES_OF_LAW_CELL):
+        hardest = max(loads, key=lambda load: float(load[1]["p"].max()))
+        got, advice = _pressed(trial, hardest, elastic, scene)
+        got += f"the plastic zone and the room around it measure {_sizes(x1 - x0, y1 - y0, depth)}"
+        advice += ", coarsen the grid or lower numerics.law-room"
+        refuse_more(cells, trial.where, "cells inside a body", got, advice, BYTES_OF_LAW_CELL)
     return Patch(((float(x0), float(y0), 0.0), (float(x1), float(y1), float(depth))))
+
+
+def _pressed(trial: _Trial, load: Tractions, elastic: ElasticStress, scene: Scene) -> tuple[str, str]:
+    """Ratio of a load to the elastic limit of a law, in words, and advice: the limit often has a wrong unit."""
+    ratio = overload(trial.beyond, load, elastic)
+    table = getattr(scene, trial.where.split(".")[0]).law
+    limits = ", ".join(f"{name} = {value!r}" for name, value in _limits(table)) or "the limits of the law"
+    return (
+        f"a body pressed to {ratio:.2g} times its yield stress or other limit: ",
+        f"check the unit of {limits} (a stress without a unit is in Pa), lower the load",
+    )
+
+
+def _sizes(*sides: float) -> str:
+    return " x ".join(readable(float(f"{side:.3g}"), "m") for side in sides)
+
+
+def _limits(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Keys and values of a law's table that give a stress or a strain at which it stops to be elastic."""
+    for name, value in table.items():
+        nested = value if isinstance(value, list | tuple) else [value]
+        if any(word in name for word in _LIMITS):
+            yield name.replace("_", "-"), value
+        for item in nested:
+            if isinstance(item, Mapping):
+                yield from _limits(item)
 
 
 def _with(patch: Patch | None, held: _Bounds) -> Patch:
@@ -254,17 +299,17 @@ def _held(shape: InclusionShape | Patch, far: _Bounds) -> _Bounds | None:
 def _coarse_contacts(
     scene: Scene, bodies: Bodies, geometries: tuple[Geometry, ...], pressure: SurfaceInfluence, grid: Grid
 ) -> Iterator[tuple[Grid, FloatArray]]:
-    """Window and pressure [Pa] of the contact at the end of each step, in some `_ACROSS` cells of its own."""
+    """Window and pressure [Pa] of the contact at the end of each step, in some `ACROSS` cells of its own."""
     normal, periodic = PairCoefficients(pressure, bodies, "z"), scene.numerics.boundary == "periodic"
     for contact, control, separation in contacts_of_steps(scene, grid, geometries, normal):
-        edge = max(min(contact.extent) / _ACROSS, max(contact.extent) / (4 * _ACROSS))
+        edge = max(min(contact.extent) / ACROSS, max(contact.extent) / (4 * ACROSS))
         nx, ny = (int(np.ceil(1.5 * extent / edge)) for extent in contact.extent)
         center = (0.5 * (contact.x0 + contact.x1), 0.5 * (contact.y0 + contact.y1))
         window = Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
         # A periodic contact that nearly fills its window is looked at in all of it.
         whole = periodic and max(nx * edge / grid.size[0], ny * edge / grid.size[1]) > 1.0
         found = coarse_contact(
-            grid if whole else window, separation, normal, control, periodic=whole, cells=6 * _ACROSS
+            grid if whole else window, separation, normal, control, periodic=whole, cells=6 * ACROSS
         )
         # Where the coarse contact is not found, its largest pressure everywhere is on the safe side.
         yield found if found is not None else (window, np.full(window.shape, contact.peak))
@@ -286,90 +331,7 @@ def _loads(
                 yield {"p": pressure, name: sign * np.where(pressure > 0, bound, 0.0)}
 
 
-class _ElasticStress:
-    """Stress by the tractions of coarse contacts, kept for loads and factors that ask again: it is most of the work."""
-
-    def __init__(self, influences: Mapping[str, SurfaceInfluence], material: Material) -> None:
-        self._influences, self._material, self._room = influences, material, _KEPT
-        self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
-
-    def at(self, window: Grid, loaded: Mapping[str, FloatArray], count: int, z: float) -> FloatArray:
-        """Mandel stress ``(6, count, count)`` [Pa] about the loaded cells, at the depth `z` [m] in the body."""
-        stress = np.zeros((6, count, count))
-        for name, field in loaded.items():
-            self._add(stress, name, window, field, z)
-        stress[3:] *= SQRT2
-        return stress
-
-    def _add(self, stress: FloatArray, name: str, window: Grid, field: FloatArray, z: float) -> None:
-        count = stress.shape[1]
-        before = self._known.setdefault((name, window.dx, window.dy, field.shape, count, z), [])
-        for known, caused in before:
-            if np.array_equal(known, field):
-                stress += caused
-                return
-            if np.array_equal(known, -field):
-                stress -= caused
-                return
-        # Offsets from loaded cells to the points: all that a sum over the cells needs.
-        y, x = (
-            (np.arange(1 - loads, count) + 0.5 * (loads - count)) * edge
-            for loads, edge in zip(field.shape, (window.dy, window.dx), strict=True)
-        )
-        half = (0.5 * window.dx, 0.5 * window.dy)
-        tables = self._influences[name].sample("stress", list(COMPONENTS), x, y, z, half, self._material)
-        caused = np.stack([fftconvolve(table, field, mode="valid") for table in tables])
-        stress += caused
-        if caused.nbytes <= self._room:
-            self._room -= caused.nbytes
-            before.append((field, caused))
-
-
-def _extent(
-    trial: _Trial,
-    window: Grid,
-    fields: Mapping[str, FloatArray],
-    elastic: _ElasticStress,
-    factor: float,
-) -> _Bounds | None:
-    """Bounds (x, y, z) of the places at which a law is more than elastic under tractions on a coarse window."""
-    box = Box.around(fields["p"] > 0)
-    if box is None:
-        return None
-    loaded = {name: field[box.y0 : box.y1, box.x0 : box.x1] for name, field in fields.items()}
-    ny, nx = loaded["p"].shape
-    middle = np.array([window.x[box.x0] + window.x[box.x1 - 1], window.y[box.y0] + window.y[box.y1 - 1]]) / 2
-    count = 3 * max(nx, ny, _ACROSS)
-    for _ in range(_DOUBLINGS):
-        inside = _beyond(trial, window, loaded, elastic, count, factor)
-        if not inside.any():
-            return None
-        rim = (inside[-1], inside[:, [0, -1]], inside[:, :, [0, -1]])
-        if not any(np.any(part) for part in rim):
-            break
-        count *= 2
-    spans = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]
-    edges = np.array([window.dx, window.dy, window.dx])
-    starts = np.array([middle[0] - 0.5 * count * edges[0], middle[1] - 0.5 * count * edges[1], 0.0])
-    low = starts + edges * np.array([span[0] for span in spans])
-    return low, starts + edges * np.array([span[-1] + 1.0 for span in spans])
-
-
-def _beyond(
-    trial: _Trial,
-    window: Grid,
-    loaded: Mapping[str, FloatArray],
-    elastic: _ElasticStress,
-    count: int,
-    factor: float,
-) -> NDArray[np.bool_]:
-    """Whether a law is more than elastic, in coarse cells ``(nz, count, count)`` about the loaded ones."""
-    depths = (np.arange(count // 2) + 0.5) * window.dx
-    out = np.empty((depths.size, count, count), dtype=bool)
-    # A law is asked about some depths at once: for each alone its calls would cost more than its numbers.
-    for first in range(0, depths.size, together := max(1, _AT_ONCE // count**2)):
-        some = depths[first : first + together]
-        stress = np.stack([elastic.at(window, loaded, count, float(z)) for z in some], axis=1)
-        tried = factor * stress.reshape(6, -1)
-        out[first : first + together] = trial.beyond(tried, np.repeat(some, count**2)).reshape(-1, count, count)
-    return out
+def _distinct(loads: Sequence[Tractions]) -> list[Tractions]:
+    """Loads without repetitions: the steps of a cycle press alike."""
+    keys = ((window, *((name, field.tobytes()) for name, field in fields.items())) for window, fields in loads)
+    return list(dict(zip(keys, loads, strict=True)).values())

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
-from eigencontact.core.memory import resident_bytes
 from eigencontact.core.units import readable, time_in_words
 from eigencontact.model.bodies import body_in_words, layers_in_words
 from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
+from eigencontact.planning.memory import run_bytes
 from eigencontact.scene.steps import segments_of, solved_cycles, spaced_by_radius
 from eigencontact.worth.foreseen import worst_above
 from eigencontact.worth.understood import (
@@ -84,7 +84,6 @@ def told(plan: Plan) -> Told:
         f"load        {_steps(plan)}{largest_loads(plan.scene)}",
         *expected_lines(plan),
     ]
-    base = resident_bytes()
     blocks = []
     for block in plan.blocks:
         for part in block.parts:
@@ -100,7 +99,7 @@ def told(plan: Plan) -> Told:
         blocks=blocks,
         kernels=[str(kernel) for kernel in plan.kernels],
         predicted=[
-            f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(base + plan.cost.peak)} with the libraries",
+            f"predicted   {_bytes(plan.cost.peak)} of arrays, {_bytes(run_bytes(plan))} with libraries and pictures",
             f"            {_time(plan.seconds)} of solving",
         ],
         left_out=[(item.what, item.why) for item in plan.left_out],
@@ -158,7 +157,7 @@ def as_data(plan: Plan) -> dict[str, object]:
             }
             for kernel in plan.kernels
         ],
-        "predicted_memory_bytes": plan.cost.peak + resident_bytes(),
+        "predicted_memory_bytes": run_bytes(plan),
         "predicted_array_bytes": plan.cost.peak,
         "predicted_seconds": plan.seconds,
         "left_out": [{"what": item.what, "why": item.why} for item in plan.left_out],

@@ -17,6 +17,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from eigencontact.core.memory import largest_child_bytes, peak_bytes, resident_bytes
 from eigencontact.core.parallel import available_threads
 from eigencontact.errors import ResultsError
 
@@ -38,9 +39,16 @@ def painter_of(scene: Scene) -> AbstractContextManager[Painter | None]:
 
 
 class Painter:
-    """Process that draws the pictures of one run; use it in a ``with`` block."""
+    """Process that draws the pictures of one run; use it in a ``with`` block.
+
+    Attributes
+    ----------
+    peak_bytes : int
+        Memory that it has taken at most, once all is drawn: what its copies on other cores share with it counts once.
+    """
 
     def __init__(self) -> None:
+        self.peak_bytes = 0
         # -P: a file of the working folder must not pass for a library.
         command = [sys.executable, "-P", "-m", __name__]
         pipe = subprocess.PIPE
@@ -76,6 +84,7 @@ class Painter:
         said = json.loads(answer)
         if "refused" in said:
             raise ResultsError(said["refused"])
+        self.peak_bytes = int(said["peak_bytes"])
         files: dict[str, str] = said["files"]
         return files
 
@@ -99,7 +108,8 @@ def main() -> None:
             return draw_all(dataset, Path(order["folder"]), solid=order["solid"], part=part)
 
     try:
-        answer: dict[str, Any] = {"files": _on_all_cores(draw)}
+        files, copies = _on_all_cores(draw)
+        answer: dict[str, Any] = {"files": files, "peak_bytes": peak_bytes() + copies}
     except ResultsError as problem:
         answer = {"refused": str(problem)}
     sys.stdout.write(json.dumps(answer) + "\n")
@@ -118,8 +128,12 @@ def _warm_up() -> None:
         figure.savefig(BytesIO(), format="png", dpi=20)
 
 
-def _on_all_cores(draw: Any) -> dict[str, str]:
-    """Draw part (k, n) in each of n processes; what one could not draw is drawn, or refused, here."""
+def _on_all_cores(draw: Any) -> tuple[dict[str, str], float]:
+    """Draw part (k, n) in each of n processes; what one could not draw is drawn, or refused, here.
+
+    Also the memory that the others have taken beyond what they share with this one [bytes].
+    """
+    before = resident_bytes()
     count = available_threads() if hasattr(os, "fork") and sys.platform != "darwin" else 1
     others = []
     for k in range(1, count):
@@ -136,7 +150,7 @@ def _on_all_cores(draw: Any) -> dict[str, str]:
     for k, child in others:
         if os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != 0:
             draw((k, count))
-    return files
+    return files, sum(max(0.0, largest_child_bytes() - before) for _ in others)
 
 
 if __name__ == "__main__":

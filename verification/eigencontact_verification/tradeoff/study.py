@@ -76,8 +76,8 @@ class Study:
 def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Prediction]:
     """Plan each variant without solving."""
     from eigencontact import app
-    from eigencontact.core.memory import resident_bytes
     from eigencontact.errors import EigencontactError
+    from eigencontact.planning.memory import run_bytes
 
     found = []
     scene = None
@@ -92,7 +92,7 @@ def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Pr
         if seen is not None and scene is not None and seen(plan) == seen(scene):
             found.append(Prediction(variant=variant, reason="the plan is that of the scene"))
             continue
-        memory = resident_bytes() + plan.cost.peak
+        memory = run_bytes(plan, stored=False)
         cells = (plan.grid.nx, plan.grid.ny)
         found.append(Prediction(variant=variant, cells=cells, seconds=plan.seconds, memory=memory))
     return found

@@ -1,0 +1,51 @@
+"""Memory of a whole run: its arrays, the interpreter with its libraries, and the process that draws its pictures."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from eigencontact.core.memory import resident_bytes
+from eigencontact.core.parallel import available_threads
+
+if TYPE_CHECKING:
+    from eigencontact.planning.plan import Plan
+
+__all__ = ["run_bytes"]
+
+#: What the first step adds beside its arrays: parts of scipy, compiled loops, and room that the allocator keeps. Of the
+#: bundled scenes 5 to 36 MB.
+_STEPS = 34e6
+#: Libraries that are loaded where they are needed first: those that store, those that compile the loops over cells
+#: inside bodies, and those that draw in this process.
+_STORING, _COMPILING, _DRAWING = 14e6, 60e6, 75e6
+#: Process that draws: 124 to 160 MB with bundled scenes. Each further core has a copy that shares most of it.
+_PAINTER, _COPY = 145e6, 20e6
+#: An animation, which this process draws and encodes after the last step: 190 to 215 MB with bundled scenes.
+_FILM = 225e6
+
+
+def run_bytes(plan: Plan, *, stored: bool = True, painter: bool = True) -> float:
+    """Memory that a run takes at most [bytes], that of this process and of the one that draws together.
+
+    Parameters
+    ----------
+    plan : Plan
+    stored : bool
+        Whether results go to a folder, as those of the command do; without one nothing is drawn.
+    painter : bool
+        Whether pictures are drawn by a process of their own.
+    """
+    late = _STEPS
+    if stored and "h5py" not in sys.modules:
+        late += _STORING
+    if plan.inhomogeneities and "numba" not in sys.modules:
+        late += _COMPILING
+    output = plan.scene.output
+    if stored and painter and output.pictures:
+        late += _PAINTER + _COPY * (available_threads() - 1)
+    elif stored and output.pictures and "matplotlib" not in sys.modules:
+        late += _DRAWING
+    if stored and output.animation:
+        late += _FILM
+    return resident_bytes() + late + plan.cost.peak
