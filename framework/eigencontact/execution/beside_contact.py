@@ -17,7 +17,7 @@ from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.separation import sum_separations
-from eigencontact.plugin import HasReferencePressure
+from eigencontact.plugin import HasReferencePressure, RevolutionSum
 from eigencontact.scene.holding import TRAVEL
 
 __all__ = ["ReferencePressure", "Separation", "TangentialDisplacement", "blocks_beside_contact"]
@@ -147,14 +147,9 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
             yield ExposedMaterial(model.exposed)
     if model.scene.output.tangential_displacement and model.friction is None:
         yield TangentialDisplacement(model)
-    geometry = model.geometries[0]
-    alone = (
-        len(model.geometries) == 1
-        and not model.periodic
-        and model.wear is None
-        and isinstance(geometry, HasReferencePressure)
-    )
-    reference = ReferencePressure(model, geometry) if alone else None  # type: ignore[arg-type]
+    geometry = model.geometries[0] if len(model.geometries) == 1 else RevolutionSum.of(model.geometries)
+    closed = isinstance(geometry, HasReferencePressure) and not model.periodic and model.wear is None
+    reference = ReferencePressure(model, geometry) if closed else None  # type: ignore[arg-type]
     if reference is not None:
         yield reference
     if model.friction is not None:
