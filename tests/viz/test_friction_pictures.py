@@ -271,7 +271,7 @@ def test_profiles_show_the_shear_its_bound_and_the_closed_form(stored):
         expected = dataset[name][-1, 12].sel(x=1e-6 * x, method="nearest").values
         np.testing.assert_allclose(y * 1e9, expected, rtol=1e-12)
     assert figure.axes[0].get_ylabel() == "Shear traction [GPa]"
-    assert figure.get_suptitle() == "Shear traction at P = 651 mN, Q = 130 mN (step 3 of 3)"
+    assert figure.get_suptitle() == "Shear traction at P = 651 mN, Q = 130 mN"
     stripe = next(patch for patch in figure.axes[0].patches if patch.get_label() == "stick")
     stick = dataset["x"].values[dataset["contact_zone"][-1, 12].values == 2]
     half = 0.5 * float(dataset.attrs["cell_size"][0])
@@ -286,7 +286,7 @@ def test_profiles_of_torsion_cross_and_both_bounds_are_drawn(stored):
     assert "$q_x$" not in left
     assert "$q_x$" in right
     assert "$q_y$" not in right
-    bounds = [line for line in figure.axes[0].get_lines() if line.get_color() == "0.45"]
+    bounds = [line for line in figure.axes[0].get_lines() if line.get_color() == "0.75"]
     assert len(bounds) == 2
     np.testing.assert_array_equal(bounds[0].get_ydata(), -bounds[1].get_ydata())
 

@@ -139,6 +139,7 @@ def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
     ratios = [one[along] for one in alone]
     with paper_style():
         figure = new_figure(*size)
+    figure.set_size_inches(*size)
     figure.set_dpi(DPI)
     figure.set_layout_engine("constrained", w_pad=ROOM, h_pad=ROOM)
     # Axes lie in all frames where the layout of the one in the middle puts them; it needs some rounds to settle.

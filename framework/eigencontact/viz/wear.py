@@ -11,7 +11,7 @@ from eigencontact.model.outlines import section_outline
 from eigencontact.viz.friction_words import MODES, driven
 from eigencontact.viz.outline import paths_of
 from eigencontact.viz.rolling import rolls
-from eigencontact.viz.style import COLOURS, moment, new_figure, paper_style, place, scale_for
+from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import contact_window, masked_map, middle
 from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_separation, interfaces, solved_cycles
 
@@ -79,11 +79,11 @@ def worn_map(dataset: Results, step: int = -1) -> Figure:
 def _heading(dataset: Results, step: int) -> str:
     volume, deepest = (float(dataset[name][step]) for name in ("worn_volume", "max_worn_depth"))
     if deepest == 0.0:
-        return f"Wear{moment(dataset, step)}\nnothing lost so far"
+        return f"Wear{instant(dataset, step)}\nnothing lost so far"
     cubes, length = (
         scale_for(dataset[name].values, unit) for name, unit in (("worn_volume", "m3"), ("max_worn_depth", "m"))
     )
-    return f"Wear{moment(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
+    return f"Wear{instant(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
 
 
 def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
