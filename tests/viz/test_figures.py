@@ -221,9 +221,10 @@ def test_pictures_of_a_page_have_one_width(stored, tmp_path):
     figures += [stress_section(dataset, "plane_1"), stress_profile(dataset, "line_0")]
     widths = set()
     for n, figure in enumerate(figures):
-        save(figure, tmp_path / f"{n}.png", 50)
+        save(figure, tmp_path / f"{n}.png", 50, "What it shows.")
         with Image.open(tmp_path / f"{n}.png") as picture:
             widths.add(picture.width)
+            assert picture.text["Description"] == "What it shows."
     assert max(widths) - min(widths) <= 1
 
 

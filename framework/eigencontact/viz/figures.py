@@ -152,8 +152,8 @@ def draw_all(
     if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
         wanted.append(("history.png", history_words(dataset), lambda: load_history(dataset)))
     named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
-    for name, _, draw in named[part[0] :: part[1]]:
-        save(draw(), folder / name, dpi)
+    for name, sentence, draw in named[part[0] :: part[1]]:
+        save(draw(), folder / name, dpi, sentence)
         gc.collect()  # a figure refers to itself
     return {name: sentence for name, sentence, _ in named}
 

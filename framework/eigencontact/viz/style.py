@@ -223,7 +223,7 @@ def _cycles(dataset: Results, step: int) -> str:
 paper_style = figure_look
 
 
-def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
+def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") -> None:
     """Write a picture that names this package, in the format of its ending; it appears complete or not at all.
 
     Parameters
@@ -234,6 +234,8 @@ def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
         File with the ending ``.png``, ``.pdf`` or ``.svg``.
     dpi : int, optional
         Dots per inch, by default those of the look in use.
+    caption : str
+        Sentence that the file carries as its description.
 
     Raises
     ------
@@ -254,9 +256,12 @@ def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
             box.x0, box.x1 = 0.0, figure.get_figwidth()
         elif box.width < (page := look.page):  # pages show pictures of one width: letters are of one size
             box.x0, box.x1 = (0.5 * (box.x0 + box.x1 + side * page) for side in (-1, 1))
-        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=_SAID[kind])
+        said = {**_SAID[kind], _CAPTION[kind]: caption} if caption else _SAID[kind]
+        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=said)
 
 
+#: Where a file has room for a caption.
+_CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}
 _MAKER = f"eigencontact {__version__}"
 #: What a file says of itself; a date would make another file of the same picture.
 _SAID: dict[str, dict[str, Any]] = {
