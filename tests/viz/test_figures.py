@@ -266,7 +266,10 @@ def test_other_sections(stored, shape):
 
 
 def test_line_is_a_profile_with_depth(stored):
-    figure = stress_profile(stored(regions=("line",)), "line_0")
+    dataset = stored(regions=("line",))
+    stress = dataset["line_0_stress"].values.copy()
+    stress[:, 3] = 0.005 * np.abs(stress).max()  # round-off of a solver
+    figure = stress_profile(dataset.assign(line_0_stress=(dataset["line_0_stress"].dims, stress)), "line_0")
     main = figure.axes[0]
     assert (main.get_xlabel(), main.get_ylabel()) == ("Stress [GPa]", "z [µm]")
     assert main.yaxis.get_inverted()

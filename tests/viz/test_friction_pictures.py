@@ -227,6 +227,15 @@ def test_the_map_shows_the_zones_and_equal_scales(stored):
     assert words[2].startswith("longest arrow: ")
 
 
+def test_a_zone_that_is_nowhere_is_not_in_the_legend(stored):
+    def slide(made, info):
+        made.fields["contact_zone"] = np.minimum(made.fields["contact_zone"], 1.0)
+
+    words = [text.get_text() for text in shear_map(stored(MONOTONIC, change=slide)).legends[0].get_texts()]
+    assert words[0] == "slip everywhere"
+    assert not any(word.startswith("stick") for word in words)
+
+
 @pytest.mark.parametrize("n", [24, 25, 64])
 def test_arrows_are_those_of_their_cells_and_lie_evenly(stored, n):
     dataset = stored(MONOTONIC, n=n, change=torsion)

@@ -17,6 +17,7 @@ from eigencontact.viz.residual import uplift_map
 from eigencontact.viz.section import stress_section
 from eigencontact.viz.sides import Plane, sides_of
 from eigencontact.viz.style import save
+from eigencontact.viz.surface import pressure_map
 from viz.test_outlines import ring
 
 CONTACT = """
@@ -203,6 +204,20 @@ def contact(pressure, **more):
         coords={"step": [1], "x": x, "y": x},
         attrs={"cell_size": [1e-6, 1e-6], "regions": "{}", "scene": ""},
     )
+
+
+def test_a_layer_that_ends_with_the_model_has_no_frame():
+    x = (np.arange(12) - 5.5) * 1e-6
+    pressure = 1e9 * (np.hypot(x, x[:, None]) < 3e-6)
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+    def dashed(reach):
+        border = np.stack([reach * corners, reach * np.roll(corners, -1, axis=0)], axis=1)
+        axes = pressure_map(contact(pressure).assign(outline=(("segment", "end", "at"), border))).axes[0]
+        return [path for item in axes.collections for path in item.get_paths()]
+
+    assert dashed(3e-6)
+    assert not dashed(5.7e-6)
 
 
 def test_the_ends_of_the_contact_are_those_of_the_row_in_the_plane():
