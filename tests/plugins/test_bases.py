@@ -17,7 +17,6 @@ from eigencontact.plugin import (
     Place,
     PointKernels,
     Revolution,
-    RevolutionSum,
     Rotation,
     SceneError,
     Strain,
@@ -27,6 +26,7 @@ from eigencontact.plugin import (
     rotation_matrix,
     turned_derivatives,
 )
+from eigencontact.plugin.revolution import RevolutionSum
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,8 @@ from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.separation import sum_separations
-from eigencontact.plugin import HasReferencePressure, RevolutionSum
+from eigencontact.plugin import Geometry, HasReferencePressure
+from eigencontact.plugin.revolution import RevolutionSum
 from eigencontact.scene.holding import TRAVEL
 
 __all__ = ["ReferencePressure", "Separation", "TangentialDisplacement", "blocks_beside_contact"]
@@ -147,8 +148,9 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
             yield ExposedMaterial(model.exposed)
     if model.scene.output.tangential_displacement and model.friction is None:
         yield TangentialDisplacement(model)
-    geometry = model.geometries[0] if len(model.geometries) == 1 else RevolutionSum.of(model.geometries)
-    closed = isinstance(geometry, HasReferencePressure) and not model.periodic and model.wear is None
+    alone = len(model.geometries) == 1
+    geometry: Geometry | None = model.geometries[0] if alone else RevolutionSum.of(model.geometries)
+    closed = not model.periodic and model.wear is None and isinstance(geometry, HasReferencePressure)
     reference = ReferencePressure(model, geometry) if closed else None  # type: ignore[arg-type]
     if reference is not None:
         yield reference

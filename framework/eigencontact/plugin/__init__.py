@@ -74,7 +74,7 @@ from eigencontact.plugin.inclusion import EigenstrainField, InclusionShape
 from eigencontact.plugin.layered import HasResponseAtDepths, LayeredMedium, Thinning
 from eigencontact.plugin.materials import NamesMaterials, by_material
 from eigencontact.plugin.observer import Observer, RegionView, RememberedView, StepView
-from eigencontact.plugin.revolution import Revolution, RevolutionSum
+from eigencontact.plugin.revolution import Revolution
 from eigencontact.plugin.surface import CornerInfluence, HasWavenumberResponse, SurfaceInfluence
 from eigencontact.plugin.timed_field import Strain, TimedField, mandel_strain
 from eigencontact.plugin.wear import WearLaw, WearState
@@ -138,7 +138,6 @@ __all__ = [
     "RememberedView",
     "Response",
     "Revolution",
-    "RevolutionSum",
     "Rotation",
     "Row",
     "SceneError",

@@ -13,9 +13,8 @@ from eigencontact.viz.frame import extremes
 from eigencontact.viz.style import colour_range
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from numpy.typing import NDArray
 
     from eigencontact.viz.sides import Side, Sides
@@ -92,7 +91,7 @@ def contours_by_side(
     least = float(np.nanmin(limits))
     if low == 0.0 and least > NARROW * high:  # a close-up, whose values differ little
         low = least
-    levels = MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high)
+    levels = np.asarray(MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high))
     norm = None
     if low == 0.0 and float(np.mean(np.abs(seen[np.isfinite(seen)]) < LOW * high)) > MOSTLY:
         levels = growing_levels(high)
@@ -142,8 +141,8 @@ def draw_sides(
     sides: Sides,
     *,
     length: Scale,
-    levels: Sequence[float],
-    cmap: str,
+    levels: FloatArray,
+    cmap: str | Colormap,
     extend: str = "neither",
     lines: dict[str, Any] | None = None,
     norm: Any = None,

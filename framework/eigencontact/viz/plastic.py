@@ -157,7 +157,7 @@ def plastic_section(
         figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
         axes = figure.add_subplot()
         axes.set_aspect("equal")
-        levels = MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top)
+        levels = np.asarray(MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top))
         levels = np.concatenate([[0.0, PERCENT * SHARE * top], levels[levels > PERCENT * SHARE * top]])
         if words[1] != PLASTIC:  # parts of a whole
             levels = np.unique(np.minimum(levels, PERCENT))

@@ -18,6 +18,7 @@ from eigencontact.viz.style import box_size, heading, label_plane, new_figure, p
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
@@ -141,9 +142,9 @@ def stress_section(
             row, column = section.largest(seen.points)
             largest = float(values[row, column])
             name_largest(bar, filled, float(unit(largest)), f"{unit(largest):.3g}")
-            spot = [(horizontal, float(h[column])), (vertical, float(v[row]))]
-            if vertical == "z" and abs(spot[0][1]) <= 0.51 * float(h[1] - h[0]):
-                del spot[0]  # in the middle, as near as the points are
+            spot = [(horizontal, _near_zero(h, column)), (vertical, _near_zero(v, row) if vertical != "z" else v[row])]
+            if vertical == "z" and spot[0][1] == 0.0:
+                del spot[0]
             words = ", ".join(place(axis, value) for axis, value in spot)
             if section.flat(seen.points):
                 where = f"plateau at {unit.text(largest)}"
@@ -166,6 +167,11 @@ def default_field(dataset: Results, region: str, step: int) -> Shown:
     return Shown(EQUIVALENT[field], "Pa", np.asarray(dataset[name][step].values, dtype=float), name)
 
 
+def _near_zero(places: NDArray[np.float64], index: int) -> float:
+    """Place of a point; zero where no point is nearer to zero than half of the spacing."""
+    return float(places[index]) if abs(places[index]) > 0.51 * (places[1] - places[0]) else 0.0
+
+
 def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
     """Where the plane lies; beside an interface, on which side of it."""
     words = []
@@ -173,7 +179,7 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
         if axis == "z" and near:
             side = "above" if at < near[0] * (1 - SAME) else "below"
-            words.append(f"just {side} the interface at {place(axis, near[0])}")
+            words.append(f"{side} the interface {place(axis, near[0])}")
         else:
             words.append(f"at {place(axis, at)}")
     return ", ".join(words)

@@ -62,8 +62,8 @@ def smooth_border(region: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -
         middles = [np.linspace(at[0], at[-1], finer * (at.size - 1) + 1) for at in coarse]
         share = RectBivariateSpline(*coarse[::-1], share)(*middles[::-1])
     middles = [np.concatenate([[2 * at[0] - at[1]], at, [2 * at[-1] - at[-2]]]) for at in middles]
-    lines = contour_generator(*middles, np.pad(share, 1)).lines(0.5)
-    return Path.make_compound_path(*(Path(line, closed=True) for line in lines))
+    lines = contour_generator(x=middles[0], y=middles[1], z=np.pad(share, 1)).lines(0.5)
+    return Path.make_compound_path(*(Path(np.asarray(line), closed=True) for line in lines))
 
 
 def extended(field: NDArray[Any], region: NDArray[np.bool_]) -> NDArray[Any]:

@@ -241,8 +241,8 @@ def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours:
 
     norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
     regions = [numbers >= number for number in range(1, int(numbers.max()) + 1)]
-    borders = [_smooth_border(window, region) for region in regions]
-    smooth = all(borders)
+    borders = [border for region in regions if (border := _smooth_border(window, region)) is not None]
+    smooth = len(borders) == len(regions)
     ground = np.zeros_like(numbers) if smooth else numbers
     axes.imshow(ground, origin="lower", extent=window.extent, cmap=ListedColormap(colours), norm=norm)
     for border, colour in zip(borders if smooth else (), colours[1:], strict=False):
