@@ -195,7 +195,7 @@ def test_formats_are_written_as_wide_as_a_column_and_own_files_alone_are_replace
 
 def test_all_pictures_in_another_format_and_style(folder, command, tmp_path, monkeypatch):
     stored = []
-    monkeypatch.setattr(figures, "save", lambda _, path, dpi: stored.append((path, dpi, used_look().name)))
+    monkeypatch.setattr(figures, "save", lambda _, path, dpi, _caption: stored.append((path, dpi, used_look().name)))
     words = ["--format", "svg", "--style", "talk", "--dpi", "150", "--no-vtk", "--json", "-o", tmp_path]
     done = command("plot", folder, *words)
     assert (done.code, done.err) == (0, "")
