@@ -107,14 +107,23 @@ def test_the_closed_form_holds_until_the_path_is_left(path):
     [
         {"coupling": "full", "body1": STEEL},  # normal and tangential are joined: the bodies differ
         {"friction": {"type": "shear-cap", "coefficient": MU, "cap": 4e9}},  # no one coefficient
-        {"geometry": [{"type": "sphere", "radius": 200e-6}, {"type": "sphere", "radius": 1.0}]},
+        {"geometry": [{"type": "sphere", "radius": 200e-6}, {"type": "sphere", "radius": 1.0, "center": [1e-6, 0.0]}]},
     ],
-    ids=["full coupling", "a cap that is reached", "two geometries"],
+    ids=["full coupling", "a cap that is reached", "two geometries of different axes"],
 )
 def test_no_closed_form(table):
     dataset = run([PRESS, {X: 1.0}], cells=12, **table)
     assert not any(holds(dataset))
     assert (dataset["shear_bound"] >= np.hypot(dataset["shear_x"], dataset["shear_y"]) * (1 - 1e-5)).all()
+
+
+def test_two_spheres_about_one_axis_have_the_closed_form_of_their_relative_radius():
+    balls = [{"type": "sphere", "radius": radius} for radius in (300e-6, 600e-6)]
+    dataset = run([PRESS], coupling="none", geometry=balls)
+    alone = run([PRESS], coupling="none", geometry={"type": "sphere", "radius": 200e-6})
+    reference = [data["reference_pressure"][-1].values for data in (dataset, alone)]
+    np.testing.assert_allclose(*reference, rtol=0, atol=1e-9 * reference[1].max())
+    assert all(holds(dataset))
 
 
 @pytest.mark.slow

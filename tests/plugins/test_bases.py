@@ -26,6 +26,7 @@ from eigencontact.plugin import (
     rotation_matrix,
     turned_derivatives,
 )
+from eigencontact.plugin.revolution import RevolutionSum
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +42,16 @@ class Quartic(Revolution):
 
     def rate(self, t):
         return 32 / 3 * t**3 / self.scale**3
+
+
+def test_coaxial_geometries_of_revolution_add_up():
+    x, y = np.array([0.5, 0.9]), np.array([-0.5, -0.2])
+    parts = [Quartic(scale=2.0, center=(0.5, -0.5)), Quartic(scale=3.0, center=(0.5, -0.5))]
+    together = RevolutionSum.of(parts)
+    equal = Quartic(scale=(1 / 8 + 1 / 27) ** (-1 / 3), center=(0.5, -0.5))
+    assert together.separation(x, y) == close(equal.separation(x, y), rel=1e-14)
+    assert together.reference_pressure(x, y, 2.0, 3.0) == close(equal.reference_pressure(x, y, 2.0, 3.0), rel=1e-12)
+    assert RevolutionSum.of([*parts, Quartic(scale=1.0)]) is None
 
 
 def test_a_geometry_of_revolution_is_a_profile_and_its_approach():

@@ -15,7 +15,7 @@ from eigencontact.afterwards import draw
 from eigencontact.results.ownership import is_ours
 from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore
-from eigencontact.viz.animation import FRAMES, frames, subject_of, thinned
+from eigencontact.viz.animation import FRAMES, frames, jumps, subject_of, thinned
 from eigencontact.viz.frame import Film, Frame
 from eigencontact.viz.friction import shear_map
 from eigencontact.viz.friction_history import fretting_loops
@@ -27,6 +27,8 @@ from viz.test_friction_pictures import CYCLE
 from viz.test_friction_pictures import record as sheared
 
 LOADS = (0.2, 0.65, 0.0)
+#: Dots above the middle of the contact at which colours are read: the words "no contact" are in the middle.
+BESIDE = 20
 AGAIN = [
     "stress=[]",
     "grid.cells-per-contact-radius=6",
@@ -109,7 +111,7 @@ def filmed(stored, tmp_path_factory):
             numbers = (*main.images[0].get_clim(), *main.get_xlim(), *main.get_ylim(), *main.get_position().bounds)
             seen.append((*numbers, *bar.get_ylim(), *figure.get_size_inches(), main.get_xlabel(), bar.get_ylabel()))
             assert main.get_aspect() == 1.0
-            places.append(main.transData.transform((0.0, 0.0)))
+            places.append(main.transData.transform((0.0, 0.0)) + np.array([0.0, BESIDE]))
 
     path = tmp_path_factory.mktemp("film") / "animation.gif"
     write_movie(watched(), path)
@@ -143,6 +145,28 @@ def test_a_gif_has_every_step_and_true_colours(stored, filmed):
             wanted = np.array(mpl.colormaps["viridis"](middle)[:3]) if middle else np.array([0.93] * 3)
             np.testing.assert_allclose(np.array(drawn) / 255, wanted, atol=0.03)
         assert film.info["duration"] == LAST
+
+
+def test_labels_stay_inside_of_the_frames(stored):
+    """The layout is found with the fonts of the frames, and not with those that matplotlib begins with."""
+    with mpl.rc_context({"font.size": 4, "ytick.labelsize": 3, "axes.labelsize": 4}):
+        drawn = frames(stored("frets"), subject_of(stored("frets")))
+        figure = next(drawn)
+        figure.canvas.draw()
+        renderer = figure.canvas.get_renderer()
+        for axes in (axes for part in figure.subfigs for axes in part.axes):
+            box = axes.get_tightbbox(renderer)
+            assert box.x0 > 0
+            assert box.x1 < figure.bbox.x1
+        drawn.close()
+
+
+def test_frames_say_what_they_leave_out():
+    cycles = np.array([0.0, 1.0, 2.0, 2.0, 500.0, 1000.0])
+    worn = xr.Dataset({"cycles": ("step", cycles), "max_worn_depth": ("step", cycles)}, {"step": range(1, 7)})
+    assert jumps(worn, (2, 4, 5)) == "Up to 500 cycles from one frame to the next"
+    assert jumps(worn, (0, 1, 2)) == "3 of 6 steps have a frame"
+    assert jumps(worn.drop_vars("cycles"), tuple(range(6))) == ""
 
 
 def test_contours_of_stress_are_those_of_all_frames(stored):

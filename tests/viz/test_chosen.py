@@ -6,12 +6,14 @@ import re
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.results.ownership import is_ours
 from eigencontact.viz import figures
+from eigencontact.viz.friction_words import ZONE_COLOURS
 from eigencontact.viz.looks import used_look
 from eigencontact.viz.profile import stress_profile
 
@@ -79,7 +81,8 @@ def test_a_map_shows_the_stored_numbers(data, field, component):
     shown = image(axes)
     assert shown.shape == wanted.shape
     drawn = shown * unit(axes.figure.axes[1].get_ylabel())
-    assert np.abs(drawn - wanted).max() <= 1e-12 * np.abs(wanted).max()
+    seen = (wanted != 0) | (field in ("gap", "displacement"))  # the rest lies outside of the border that clips the map
+    assert np.abs(drawn - wanted)[seen].max() <= 1e-12 * np.abs(wanted).max()
     assert np.abs(wanted).max() > 0
 
 
@@ -159,7 +162,9 @@ def test_a_section_has_levels_of_its_component_and_the_cross_at_its_largest_valu
 def test_zones_are_named_and_a_new_region_is_drawn(data, folder, command, tmp_path):
     axes = ec.plot(data, "contact-zone")
     assert [text.get_text() for text in axes.figure.legends[0].get_texts()] == ["open", "slip", "stick"]
-    assert sorted(np.unique(image(axes))) == sorted(np.unique(data["contact_zone"][-1]))
+    cells = {int(number) for number in np.unique(data["contact_zone"][-1])}
+    colours = {to_hex(patch.get_facecolor()).upper() for patch in axes.patches if patch.get_fill()}
+    assert colours == {ZONE_COLOURS[number] for number in cells - {0}}
     table = 'name = "deep", shape = "plane", normal = "z", position = "3 um"'
     words = ["--field", "stress", "--component", "yy", "-o", tmp_path]
     done = command("plot", folder, "--region", table, *words)
@@ -190,7 +195,7 @@ def test_formats_are_written_as_wide_as_a_column_and_own_files_alone_are_replace
 
 def test_all_pictures_in_another_format_and_style(folder, command, tmp_path, monkeypatch):
     stored = []
-    monkeypatch.setattr(figures, "save", lambda _, path, dpi: stored.append((path, dpi, used_look().name)))
+    monkeypatch.setattr(figures, "save", lambda _, path, dpi, _caption: stored.append((path, dpi, used_look().name)))
     words = ["--format", "svg", "--style", "talk", "--dpi", "150", "--no-vtk", "--json", "-o", tmp_path]
     done = command("plot", folder, *words)
     assert (done.code, done.err) == (0, "")

@@ -228,6 +228,15 @@ def test_the_map_shows_the_zones_and_equal_scales(stored):
     assert words[2].startswith("longest arrow: ")
 
 
+def test_a_zone_that_is_nowhere_is_not_in_the_legend(stored):
+    def slide(made, info):
+        made.fields["contact_zone"] = np.minimum(made.fields["contact_zone"], 1.0)
+
+    words = [text.get_text() for text in shear_map(stored(MONOTONIC, change=slide)).legends[0].get_texts()]
+    assert words[0] == "slip everywhere"
+    assert not any(word.startswith("stick") for word in words)
+
+
 @pytest.mark.parametrize("n", [24, 25, 64])
 def test_arrows_are_those_of_their_cells_and_lie_evenly(stored, n):
     dataset = stored(MONOTONIC, n=n, change=torsion)
@@ -272,7 +281,7 @@ def test_profiles_show_the_shear_its_bound_and_the_closed_form(stored):
         expected = dataset[name][-1, 12].sel(x=1e-6 * x, method="nearest").values
         np.testing.assert_allclose(y * 1e9, expected, rtol=1e-12)
     assert figure.axes[0].get_ylabel() == "Shear traction [GPa]"
-    assert figure.get_suptitle() == "Shear traction at P = 651 mN, Q = 130 mN (step 3 of 3)"
+    assert figure.get_suptitle() == "Shear traction at P = 651 mN, Q = 130 mN"
     stripe = next(patch for patch in figure.axes[0].patches if patch.get_label() == "stick")
     stick = dataset["x"].values[dataset["contact_zone"][-1, 12].values == 2]
     half = 0.5 * float(dataset.attrs["cell_size"][0])
@@ -287,7 +296,7 @@ def test_profiles_of_torsion_cross_and_both_bounds_are_drawn(stored):
     assert "$q_x$" not in left
     assert "$q_x$" in right
     assert "$q_y$" not in right
-    bounds = [line for line in figure.axes[0].get_lines() if line.get_color() == "0.45"]
+    bounds = [line for line in figure.axes[0].get_lines() if line.get_color() == "0.75"]
     assert len(bounds) == 2
     np.testing.assert_array_equal(bounds[0].get_ydata(), -bounds[1].get_ydata())
 

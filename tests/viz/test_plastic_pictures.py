@@ -1,10 +1,13 @@
 """Pictures of what yields, from made-up results: a ball of plastic strain that reaches the surface."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import pyvista as pv
+from matplotlib.colors import to_hex
+from matplotlib.contour import ContourSet
 
 from close import close
 from eigencontact.model.model import build_model
@@ -20,7 +23,7 @@ from eigencontact.viz.figures import draw_all
 from eigencontact.viz.isosurface import plastic_surfaces, surface_of
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, unloads
 from eigencontact.viz.profile import mean_profile
-from eigencontact.viz.remembered import plastic_strains
+from eigencontact.viz.remembered import SHARE, plastic_strains
 from eigencontact.viz.section import stress_section
 from eigencontact.viz.vtk import write_vtk
 from results import synthetic
@@ -188,3 +191,17 @@ def test_impacts_are_told_apart_by_what_lies_between_them(yielded):
     np.testing.assert_array_equal(count == 2, large & ~small)
     title = coverage_map(rows).axes[0].get_title()
     assert title.startswith("4 impacts: ")
+
+
+def test_the_map_of_plastic_strain_has_no_colour_outside_of_the_line(yielded):
+    """Strain of less than 5 % of the largest at a single cell is neither in the zone nor coloured."""
+    (field,) = plastic_strains(yielded, -1)
+    values = field.values.copy()
+    values[12, 9:11, 2] = 0.03 * values.max()
+    axes = plastic_section(yielded, replace(field, values=values)).axes[0]
+    filled = next(item for item in axes.collections if isinstance(item, ContourSet) and item.filled)
+    assert filled.levels[1] == close(100 * SHARE * values.max(), rel=1e-12)
+    assert to_hex(filled.cmap(filled.norm(0.5 * filled.levels[1]))) == to_hex(axes.get_facecolor())
+    lines = [item for item in axes.collections if isinstance(item, ContourSet) and not item.filled]
+    assert lines
+    assert all(len(item.get_paths()[0].to_polygons()) == 1 for item in lines)

@@ -20,6 +20,7 @@ from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.separation import sum_separations
 from eigencontact.plugin import Geometry, HasReferencePressure
+from eigencontact.plugin.revolution import RevolutionSum
 from eigencontact.scene.holding import TRAVEL
 
 if TYPE_CHECKING:
@@ -175,14 +176,10 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
             yield ExposedMaterial(model.exposed)
     if model.scene.output.tangential_displacement and model.friction is None:
         yield TangentialDisplacement(model)
-    geometry = model.geometries[0]
-    alone = (
-        len(model.geometries) == 1
-        and not model.periodic
-        and model.wear is None
-        and isinstance(geometry, HasReferencePressure)
-    )
-    reference = ReferencePressure(model, geometry) if alone else None  # type: ignore[arg-type]
+    alone = len(model.geometries) == 1
+    geometry: Geometry | None = model.geometries[0] if alone else RevolutionSum.of(model.geometries)
+    closed = not model.periodic and model.wear is None and isinstance(geometry, HasReferencePressure)
+    reference = ReferencePressure(model, geometry) if closed else None  # type: ignore[arg-type]
     if reference is not None:
         yield reference
     if model.friction is not None:

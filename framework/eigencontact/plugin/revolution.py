@@ -17,7 +17,7 @@ I. N. Sneddon 1965, doi:10.1016/0020-7225(65)90019-4; K. L. Johnson 1985, Contac
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from eigencontact.core.arrays import real_points
 from eigencontact.plugin.geometry import Geometry
 
-__all__ = ["Revolution", "contact_radius", "revolution_pressure"]
+__all__ = ["Revolution", "RevolutionSum", "contact_radius", "revolution_pressure"]
 
 FloatArray = NDArray[np.float64]
 Rate = Callable[[FloatArray], FloatArray]
@@ -103,6 +103,47 @@ class Revolution(Geometry):
             return np.zeros(r.shape)
         a = contact_radius(self.rate, normal_load, contact_modulus, junction=self.junction, limit=self.limit)
         return revolution_pressure(r, self.rate, a, contact_modulus, junction=self.junction)
+
+
+class RevolutionSum(Revolution):
+    """Two or more bodies of revolution about one axis: their profiles add up, and so do the growths of the approach.
+
+    Parameters
+    ----------
+    bodies : sequence of Revolution
+        At most one of them has a junction.
+    """
+
+    key = "sum"
+
+    def __init__(self, bodies: Sequence[Revolution]) -> None:
+        self._bodies = tuple(bodies)
+        self.center = bodies[0].center
+
+    @staticmethod
+    def of(geometries: Sequence[Geometry]) -> RevolutionSum | None:
+        """Sum of geometries; None unless all of them are of revolution about one axis and one junction suffices."""
+        bodies = [geometry for geometry in geometries if isinstance(geometry, Revolution)]
+        coaxial = len(bodies) == len(geometries) and len({tuple(body.center) for body in bodies}) == 1
+        return RevolutionSum(bodies) if coaxial and len({body.junction for body in bodies} - {0.0}) < 2 else None
+
+    def height(self, r: FloatArray) -> FloatArray:
+        """Separation h(r) [m]; 0 on the axis."""
+        return np.asarray(sum(body.height(r) for body in self._bodies))
+
+    def rate(self, t: FloatArray) -> FloatArray:
+        """Growth of the approach; see `Revolution`."""
+        return np.asarray(sum(body.rate(t) for body in self._bodies))
+
+    @property
+    def junction(self) -> float:
+        """See `Revolution`."""
+        return max(body.junction for body in self._bodies)
+
+    @property
+    def limit(self) -> float:
+        """See `Revolution`."""
+        return min(body.limit for body in self._bodies)
 
 
 def contact_radius(

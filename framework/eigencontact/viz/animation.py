@@ -36,12 +36,12 @@ if TYPE_CHECKING:
     Draw = Callable[..., Figure]
     from eigencontact.results.stored import Results
 
-__all__ = ["FRAMES", "Subject", "animate", "frames", "subject_of"]
+__all__ = ["FRAMES", "Subject", "animate", "frames", "jumps", "subject_of"]
 
 #: Longer histories are thinned to so many frames.
 FRAMES = 80
-#: Resolution of the frames [dots per inch].
-DPI = 110
+#: Resolution of the frames [dots per inch]: letters of 9 points are 20 dots high.
+DPI = 160
 #: Rounds of the layout until axes of equal scales stay in place: after two within 0.1 % of the frame, after one 5 %.
 ROUNDS = 2
 #: Room around the pictures [inch].
@@ -120,6 +120,16 @@ def thinned(dataset: Results, most: int = FRAMES) -> tuple[int, ...]:
     return tuple(steps[np.unique(chosen)].tolist())
 
 
+def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
+    """What the frames leave out, in words; empty where each step and each cycle has a frame."""
+    if "cycles" in dataset and wears(dataset):
+        most = float(np.diff(np.asarray(dataset["cycles"].values, dtype=float)[list(steps)]).max(initial=0.0))
+        if most > 1:
+            return f"Up to {most:.0f} cycles from one frame to the next"
+    count = dataset.sizes["step"]
+    return f"{len(steps)} of {count} steps have a frame" if len(steps) < count else ""
+
+
 def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
     """One figure, drawn anew for every frame, with the same size, axes and colours.
 
@@ -139,12 +149,14 @@ def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
     ratios = [one[along] for one in alone]
     with paper_style():
         figure = new_figure(*size)
+    figure.set_size_inches(*size)
     figure.set_dpi(DPI)
     figure.set_layout_engine("constrained", w_pad=ROOM, h_pad=ROOM)
     # Axes lie in all frames where the layout of the one in the middle puts them; it needs some rounds to settle.
     _draw(figure, subject, film, film.steps[len(film.steps) // 2], ratios)
-    for _ in range(ROUNDS):
-        figure.canvas.draw()
+    with paper_style():
+        for _ in range(ROUNDS):
+            figure.canvas.draw()
     places = [axes.get_position(original=True) for axes in _axes(figure)]
     figure.set_layout_engine("none")
     for step in film.steps:
@@ -164,6 +176,8 @@ def _draw(figure: Figure, subject: Subject, film: Film, step: int, ratios: list[
         parts = figure.subfigures(1, len(ratios), squeeze=False, width_ratios=ratios).ravel()
     for draw, part in zip(subject.pictures, parts, strict=True):
         draw(step=step, on=Frame(film, part))
+    note = jumps(film.dataset, film.steps)
+    figure.text(0.99, 0.005, note, ha="right", va="bottom", fontsize="x-small", color="0.4")
 
 
 def _axes(figure: Figure) -> list[Axes]:
@@ -202,4 +216,5 @@ def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = 
         )
     name = f"{ANIMATION}.{kind if isinstance(kind, str) else 'gif'}"
     write_movie(frames(dataset, subject), folder / name)
-    return {name: subject.sentence}
+    note = jumps(dataset, thinned(dataset))
+    return {name: f"{subject.sentence} {note}." if note else subject.sentence}

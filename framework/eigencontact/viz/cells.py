@@ -79,7 +79,7 @@ def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) 
         draw_segments(axes, inclusion_segments(dataset, body, "y", at["y"]), length)
         draw_contact_above(axes, contact_runs(dataset, step, "y", at["y"]), length)
         label_plane(axes, f"x [{length.unit}]", f"z [{length.unit}]")
-        title = heading(dataset, step, f"{shown.words} in body {body}")
+        title = f"{heading(dataset, step, f'{shown.words} in body {body}')}, {place('y', at['y'])}"
         if values.any():
             bar = figure.colorbar(
                 mesh, ax=axes, location="bottom" if wide else "right", shrink=0.7 if wide else 1.0,
@@ -90,6 +90,6 @@ def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) 
                 axes.plot(length(at["x"]), length(at["z"]), "+", color=colour, markersize=size, markeredgewidth=thick)
             row, column = (int(np.abs(middles[axis] - at[axis]).argmin()) for axis in "zx")
             where = ", ".join(place(axis, at[axis]) for axis in "xz")
-            title += f"\n{place('y', at['y'])};  {unit.text(values[row, column])} at {where} (cross)"
+            title += f"\n{unit.text(values[row, column])} at {where} (cross)"
         axes.set_title(title)
     return figure

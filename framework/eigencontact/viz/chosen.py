@@ -28,7 +28,6 @@ from eigencontact.viz.cut import View
 from eigencontact.viz.exposed import exposed_map
 from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES
 from eigencontact.viz.profile import line_profile
-from eigencontact.viz.residual import UPLIFT
 from eigencontact.viz.section import equivalent_of, stress_section
 from eigencontact.viz.style import heading
 from eigencontact.viz.window import Window, masked_map, view_of, zone_map
@@ -43,9 +42,6 @@ if TYPE_CHECKING:
     Range = tuple[float, float]
 
 __all__ = ["Chosen", "chosen_picture", "colour_map", "zoom_of"]
-
-#: Of uplift's colours, the other way round: displacement into the body, so that what is lifted is red in every picture.
-_SUNK = {UPLIFT: "RdBu"}
 
 
 @dataclass(frozen=True)
@@ -175,9 +171,6 @@ def _surface(dataset: Results, one: Field, part: str, step: int, view: View) -> 
     window = Window(dataset, _zoomed(dataset, box, view))
     if one.name == "contact_zone":
         return zone_map(window, values, heading(dataset, step, "Stick and slip"), ZONES, ZONE_COLOURS)
-    colours = view.cmap or (UPLIFT if one.name == "uplift" else None)
-    if colours is None and numbers.variable == "residual_displacement_z":
-        colours = _SUNK[UPLIFT]
     return masked_map(
         window,
         values,
@@ -186,9 +179,9 @@ def _surface(dataset: Results, one: Field, part: str, step: int, view: View) -> 
         title=heading(dataset, step, numbers.words),
         outline=contact,
         empty="no contact" if one.name == "pressure" else "zero everywhere",
-        cmap=colours,
+        cmap=view.cmap,
         masked=local,
-        centred=one.name in ("uplift", "residual_displacement") or numbers.variable == "residual_displacement_z",
+        lifted=1 if one.name == "uplift" else -1 if numbers.variable == "residual_displacement_z" else 0,
     )
 
 

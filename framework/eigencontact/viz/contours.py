@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +13,8 @@ from eigencontact.viz.frame import extremes
 from eigencontact.viz.style import colour_range
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from numpy.typing import NDArray
 
     from eigencontact.viz.sides import Side, Sides
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["colour_ends", "contours_by_side", "draw_sides"]
+__all__ = ["colour_ends", "contour_lines", "contours_by_side", "draw_sides", "growing_levels", "grows", "name_largest"]
 
 #: Number of filled contours.
 LEVELS = 14
@@ -29,6 +30,10 @@ LEVELS = 14
 OUTLYING, COMMON = 1.3, 0.995
 #: Colours begin at zero, unless all values are larger than this part of the largest.
 NARROW = 0.3
+#: Levels grow by ratios where so much of a section lies below this part of the end of the colours,
+MOSTLY, LOW = 0.8, 0.12
+#: over so many decades, by these numbers in each.
+DECADES, IN_A_DECADE = 2, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 
 
 def colour_ends(values: FloatArray) -> tuple[float, float]:
@@ -47,6 +52,7 @@ def contours_by_side(
     length: Scale,
     limits: FloatArray,
     ends: FloatArray,
+    seen: FloatArray,
     cmap: str | None = None,
 ) -> Any:
     """Filled contours with round levels, each side by its own values and up to the border itself.
@@ -65,6 +71,8 @@ def contours_by_side(
         Unit of both axes.
     limits, ends : arrays
         All values, or the smallest and the largest, and those that the colours are for.
+    seen : array
+        Values in the part that is shown. Where most of them are small, the levels grow by ratios.
     cmap : str, optional
         Colour map; by default one that suits the signs.
 
@@ -73,6 +81,7 @@ def contours_by_side(
     ContourSet or None
         For a colour bar; None where all limits are zero.
     """
+    from matplotlib.colors import BoundaryNorm
     from matplotlib.ticker import MaxNLocator
 
     if not np.any(np.nan_to_num(limits)):
@@ -82,14 +91,47 @@ def contours_by_side(
     least = float(np.nanmin(limits))
     if low == 0.0 and least > NARROW * high:  # a close-up, whose values differ little
         low = least
-    levels = MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high)
+    levels = np.asarray(MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high))
+    norm = None
+    if low == 0.0 and float(np.mean(np.abs(seen[np.isfinite(seen)]) < LOW * high)) > MOSTLY:
+        levels = growing_levels(high)
+        norm = BoundaryNorm(levels, 256, extend="max" if np.nanmax(limits) > levels[-1] else "neither")
     beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     extend = beyond[bool(least < levels[0]), bool(np.nanmax(limits) > levels[-1])]
     inner = [level for level in levels[::2] if np.nanmin(values) < level < np.nanmax(values)]
     lines = {"levels": inner, "colors": "0.15" if signed else "1.0"}
     return draw_sides(
-        axes, at, values, sides, length=length, levels=levels, cmap=cmap or colours, extend=extend, lines=lines
-    )
+        axes, at, values, sides, length=length, levels=levels, cmap=cmap or colours, extend=extend, lines=lines,
+        norm=norm,
+    )  # fmt: skip
+
+
+def growing_levels(end: float) -> FloatArray:
+    """Levels 0, ..., 1, 1.5, 2, 3, ... up to the first beyond the end of the colours, for fields that are mostly small.
+
+    Examples
+    --------
+    >>> growing_levels(140.0).tolist()
+    [0.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 70.0, 100.0, 150.0]
+    """
+    first = math.floor(math.log10(end)) - DECADES
+    steps = [factor * 10.0**power for power in range(first, first + DECADES + 2) for factor in IN_A_DECADE]
+    above = next(n for n, level in enumerate(steps) if level >= end * (1 - 1e-9))
+    return np.array([0.0, *steps[max(0, above - len(IN_A_DECADE) * DECADES) : above + 1]])
+
+
+def grows(filled: Any) -> bool:
+    """Whether the levels of filled contours grow by ratios."""
+    return len(filled.levels) > 2 and not np.allclose(np.diff(filled.levels, 2), 0.0, atol=1e-6 * filled.levels[-1])
+
+
+def name_largest(bar: Any, filled: Any, largest: float, text: str) -> None:
+    """Say the largest value beside the end of a colour bar that does not reach it."""
+    if largest > filled.levels[-1]:
+        at: dict[str, Any] = {"xy": (0.5, 1.0), "xytext": (0, 11), "ha": "center", "va": "bottom"}
+        if bar.orientation == "horizontal":
+            at = {"xy": (1.0, 0.5), "xytext": (12, 0), "ha": "left", "va": "center"}
+        bar.ax.annotate(text, xycoords="axes fraction", textcoords="offset points", fontsize="small", **at)
 
 
 def draw_sides(
@@ -99,10 +141,11 @@ def draw_sides(
     sides: Sides,
     *,
     length: Scale,
-    levels: Sequence[float],
-    cmap: str,
+    levels: FloatArray,
+    cmap: str | Colormap,
     extend: str = "neither",
     lines: dict[str, Any] | None = None,
+    norm: Any = None,
 ) -> Any:
     """Filled contours between given levels, each side by its own values; thin lines at some of them."""
     x, y = length(at[0]), length(at[1])
@@ -110,17 +153,50 @@ def draw_sides(
     for number, part in enumerate(sides.parts):
         level = 1.0 + number / len(sides.parts)  # bands of a side hide the lines of those below it
         field = np.ma.masked_invalid(sides.filled(values, part))
-        bands = axes.contourf(x, y, field, levels=levels, cmap=cmap, extend=extend, zorder=level)
+        bands = axes.contourf(x, y, field, levels=levels, cmap=cmap, norm=norm, extend=extend, zorder=level)
         bands.set_edgecolor("face")  # no seams between bands in a PDF
         bands.set_linewidth(0.1)
         made = [bands]
         if lines and any(field.min() < one < field.max() for one in lines["levels"]):
-            made.append(axes.contour(x, y, field, linewidths=0.3, alpha=0.6, zorder=level, **lines))
+            made.append(axes.contour(x, y, field, zorder=level, **{"linewidths": 0.3, "alpha": 0.6, **lines}))
         if len(sides.parts) > 1:
             for one in made:
                 one.set_clip_path(_border(part, at, length), axes.transData)
         drawn = drawn or bands
     return drawn
+
+
+def contour_lines(
+    axes: Axes, at: tuple[FloatArray, FloatArray], values: FloatArray, sides: Sides, *, length: Scale, level: float
+) -> list[Any]:
+    """Line at one level, each side by its own values and up to its border; the lines of each side."""
+    drawn = []
+    for side in sides.parts:
+        field = sides.filled(values, side)
+        if not field.min() < level < field.max():
+            continue
+        drawn.append(axes.contour(length(at[0]), length(at[1]), field, levels=[level]))
+        if len(sides.parts) > 1:
+            drawn[-1].set_clip_path(_border_with_holes(sides, side, at, length), axes.transData)
+    return drawn
+
+
+def _border_with_holes(sides: Sides, side: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:
+    """Border of a side, around inclusions with holes for them: paths of opposite turns."""
+    from matplotlib.path import Path
+
+    paths = [_border(side, at, length)]
+    if side.outline is None:
+        holes = [replace(side, outline=other.outline) for other in sides.parts if other.outline is not None]
+        paths += [_border(hole, at, length) for hole in holes]
+    turned = [path.vertices[:: 1 if (_turn(path.vertices) > 0) == (n == 0) else -1] for n, path in enumerate(paths)]
+    return Path.make_compound_path(*map(Path, turned))
+
+
+def _turn(path: FloatArray) -> float:
+    """Twice the area inside of a closed path, with the sign of its sense."""
+    x, y = path.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def _border(part: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:

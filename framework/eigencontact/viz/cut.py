@@ -28,6 +28,8 @@ MATTERS = 0.1
 ROOM = 0.15
 #: unless so much of the section would be left out or more than this part of it stays anyway.
 WORTH_IT = 0.6
+#: A largest value that more than this part of the points reach, within this part of it, is a plateau.
+PLATEAU, LEVEL = 0.05, 0.02
 #: A first row of points this many spacings below the surface is the middle of the first layer of cells.
 FIRST_CELL = 0.75
 
@@ -144,6 +146,13 @@ class Cut:
         seen = np.full(self.values.shape, np.nan)
         seen[points] = self.values[points]
         return self.sides.largest(seen)
+
+
+    def flat(self, points: tuple[slice, slice]) -> bool:
+        """Whether the largest magnitude among some points is that of a plateau, which has no place."""
+        size = np.abs(np.where(self.sides.trusted, self.values, np.nan)[points])
+        share = np.mean(size >= (1.0 - LEVEL) * np.nanmax(size)) if np.isfinite(size).any() else 0.0
+        return bool(share > PLATEAU)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eigencontact.errors import EigencontactError
-from eigencontact.viz.style import COLOURS, moment, paper_style
+from eigencontact.viz.style import COLOURS, instant, paper_style
 from eigencontact.viz.window import contact_window
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def exposed_map(dataset: Results, step: int = -1) -> Figure:
         )
         window.label(axes)
         window.outline(axes, contact[window.view.slices])
-        axes.set_title(f"Exposed materials{moment(dataset, step)}")
+        axes.set_title(f"Exposed materials{instant(dataset, step)}")
         words = [names.get(int(n), f"material {n}") for n in numbers]
         entries = [Patch(color=colour, label=word) for colour, word in zip(pale, words, strict=True)]
         figure.legend(handles=entries, loc="outside lower center", ncols=4)

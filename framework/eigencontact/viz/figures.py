@@ -114,7 +114,7 @@ def draw_all(
         wanted += [
             (
                 "uplift.png",
-                f"Uplift of the surface by {cause(dataset)}{at(step)}{from_above}.",
+                f"Displacement of the surface out of the body by {cause(dataset)}{at(step)}{from_above}.",
                 lambda: uplift_map(dataset, step),
             ),
             (
@@ -152,8 +152,8 @@ def draw_all(
     if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
         wanted.append(("history.png", history_words(dataset), lambda: load_history(dataset)))
     named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
-    for name, _, draw in named[part[0] :: part[1]]:
-        save(draw(), folder / name, dpi)
+    for name, sentence, draw in named[part[0] :: part[1]]:
+        save(draw(), folder / name, dpi, sentence)
         gc.collect()  # a figure refers to itself
     return {name: sentence for name, sentence, _ in named}
 
@@ -163,11 +163,11 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
     if not yields(dataset):
         return []
     wanted: list[Picture] = []
-    largest = f"on the section through its largest value{moment(dataset, step)}; the line is around"
+    largest = f"on the section through its largest value{moment(dataset, step)}; the line is at"
     for field in plastic_strains(dataset, step):
         first = field.body == 1
         name = "plastic-strain.png" if first else "plastic-strain-second.png"
-        sentence = f"Equivalent plastic strain {largest} its zone."
+        sentence = f"Equivalent plastic strain {largest} 5 % of that value."
         wanted.append((name, sentence, partial(plastic_section, dataset, field, step)))
         if solid:
             from eigencontact.viz.isosurface import plastic_surfaces
@@ -178,7 +178,7 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
     for field in remembered_fields(dataset, step, DAMAGE):
         name = "damage.png" if field.body == 1 else "damage-second.png"
         words = ("Damage", "Part of the stiffness that is lost [%]")
-        sentence = f"Damage {largest} the cells that have some."
+        sentence = f"Damage {largest} 5 % of that value."
         wanted.append((name, sentence, partial(plastic_section, dataset, field, step, words)))
     if unloads(dataset) and not rolls(dataset):
         sentence = "Normal load against approach, loading and unloading."

@@ -1,4 +1,4 @@
-"""Titles and legends that stay inside the width of their figure."""
+"""Titles that stay above their axes, and legends that stay inside the width of their figure."""
 
 from __future__ import annotations
 

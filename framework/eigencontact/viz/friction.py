@@ -13,9 +13,11 @@ from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES, friction_heading, history_of
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 from eigencontact.viz.window import (
+    alike,
     cell_edges,
     contact_middle,
     contact_window,
+    draw_classes,
     is_ragged,
     line_words,
     masked_map,
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["dissipation_map", "shear_map", "shear_profiles"]
 
 #: Arrows across the longer side of the contact, about; fewer and longer ones where it is in patches.
-ARROWS, FEWER, LONGER = 17, 14, 1.5
+ARROWS, FEWER, LONGER = 13, 14, 1.5
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
 #: Components below this part of the largest shear on the lines are not drawn.
@@ -58,7 +60,6 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
         Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell.
         Where the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
     """
-    from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
     zone = np.rint(_field(dataset, "contact_zone", step)).astype(int)
@@ -67,22 +68,21 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
     shown = zone[window.view.slices]
     with paper_style():
         figure, axes, _ = window.axes_of_map(on, bar=False)
-        axes.imshow(
-            shown,
-            origin="lower",
-            extent=window.extent,
-            cmap=ListedColormap(ZONE_COLOURS),
-            norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3),
-        )
+        draw_classes(axes, window, shown, ZONE_COLOURS)
         window.label(axes)
         window.outline(axes, shown > 0)
         if np.any(shown) or on is not None:  # frames keep their layout where the contact is lost
             key = _arrows(axes, dataset, step, zone, window, on)
             counts = [np.count_nonzero(shown == value) / (np.count_nonzero(shown) or 1) for value in (2, 1)]
-            words = [f"{ZONES[value]}, {100 * part:.3g} %" for value, part in zip((2, 1), counts, strict=True)]
             patches = [
-                Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=word)
-                for value, word in zip((2, 1), words, strict=True)
+                Patch(
+                    facecolor=ZONE_COLOURS[value],
+                    edgecolor="0.4",
+                    linewidth=0.5,
+                    label=f"{ZONES[value]}, {100 * share:.3g} %" if share < 1 else f"{ZONES[value]} everywhere",
+                )
+                for value, share in zip((2, 1), counts, strict=True)
+                if share > 0 or on is not None
             ]
             entries = [*patches, *key]
             legend_below(figure, entries, [str(entry.get_label()) for entry in entries], len(entries))
@@ -119,7 +119,9 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
         return []
     edges = [float(at[1] - at[0]) for at in (x, y) if at.size > 1]
     reach = 0.95 * cells * min(edges) if edges else 0.5 * float(np.ptp(window.extent[:2]))
-    pointed: dict[str, Any] = {"headwidth": 3.6, "headlength": 4.2, "headaxislength": 3.8, "minlength": 0.4}
+    pointed: dict[str, Any] = {
+        "headwidth": 3.2, "headlength": 3.4, "headaxislength": 3.1, "minshaft": 1.4, "minlength": 0.4,
+    }  # fmt: skip
     if ragged:  # arrows stand alone on spots of any size: longer, and light around, so that they show beside the spots
         reach *= LONGER
         pointed |= {"edgecolor": "white", "linewidth": 0.5}
@@ -208,14 +210,27 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     bound = _optional(dataset, "shear_bound", step)
     row, column, central = contact_middle(pressure)
     view = view_of(zone > 0.5)
+    dx, dy = np.atleast_1d(dataset.attrs["cell_size"])
     lines: list[tuple[str, str, tuple[Any, Any]]] = [
-        ("x", line_words("x", "y", float(dataset["y"][row]), central=central), (row, slice(view.x0, view.x1))),
-        ("y", line_words("y", "x", float(dataset["x"][column]), central=central), (slice(view.y0, view.y1), column)),
+        (
+            "x",
+            line_words("x", "y", float(dataset["y"][row]), central=central, cell=float(dy)),
+            (row, slice(view.x0, view.x1)),
+        ),
+        (
+            "y",
+            line_words("y", "x", float(dataset["x"][column]), central=central, cell=float(dx)),
+            (slice(view.y0, view.y1), column),
+        ),
     ]
     lines = [line for line in lines if dataset.sizes[line[0]] > 1] or lines[:1]
     shear = {axis: _field(dataset, f"shear_{axis}", step) for axis in "xy"}
     sizes = {axis: max(float(np.abs(values[where]).max()) for *_, where in lines) for axis, values in shear.items()}
     references = {axis: _optional(dataset, f"reference_shear_{axis}", step) for axis in "xy"}
+    drawn = [axis for axis in "xy" if sizes[axis] > _NEGLIGIBLE * max(sizes.values())]
+    curves = [*(shear[axis] for axis in drawn), *(references[axis] for axis in drawn), bound]
+    if alike(dataset, [curve for curve in curves if curve is not None], [line[2] for line in lines]):
+        lines = [("x", f"{lines[0][1]}, the same along y", lines[0][2])]
     limit = 0.0 if bound is None else max(float(bound[where].max()) for *_, where in lines)
     stress = scale_for([limit, *sizes.values()], "Pa")
     least = min(float(values[where].min()) for values in shear.values() for *_, where in lines)
@@ -232,7 +247,7 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
             if bound is not None:
                 for sign in signs:
                     label = "friction bound" if sign == 1 else "_"
-                    axes.plot(length(centres[part]), sign * stress(bound[where]), color="0.45", lw=1.0, label=label)
+                    axes.plot(length(centres[part]), sign * stress(bound[where]), color="0.75", lw=3.0, label=label)
             seen = [axis for axis in "xy" if np.abs(shear[axis][where]).max() > _NEGLIGIBLE * max(sizes.values())]
             for axis in seen:
                 colour, label = COLOURS["xy".index(axis)], f"$q_{axis}$"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.results.course import driven_motions
-from eigencontact.viz.style import moment, scale_for
+from eigencontact.viz.style import instant, scale_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -52,4 +52,4 @@ def friction_heading(dataset: Results, step: int, what: str) -> str:
         values = np.asarray(dataset[name].values, dtype=float)
         value = float(values[step]) if abs(values[step]) > 1e-9 * np.abs(values).max() else 0.0
         said.append(f"{symbol} = {scale_for([value], unit).text(value)}")
-    return f"{what} at {', '.join(said)}{moment(dataset, step)}"
+    return f"{what} at {', '.join(said)}{instant(dataset, step)}"

@@ -26,6 +26,8 @@ __all__ = ["LineSides", "inclusion_segments", "inclusions_of", "line_sides"]
 
 #: Halvings that find a border between two points.
 HALVINGS = 30
+#: Points closer to a border than this part of the spacing of the line are on it.
+ON_A_BORDER = 1e-6
 #: Corners of cells are looked at this far inside them, in parts of their edge.
 INSET = 1e-6
 
@@ -41,7 +43,7 @@ class LineSides:
     shares : (m,)
         Where each jump lies, as a part of the way from one point to the next.
     whole : (n,) bool
-        Points that lie in no cell which a border cuts; stress in those is that of neither side.
+        Points that lie on no border, and in no cell which a border cuts; stress in those is that of neither side.
     """
 
     number: NDArray[np.intp]
@@ -69,7 +71,20 @@ def line_sides(dataset: Results, body: int, points: FloatArray, step: int) -> Li
         middle = 0.5 * (low + high)
         same = number(first + middle * way) == own[breaks]
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return LineSides(own, 0.5 * (low + high), _whole(dataset, body, points, inclusions))
+    whole = _whole(dataset, body, points, inclusions) & ~_on_border(points, inclusions)
+    return LineSides(own, 0.5 * (low + high), whole)
+
+
+def _on_border(points: FloatArray, inclusions: tuple[Source, ...]) -> NDArray[np.bool_]:
+    """Points (3, n) of a line at which an inclusion begins or ends."""
+    on = np.zeros(points.shape[1], dtype=bool)
+    if points.shape[1] < 2:
+        return on
+    step = ON_A_BORDER * np.gradient(points, axis=1)
+    for inclusion in inclusions:
+        before, after = (np.asarray(inclusion.shape.contains(*(points + side * step))) for side in (-1, 1))
+        on |= before != after
+    return on
 
 
 def _whole(dataset: Results, body: int, points: FloatArray, inclusions: tuple[Source, ...]) -> NDArray[np.bool_]:

@@ -18,6 +18,8 @@ __all__ = ["COLOURS", "LOOKS", "Look", "are_shown", "figure_look", "look_of", "s
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
 #: A column of a paper and its two columns [inch]: 8.4 cm and 17 cm.
 COLUMN, BOTH_COLUMNS = 8.4 / 2.54, 17.0 / 2.54
+#: Width of the pictures of the screen [inch].
+PAGE = 5.8
 #: Figures of the screen that are wider [inch] have two panels beside each other.
 TWO_PANELS = 6.3
 #: Labels take a larger part of a narrow figure: it is made higher by this factor, and what stays empty is cut off.
@@ -103,6 +105,11 @@ class Look:
     column: bool = False
 
     @property
+    def page(self) -> float:
+        """Width of a picture [inch], where that is not of a column."""
+        return self.growth[0] * PAGE
+
+    @property
     def compact(self) -> bool:
         """Whether figures are made higher than they need be, and are cut to what they hold."""
         return self.column or self.growth[1] > self.growth[0]
@@ -116,7 +123,7 @@ class Look:
         [8.4, 17.0]
         """
         if not self.column:
-            return self.growth[0] * width, self.growth[1] * height
+            return self.growth[0] * min(width, PAGE), self.growth[1] * height
         wanted = COLUMN if width < TWO_PANELS else BOTH_COLUMNS
         return wanted, ROOM * height * wanted / width if wanted < width else height
 

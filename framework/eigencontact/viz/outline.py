@@ -32,11 +32,24 @@ def draw_segments(axes: Axes, segments: NDArray[Any], length: Scale) -> None:
 
 
 def draw_outline_below(axes: Axes, dataset: Results, length: Scale) -> None:
-    """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed."""
+    """Draw the outlines from above of inclusions below the surface that is shown: faint and dashed.
+
+    Segments along the rim of the surface are left out.
+    """
     if "outline" not in dataset:
         return
-    segments = np.asarray(dataset["outline"].values, dtype=float)
+    segments = _inner(np.asarray(dataset["outline"].values, dtype=float), dataset)
     _draw(axes, segments, length, ((1.2, "1.0", "-", 0.35), (0.7, "0.15", (0, (4, 2.5)), 0.75)))
+
+
+def _inner(segments: NDArray[Any], dataset: Results) -> NDArray[Any]:
+    """Segments without those along the rim of the surface, where a layer ends with the model and not in the body."""
+    cells = np.resize(np.atleast_1d(dataset.attrs["cell_size"]), 2)
+    along_rim = np.zeros(len(segments), dtype=bool)
+    for axis, cell in enumerate(cells):
+        for rim in np.asarray(dataset["xy"[axis]].values, dtype=float)[[0, -1]]:
+            along_rim |= (np.abs(segments[:, :, axis] - rim) <= 1.5 * cell).all(axis=1)
+    return np.asarray(segments[~along_rim])
 
 
 def draw_interfaces(axes: Axes, depths: tuple[float, ...], length: Scale) -> None:

@@ -11,8 +11,7 @@ from eigencontact.viz.contours import draw_sides
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.line_sides import inclusion_segments
 from eigencontact.viz.outline import draw_segments
-from eigencontact.viz.remembered import SHARE, CellField, draw_zone
-from eigencontact.viz.sides import Plane, sides_of
+from eigencontact.viz.remembered import SHARE, CellField, draw_zone, zone_field
 from eigencontact.viz.style import (
     COLOURS,
     box_size,
@@ -39,6 +38,8 @@ FALL = 1e-3
 ROOM = 0.25
 #: Plastic strain is shown in percent.
 PERCENT = 100.0
+#: Colour of what has not yielded.
+ELASTIC = "0.93"
 PLASTIC = "Equivalent plastic strain [%]"
 
 
@@ -137,12 +138,14 @@ def plastic_section(
     matplotlib.figure.Figure
         Filled contours between the middles of cells, equal scales, z downwards.
     """
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.ticker import MaxNLocator
 
     top, at = field.largest
-    found = field.cut("y", at["y"])
-    assert found is not None
-    values, z, x = found
+    section = zone_field(dataset, field, "y", at["y"], step)
+    assert section is not None
+    (x, z), values, sides = section
     inside = values > SHARE * top
     rows, columns = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
     room = ROOM * max(float(x[columns[-1]] - x[columns[0]]), float(z[rows[-1]]), field.edge("x"))
@@ -154,14 +157,18 @@ def plastic_section(
         figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
         axes = figure.add_subplot()
         axes.set_aspect("equal")
-        levels = MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top)
+        levels = np.asarray(MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top))
+        levels = np.concatenate([[0.0, PERCENT * SHARE * top], levels[levels > PERCENT * SHARE * top]])
+        if words[1] != PLASTIC:  # parts of a whole
+            levels = np.unique(np.minimum(levels, PERCENT))
+        cmap = ListedColormap([ELASTIC, *colormaps["viridis"](np.linspace(0.0, 1.0, len(levels) - 2))])
+        norm = BoundaryNorm(levels, cmap.N)
         axes.set_ylim(float(length(deep)), 0.0)
         segments = inclusion_segments(dataset, field.body, "y", at["y"])
-        sides = sides_of(dataset, Plane(field.body, ("z", "x"), z, x), segments, step)
-        filled = draw_sides(axes, (x, z), PERCENT * values, sides, length=length, levels=levels, cmap="viridis")
-        axes.set_facecolor(filled.cmap(0.5 / (len(levels) - 1)))  # the colour of the lowest band
+        filled = draw_sides(axes, (x, z), PERCENT * values, sides, length=length, levels=levels, cmap=cmap, norm=norm)
+        axes.set_facecolor(ELASTIC)
         draw_segments(axes, segments, length)
-        draw_zone(axes, field, "y", at["y"], length)
+        draw_zone(axes, dataset, field, ("y", at["y"]), length, step)
         for colour, size in (("black", 9), ("white", 7)):
             mark: dict[str, Any] = {"color": colour, "markersize": size, "markeredgewidth": size / 3.5 - 0.6}
             axes.plot(length(at["x"]), length(at["z"]), "+", zorder=5, **mark)
@@ -175,7 +182,7 @@ def plastic_section(
             shrink=0.8 if wide else 1.0,
             aspect=30 if wide else 22,
             pad=0.03,
-            ticks=levels[::2],
+            ticks=[0.0, *levels[2::2]],
         )
         bar.set_label(words[1])
         title = heading(dataset, step, f"{words[0]} in body {field.body}")

@@ -24,6 +24,10 @@ __all__ = ["Line", "line_profile", "mean_profile", "stress_profile"]
 
 #: A coordinate that varies by less than this part of the largest is constant: the points of a line are rounded.
 SAME = 1e-9
+#: Components of stress below this part of the largest are not drawn.
+NEGLIGIBLE = 0.01
+#: Lines of at most this many points have markers: between them the curve is not computed.
+FEW = 60
 
 
 class Line:
@@ -38,7 +42,7 @@ class Line:
     name : str
         What ``at`` is, in words.
     whole : (n,) bool
-        Points in no cell that a border cuts.
+        Points on no border and in no cell that a border cuts.
     jumps : (m,)
         Where the material changes, on the same scale [m].
     """
@@ -67,10 +71,12 @@ class Line:
         self.jumps = first + sides.shares * (last - first)
 
     def draw(self, axes: Axes, values: Any, length: Scale, *style: Any, **more: Any) -> None:
-        """Curve of values, one piece for each side of the jumps, which leaves out cells that a border cuts."""
+        """Curve of values, one piece for each side of the jumps, without points on borders and in cells they cut."""
         values = np.where(self.whole, values, np.nan) if self.whole.any() else values
         places, numbers = (np.insert(np.asarray(part, dtype=float), self._breaks, np.nan) for part in (self.at, values))
         pair = (numbers, length(places)) if self.deep else (length(places), numbers)
+        if self.at.size <= FEW:
+            more = {"marker": ".", **more}
         axes.plot(*pair, *style, **more)
 
     def finish(self, axes: Axes, length: Scale) -> None:
@@ -101,7 +107,7 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Equivalent stresses that were stored, and the normal and shear components that do not vanish.
+        Equivalent stresses that were stored, and the components of more than 1 % of the largest.
     """
     line = Line(dataset, region, step)
     curves = {
@@ -113,7 +119,7 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
         components = np.asarray(dataset[f"{region}_stress"][step].values, dtype=float)
         largest = float(np.nanmax(np.abs(components)))
         for name, values in zip(COMPONENTS, components, strict=True):
-            if float(np.nanmax(np.abs(values))) > 1e-6 * largest:
+            if float(np.nanmax(np.abs(values))) > NEGLIGIBLE * largest:
                 curves[rf"$\sigma_{{{name}}}$"] = values
     stress = scale_for(np.stack(list(curves.values())), "Pa")
     length = scale_for(line.at, "m")

@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eigencontact.viz.contours import contour_lines
+from eigencontact.viz.line_sides import inclusion_segments
+from eigencontact.viz.sides import Plane, sides_of
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -16,14 +20,14 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.style import Scale
 
-__all__ = ["DAMAGE", "STRAIN", "CellField", "draw_zone", "plastic_strains", "remembered_fields", "yields"]
+__all__ = ["DAMAGE", "STRAIN", "CellField", "draw_zone", "plastic_strains", "remembered_fields", "yields", "zone_field"]
 
 #: Name, before the number of the body, of what a material that yields remembers.
 STRAIN = "equivalent_plastic_strain"
 #: The same of a material that degrades.
 DAMAGE = "damage"
-#: Cells belong to the plastic zone beyond this part of the largest plastic strain.
-SHARE = 1e-6
+#: The plastic zone holds more than this part of the largest plastic strain: pictures show no less.
+SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -105,18 +109,31 @@ def remembered_fields(dataset: Results, step: int, quantity: str) -> Iterator[Ce
             yield CellField(body, values, axes)
 
 
-def draw_zone(axes: Axes, field: CellField, normal: str, at: float, length: Scale) -> bool:
-    """Line around the cells that have yielded, in the plane of cells that holds a place; whether there are some.
+def zone_field(dataset: Results, field: CellField, normal: str, at: float, step: int) -> tuple[Any, Any, Any] | None:
+    """Places (horizontal, vertical), values and sides of the plane of cells that holds a place; None beside the box."""
+    section = field.cut(normal, at)
+    if section is None:
+        return None
+    values, v, h = section
+    dims = [axis for axis in "zyx" if axis != normal]
+    plane = Plane(field.body, (dims[0], dims[1]), v, h)
+    return (h, v), values, sides_of(dataset, plane, inclusion_segments(dataset, field.body, normal, at), step)
 
-    It runs along the faces of the cells and cuts their corners.
+
+def draw_zone(
+    axes: Axes, dataset: Results, field: CellField, plane: tuple[str, float], length: Scale, step: int
+) -> bool:
+    """Line around what has yielded, in the plane of cells that holds a place along its normal; whether there is some.
+
+    It is the contour of the part `SHARE` of the largest value of the field, and of the values of each side of borders.
     """
-    found = field.cut(normal, at)
-    if found is None:
+    section = zone_field(dataset, field, *plane, step)
+    level = SHARE * float(field.values.max())
+    if section is None or not (section[1] > level).any():
         return False
-    values, v, h = found
-    plastic = (values > SHARE * float(field.values.max())).astype(float)
-    if not plastic.any():
-        return False
+    at, values, sides = section
     for width, colour in ((2.2, "1.0"), (1.1, "0.1")):
-        axes.contour(length(h), length(v), plastic, levels=[0.5], colors=colour, linewidths=width, zorder=3)
+        line_sides = contour_lines(axes, at, values, sides, length=length, level=level)
+        for lines in line_sides:
+            lines.set(linewidth=width, edgecolor=colour, zorder=3)
     return True

@@ -1,7 +1,7 @@
 """Pictures of what eigenstrain and inclusions do to the surface: uplift as a map, displacement along two lines.
 
-Colours of uplift are the same in every picture: a diverging map centred on zero, red where the surface is lifted out of
-the body, blue where it sinks, white where it stays, also where all of it goes one way.
+Colours are the same in every picture: red where the surface is lifted out of the body, blue where it sinks, white where
+it stays.
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from eigencontact.viz.style import (
     box_size,
     heading,
     label_plane,
+    lift_colours,
     new_figure,
     paper_style,
     scale_for,
 )
-from eigencontact.viz.window import cell_edges, contact_middle, line_words
+from eigencontact.viz.window import alike, cell_edges, contact_middle, line_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["cause", "displacement_profiles", "uplift_map"]
 
-#: Colours of uplift, from sunk to lifted.
-UPLIFT = "RdBu_r"
 _NAMES = {"z": "uplift $-u_z$", "x": "$u_x$", "y": "$u_y$"}
 _STYLES = {"z": "-", "x": "--", "y": ":"}
 
@@ -69,21 +68,22 @@ def uplift_map(dataset: Results, step: int = -1) -> Figure:
         wide = width > 2.2 * height
         figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
         axes = figure.add_subplot()
-        end = float(np.abs(uplift).max()) or 1.0 / rise.factor
+        colours, low, high = lift_colours(float(uplift.min()), float(uplift.max()))
         image = axes.imshow(
             rise(uplift),
             origin="lower",
             extent=tuple(length(extent)),
-            cmap=UPLIFT,
-            vmin=-end * rise.factor,
-            vmax=end * rise.factor,
+            interpolation="bilinear",
+            cmap=colours,
+            vmin=low * rise.factor,
+            vmax=high * rise.factor,
         )
         draw_outline_below(axes, dataset, length)
         label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
         row, column = _largest(uplift)
-        title = heading(dataset, step, f"Uplift of the surface by {cause(dataset)}")
-        way = "down" if uplift[row, column] < 0 else "up"
-        axes.set_title(f"{title}\n{rise.text(abs(uplift[row, column]))} {way} at the cross")
+        peak = float(uplift[row, column])
+        what = f"{'Subsidence' if peak < 0 else 'Uplift'} of the surface by {cause(dataset)}"
+        axes.set_title(f"{heading(dataset, step, what)}\nup to {rise.text(abs(peak))} (cross)")
         axes.plot(length(x[column]), length(y[row]), "+", color="black", markersize=8, markeredgewidth=2.4)
         axes.plot(length(x[column]), length(y[row]), "+", color="white", markersize=7, markeredgewidth=1.1)
         bar = figure.colorbar(
@@ -94,7 +94,7 @@ def uplift_map(dataset: Results, step: int = -1) -> Figure:
             aspect=30 if wide else 22,
             pad=0.03,
         )
-        bar.set_label(f"Uplift [{rise.unit}]")
+        bar.set_label(f"Displacement out of the body [{rise.unit}]")
     return figure
 
 
@@ -123,15 +123,18 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
     if not (central and pressure.any()):
         (row, column), central = _middle(uplift), False
     values = {"z": uplift}
+    edge = dict(zip("xy", np.atleast_1d(dataset.attrs["cell_size"]).tolist(), strict=True))
     for component in "xy":
         name = f"residual_displacement_{component}"
         if name in dataset:
             values[component] = np.asarray(dataset[name][step].values, dtype=float)
     panels: list[tuple[str, str, NDArray[Any], tuple[Any, Any]]] = [
-        ("x", line_words("x", "y", y[row], central=central), x, (row, slice(None))),
-        ("y", line_words("y", "x", x[column], central=central), y, (slice(None), column)),
+        ("x", line_words("x", "y", y[row], central=central, cell=edge["y"]), x, (row, slice(None))),
+        ("y", line_words("y", "x", x[column], central=central, cell=edge["x"]), y, (slice(None), column)),
     ]
     panels = [panel for panel in panels if panel[2].size > 1] or panels[:1]
+    if set(values) == {"z"} and alike(dataset, [uplift, pressure], [panel[3] for panel in panels]):
+        panels = [("x", f"{panels[0][1]}, the same along y", *panels[0][2:])]
     rise = scale_for(np.stack([field[where] for field in values.values() for *_, where in panels[:1]]), "m")
     with paper_style():
         figure = new_figure(3.3 * len(panels) + (0.3 if len(panels) > 1 else 1.2), 2.9)

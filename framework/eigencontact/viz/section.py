@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eigencontact.viz.contact_edge import contact_runs, draw_contact_above, draw_contact_from_above
-from eigencontact.viz.contours import colour_ends, contours_by_side
+from eigencontact.viz.contours import colour_ends, contours_by_side, grows, name_largest
 from eigencontact.viz.cut import WHOLE, Cut, Seen, Shown, View
 from eigencontact.viz.outline import draw_interfaces, draw_outline
 from eigencontact.viz.remembered import draw_zone, plastic_strains
@@ -18,6 +18,7 @@ from eigencontact.viz.style import box_size, heading, label_plane, new_figure, p
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
@@ -79,8 +80,9 @@ def stress_section(
     -------
     matplotlib.figure.Figure
         Filled contours that cross no interface and no border of an inclusion (`eigencontact.viz.sides`); a cross at the
-        largest value (in magnitude) of whole cells; a bar above the contact; a line around what has yielded. A value
-        that stands out at few points, as at an edge or beside a void, does not set the colours.
+        largest value (in magnitude) of trusted points, unless it is that of a plateau; a bar above the contact; a line
+        around what has yielded. A value that stands out at few points, as at an edge or beside a void, does not set the
+        colours: it is written beside their end.
     """
     described = json.loads(dataset.attrs["regions"])[region]
     shown = shown or default_field(dataset, region, step)
@@ -89,7 +91,7 @@ def stress_section(
     vertical, horizontal = section.dims
     seen = Seen.of(dataset, section, view, step, framed=on is None)
     inside = values[seen.points]
-    trusted = np.where(section.sides.whole, values, np.nan)[seen.points]
+    trusted = np.where(section.sides.trusted, values, np.nan)[seen.points]
     trusted = trusted if np.isfinite(trusted).any() else inside
     length = scale_for([*seen.horizontal, *seen.vertical], "m")
     limits = trusted if on is None else on.film.limits(shown.variable)
@@ -105,7 +107,7 @@ def stress_section(
         axes.set_ylim(length(seen.vertical[::-1] if vertical == "z" else seen.vertical))
         filled = contours_by_side(
             axes, (h, v), unit(values), section.sides, length=length, limits=unit(limits), ends=unit(colours),
-            cmap=view.cmap,
+            seen=unit(inside) if on is None else unit(limits), cmap=view.cmap,
         )  # fmt: skip
         if section.outlined:
             draw_outline(axes, dataset, f"{region}_outline", length)
@@ -117,11 +119,13 @@ def stress_section(
             draw_contact_from_above(axes, dataset, step, length)
         for strain in plastic_strains(dataset, step):
             if strain.body == described["body"] and normal:
-                draw_zone(axes, strain, normal, section.cut[normal], length)
+                draw_zone(axes, dataset, strain, (normal, section.cut[normal]), length, step)
         label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")
         bodies = {region_["body"] for region_ in json.loads(dataset.attrs["regions"]).values()}
         title = heading(dataset, step, shown.words + (f" in body {described['body']}" if len(bodies) > 1 else ""))
-        where = [_cut_words(dataset, section, int(described["body"]), step)]
+        cut = _cut_words(dataset, section, int(described["body"]), step)
+        title = f"{title}, {cut.removeprefix('at ')}" if " at " in title and cut else f"{title} {cut}".strip()
+        where = ""
         if filled is None:
             axes.text(0.5, 0.5, shown.nothing, transform=axes.transAxes, ha="center", va="center", color="0.4")
         else:
@@ -133,15 +137,21 @@ def stress_section(
                 aspect=30 if wide else 22,
                 pad=0.03,
             )
-            bar.set_label(f"{shown.words} [{unit.unit}]" if unit.unit else shown.words)
+            label = f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
+            bar.set_label(f"{label} (nonlinear scale)" if grows(filled) else label)
             row, column = section.largest(seen.points)
-            spot = [(horizontal, float(h[column])), (vertical, float(v[row]))]
-            if vertical == "z" and abs(spot[0][1]) <= 0.51 * float(h[1] - h[0]):
-                del spot[0]  # in the middle, as near as the points are
+            largest = float(values[row, column])
+            name_largest(bar, filled, float(unit(largest)), f"{unit(largest):.3g}")
+            spot = [(horizontal, _near_zero(h, column)), (vertical, _near_zero(v, row) if vertical != "z" else v[row])]
+            if vertical == "z" and spot[0][1] == 0.0:
+                del spot[0]
             words = ", ".join(place(axis, value) for axis, value in spot)
-            where.append(f"{unit.text(values[row, column])} at {words} (cross)")
-            _mark(axes, (float(length(h[column])), float(length(v[row]))))
-        axes.set_title("\n".join(filter(None, [title, ";  ".join(filter(None, where))])))
+            if section.flat(seen.points):
+                where = f"plateau at {unit.text(largest)}"
+            else:
+                where = f"{unit.text(largest)} at {words} (cross)"
+                _mark(axes, (float(length(h[column])), float(length(v[row]))))
+        axes.set_title("\n".join(filter(None, [title, where])))
     return figure
 
 
@@ -157,6 +167,11 @@ def default_field(dataset: Results, region: str, step: int) -> Shown:
     return Shown(EQUIVALENT[field], "Pa", np.asarray(dataset[name][step].values, dtype=float), name)
 
 
+def _near_zero(places: NDArray[np.float64], index: int) -> float:
+    """Place of a point; zero where no point is nearer to zero than half of the spacing."""
+    return float(places[index]) if abs(places[index]) > 0.51 * (places[1] - places[0]) else 0.0
+
+
 def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
     """Where the plane lies; beside an interface, on which side of it."""
     words = []
@@ -164,7 +179,7 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
         if axis == "z" and near:
             side = "above" if at < near[0] * (1 - SAME) else "below"
-            words.append(f"just {side} the interface at {place(axis, near[0])}")
+            words.append(f"{side} the interface {place(axis, near[0])}")
         else:
             words.append(f"at {place(axis, at)}")
     return ", ".join(words)

@@ -1,9 +1,10 @@
 """Which side of interfaces and borders of inclusions the points of a section lie on, so that nothing crosses a jump.
 
 Stress jumps where the material does: at interfaces of layers, at borders of inclusions. A picture must not join points
-of both sides. Where an inclusion is made of cells, stress in the cells that its border cuts is that of neither side: a
-picture fills them from the nearest whole cell of the same side, and looks for no extreme value there. Points finer than
-cells show the jumps at the faces of the cells beside those as well: there, too, no extreme value is looked for.
+of both sides. Three kinds of points carry the stress of neither side: points in cells that a border cuts, points finer
+than cells in the cells next to those, whose values show the faces of the cells, and points on the border itself. A
+picture continues the values of the trusted points of the same side, and looks for no extreme value there. The middle
+of a whole cell is trusted, however fine the points are.
 """
 
 from __future__ import annotations
@@ -34,6 +35,15 @@ ON_A_FACE = 1e-6
 PER_CELL = 4
 #: Points closer than this part of an edge of cells are finer than cells.
 FINER = 0.5
+#: Part of the edge of a whole cell, on both sides of its middle, whose points are trusted beside cells that are cut.
+MIDDLE = 0.2
+#: More points than this are filled without the smooth continuation.
+MOST_FILLED = 50_000
+#: Weight of the nearest value in the smooth continuation.
+NEAREST = 1e-6
+#: Points closer to a border than this part of their spacing are on it. Stored borders are polygons: their sides pass
+#: inside of a curved border, by less than that.
+ON_A_BORDER = 0.05
 
 
 @dataclass(frozen=True)
@@ -97,18 +107,18 @@ class Sides:
     interfaces: tuple[float, ...]
 
     def filled(self, values: FloatArray, part: Side) -> FloatArray:
-        """Values (m, n) with those of other sides and of cut cells replaced by the nearest of one side.
+        """Values (m, n) with those of other sides and of points without trust continued from the others of one side.
 
-        Where a side has no whole cell, its values in cut cells stay.
+        A side without trusted points keeps the values of its whole cells; without those, all of its values.
         """
-        known = part.points & self.whole & np.isfinite(values)
-        known = known if known.any() else part.points & np.isfinite(values)
+        finite = part.points & np.isfinite(values)
+        known = next((some for some in (finite & self.trusted, finite & self.whole) if some.any()), finite)
         if known.all() or not known.any():
             return values
         from scipy.ndimage import distance_transform_edt
 
         index = distance_transform_edt(~known, return_distances=False, return_indices=True)
-        return np.asarray(values[tuple(index)])
+        return _smoothed(np.asarray(values[tuple(index)]), part.points & ~known, part.points)
 
     def largest(self, values: FloatArray) -> tuple[int, int]:
         """Row and column of the largest magnitude among trusted points; of several alike, nearest to the middle."""
@@ -157,7 +167,36 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
             points = (owner == number) & (layer == n)
             if points.any():
                 parts.append(Side(points, closed[number] if number >= 0 else None, depths))
-    return Sides(tuple(parts), *_whole(dataset, plane, closed), cuts)
+    whole, trusted = _whole(dataset, plane, closed)
+    return Sides(tuple(parts), whole, trusted & ~_on_border(plane, closed), cuts)
+
+
+def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.bool_]) -> FloatArray:
+    """Values that are harmonic at unknown points of a side, given elsewhere; nothing crosses the end of the side."""
+    from scipy.sparse import coo_array, diags_array
+    from scipy.sparse.linalg import spsolve
+
+    count = int(np.count_nonzero(unknown))
+    if not 0 < count <= MOST_FILLED:
+        return values
+    number = np.full(values.shape, -1)
+    number[unknown] = np.arange(count)
+    degree, right = np.full(count, NEAREST), NEAREST * values[unknown]
+    pairs: list[NDArray[np.intp]] = []
+    every, but_first, but_last = slice(None), slice(1, None), slice(-1)
+    for first, second in (((but_first, every), (but_last, every)), ((every, but_first), (every, but_last))):
+        for here, there in ((first, second), (second, first)):
+            joined = unknown[here] & side[there]
+            rows, columns = number[here][joined], number[there][joined]
+            np.add.at(degree, rows, 1.0)
+            given = columns < 0
+            np.add.at(right, rows[given], values[there][joined][given])
+            pairs.append(np.stack([rows[~given], columns[~given]]))
+    rows, columns = np.concatenate(pairs, axis=1)
+    joints = coo_array((np.ones(rows.size), (rows, columns)), shape=(count, count))
+    values = values.copy()
+    values[unknown] = spsolve((diags_array(degree) - joints).tocsc(), right)
+    return values
 
 
 def _area(path: FloatArray) -> float:
@@ -204,7 +243,26 @@ def _whole(
         return whole, whole
     from scipy.ndimage import binary_dilation
 
-    return whole, ~_touching(binary_dilation(cut, np.ones((3, 3))), places, first)
+    beside = _touching(binary_dilation(cut, np.ones((3, 3))), places, first)
+    rows, columns = (np.abs(at - np.floor(at) - 0.5) <= MIDDLE for at in places)
+    return whole, whole & (~beside | (rows[:, None] & columns))
+
+
+def _on_border(plane: Plane, paths: list[FloatArray]) -> NDArray[np.bool_]:
+    """Points of a section that lie on a path."""
+    spacing = min((float(np.diff(at).min()) for at in (plane.v, plane.h) if at.size > 1), default=0.0)
+    on = np.zeros((plane.v.size, plane.h.size), dtype=bool)
+    for start, end in (pair for path in paths for pair in pairwise(path)):
+        near = tuple(
+            np.flatnonzero((at >= min(ends) - ON_A_BORDER * spacing) & (at <= max(ends) + ON_A_BORDER * spacing))
+            for at, ends in ((plane.v, (start[1], end[1])), (plane.h, (start[0], end[0])))
+        )
+        if not all(index.size for index in near):
+            continue
+        (across, down), reach = end - start, float(np.hypot(*(end - start)))
+        away = across * (plane.v[near[0]][:, None] - start[1]) - down * (plane.h[near[1]] - start[0])
+        on[np.ix_(*near)] |= np.abs(away) <= ON_A_BORDER * spacing * reach
+    return on
 
 
 def _touching(cells: NDArray[np.bool_], places: list[FloatArray], first: NDArray[Any]) -> NDArray[np.bool_]:

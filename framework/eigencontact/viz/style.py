@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
@@ -31,7 +32,9 @@ __all__ = [
     "box_size",
     "colour_range",
     "heading",
+    "instant",
     "label_plane",
+    "lift_colours",
     "moment",
     "new_figure",
     "paper_style",
@@ -42,6 +45,8 @@ __all__ = [
 
 #: Negative values below this part of the largest are what a solver leaves of zero.
 SIGNED = 1e-5
+#: Displacements below this part of the largest leave the other half of a diverging map unused.
+ONE_WAY = 0.05
 #: Formats of pictures.
 FORMATS = ("png", "pdf", "svg")
 
@@ -107,6 +112,32 @@ def colour_range(values: ArrayLike) -> tuple[str, float, float]:
     return "viridis", 0.0, high
 
 
+def lift_colours(low: float, high: float, out: int = 1) -> tuple[Colormap, float, float]:
+    """Colour map and limits for a displacement of the surface: red where it is lifted, blue where it sinks.
+
+    Where (nearly) all of it goes one way the map is that half, from white on. Zeros alone have limits around them.
+
+    Parameters
+    ----------
+    low, high : float
+        Smallest and largest value.
+    out : int
+        1 where positive values lift the surface out of the body, -1 where negative ones do.
+    """
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    whole = colormaps["RdBu_r" if out > 0 else "RdBu"]
+    end = max(abs(low), abs(high))
+    if end == 0.0:
+        return whole, -1.0, 1.0
+    if low >= -ONE_WAY * end:
+        return ListedColormap(whole(np.linspace(0.5, 1.0, 256))), min(low, 0.0), high
+    if high <= ONE_WAY * end:
+        return ListedColormap(whole(np.linspace(0.0, 0.5, 256))), low, max(high, 0.0)
+    return whole, -end, end
+
+
 def box_size(width: float, height: float, largest: tuple[float, float] = (4.2, 3.6)) -> tuple[float, float]:
     """Size [inch] of an axes box with the proportions of ``width x height``, as large as `largest` allows."""
     ratio = min(largest[0] / width, largest[1] / height)
@@ -154,30 +185,45 @@ def place(axis: str, value: float) -> str:
 
 
 def heading(dataset: Results, step: int, what: str) -> str:
-    """Title of a picture: what is shown, at which load, at which step of several."""
+    """Title of a picture: what is shown, at which load, and at which step where that is not the last."""
     words = what
     if "normal_load" in dataset:
         load = float(dataset["normal_load"][step])
         words += f" at {scale_for([load], 'N').text(load)}"
-    return words + moment(dataset, step)
+    return words + instant(dataset, step)
+
+
+def instant(dataset: Results, step: int) -> str:
+    """End of the title of a picture: the number of cycles of surfaces that wear, or the step unless it is the last."""
+    if done := _cycles(dataset, step):
+        return f", {done}"
+    last = dataset.sizes["step"] - 1
+    return "" if step % (last + 1) == last else f", step {int(dataset['step'][step])}"
 
 
 def moment(dataset: Results, step: int) -> str:
-    """Step of several that a picture shows, for the end of its title; of surfaces that wear after how many cycles."""
+    """Step of several that a picture shows, for its caption; of surfaces that wear after how many cycles."""
     if dataset.sizes["step"] == 1:
         return ""
     number = int(dataset["step"][step])
-    if "cycles" in dataset and float(np.nanmax(dataset["cycles"].values)) > 0:
-        done = float(dataset["cycles"][step])
-        return f" (step {number}, {done:.7g} {'cycle' if done == 1 else 'cycles'} done)"
+    if done := _cycles(dataset, step):
+        return f" (step {number}, {done} done)"
     return f" (step {number} of {int(dataset['step'][-1])})"
+
+
+def _cycles(dataset: Results, step: int) -> str:
+    """Number of cycles that a step stands for, in words; empty where nothing wears in cycles."""
+    if "cycles" not in dataset or not float(np.nanmax(dataset["cycles"].values)) > 0:
+        return ""
+    done = float(dataset["cycles"][step])
+    return f"{done:.7g} {'cycle' if done == 1 else 'cycles'}"
 
 
 #: The look in use; figures are drawn and stored in this block.
 paper_style = figure_look
 
 
-def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
+def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") -> None:
     """Write a picture that names this package, in the format of its ending; it appears complete or not at all.
 
     Parameters
@@ -188,6 +234,8 @@ def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
         File with the ending ``.png``, ``.pdf`` or ``.svg``.
     dpi : int, optional
         Dots per inch, by default those of the look in use.
+    caption : str
+        Sentence that the file carries as its description.
 
     Raises
     ------
@@ -206,9 +254,14 @@ def save(figure: Figure, path: Path, dpi: int | None = None) -> None:
         box = figure.get_tightbbox(canvas.get_renderer()).padded(0.06)
         if look.column:  # as wide as the column, to the point
             box.x0, box.x1 = 0.0, figure.get_figwidth()
-        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=_SAID[kind])
+        elif box.width < (page := look.page):  # pages show pictures of one width: letters are of one size
+            box.x0, box.x1 = (0.5 * (box.x0 + box.x1 + side * page) for side in (-1, 1))
+        said = {**_SAID[kind], _CAPTION[kind]: caption} if caption else _SAID[kind]
+        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=said)
 
 
+#: Where a file has room for a caption.
+_CAPTION = {"png": "Description", "pdf": "Subject", "svg": "Description"}
 _MAKER = f"eigencontact {__version__}"
 #: What a file says of itself; a date would make another file of the same picture.
 _SAID: dict[str, dict[str, Any]] = {

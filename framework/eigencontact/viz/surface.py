@@ -10,7 +10,7 @@ from eigencontact.viz.contact_edge import draw_contact_ends, runs_of
 from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.outline import draw_outline_below
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
-from eigencontact.viz.window import cell_edges, contact_middle, contact_window, line_words, masked_map, view_of
+from eigencontact.viz.window import alike, cell_edges, contact_middle, contact_window, line_words, masked_map, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,12 +92,18 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     view = view_of(shown)
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
     across, down = slice(view.x0, view.x1), slice(view.y0, view.y1)
-    titles = (line_words("x", "y", y[row], central=central), line_words("y", "x", x[column], central=central))
+    dx, dy = np.atleast_1d(dataset.attrs["cell_size"])
+    titles = (
+        line_words("x", "y", y[row], central=central, cell=dy),
+        line_words("y", "x", x[column], central=central, cell=dx),
+    )
     lines: list[tuple[str, str, NDArray[Any], NDArray[Any], tuple[Any, Any]]] = [
         ("x", titles[0], x, cell_edges(x, dataset, 0), (row, across)),
         ("y", titles[1], y, cell_edges(y, dataset, 1), (down, column)),
     ]
     lines = [line for line in lines if line[2].size > 1] or lines[:1]
+    if alike(dataset, [pressure] if reference is None else [pressure, reference], [line[4] for line in lines]):
+        lines = [("x", f"{lines[0][1]}, the same along y", *lines[0][2:])]
     with paper_style():
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 2.9)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]

@@ -11,8 +11,8 @@ from eigencontact.model.outlines import section_outline
 from eigencontact.viz.friction_words import MODES, driven
 from eigencontact.viz.outline import paths_of
 from eigencontact.viz.rolling import rolls
-from eigencontact.viz.style import COLOURS, moment, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import contact_window, masked_map, middle
+from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, place, scale_for
+from eigencontact.viz.window import alike, contact_window, masked_map, middle
 from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_separation, interfaces, solved_cycles
 
 if TYPE_CHECKING:
@@ -79,11 +79,11 @@ def worn_map(dataset: Results, step: int = -1) -> Figure:
 def _heading(dataset: Results, step: int) -> str:
     volume, deepest = (float(dataset[name][step]) for name in ("worn_volume", "max_worn_depth"))
     if deepest == 0.0:
-        return f"Wear{moment(dataset, step)}\nnothing lost so far"
+        return f"Wear{instant(dataset, step)}\nnothing lost so far"
     cubes, length = (
         scale_for(dataset[name].values, unit) for name, unit in (("worn_volume", "m3"), ("max_worn_depth", "m"))
     )
-    return f"Wear{moment(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
+    return f"Wear{instant(dataset, step)}\n{cubes.text(volume)} lost, at most {length.text(deepest)} deep"
 
 
 def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
@@ -203,6 +203,9 @@ class _Section:
             body: float(self._worn[body].max() if on is None else on.film.limits(name)[1])
             for body, name in names.items()
         }
+        where = [line.where for line in self.lines]
+        self._same = not coats and alike(dataset, [*self._worn.values(), self._first], where)
+        self.lines = self.lines[:1] if self._same else self.lines
         self._interfaces = {body: interfaces(dataset, body) for body in (1, 2)}
         self._coats = coats
 
@@ -257,7 +260,8 @@ class _Section:
                     axes.plot(*shown, "-.", color="black", linewidth=0.9, zorder=3, label="interface of layers")
         axes.set_xlim(float(at[0]), float(at[-1]))
         axes.set_ylim(float(z(ends[1])), float(z(ends[0])))
-        axes.set_title(f"along {line.along} at {place(line.normal, line.across)}")
+        also = ", the same along y" if self._same else ""
+        axes.set_title(f"along {line.along} at {place(line.normal, line.across)}{also}")
         if line is self.lines[0]:
             axes.set_ylabel(f"z [{z.unit}]")
 

@@ -8,11 +8,25 @@ import numpy as np
 
 from eigencontact.core.grid import Box
 from eigencontact.viz.fitting import legend_below
-from eigencontact.viz.style import box_size, colour_range, label_plane, new_figure, paper_style, place, scale_for
+from eigencontact.viz.smooth import extended, smooth_border
+from eigencontact.viz.style import (
+    box_size,
+    colour_range,
+    label_plane,
+    lift_colours,
+    new_figure,
+    paper_style,
+    place,
+    scale_for,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
+    from matplotlib.path import Path
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
@@ -21,9 +35,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Window",
+    "alike",
     "cell_edges",
     "contact_middle",
     "contact_window",
+    "draw_classes",
     "draw_contact_outline",
     "is_ragged",
     "line_words",
@@ -35,6 +51,13 @@ __all__ = [
 
 #: Cells along a side that a map shows at most: somewhat more than its dots.
 DOTS = 1000
+#: Colours of maps of ragged contacts, and the part of them in use: small spots of low values must not stand out from
+#: the light ground, nor vanish in it.
+PALE_FIRST, USED = "YlGnBu", (0.15, 1.0)
+#: A line this many cells from the origin passes through it, as near as the cells are.
+NEAR = 0.51
+#: Profiles that differ by at most this part of the largest value are drawn once.
+ALIKE = 0.01
 #: Room around the contact in a picture, as a part of the larger side of the contact.
 MARGIN = 0.25
 
@@ -84,13 +107,23 @@ class Window:
         axes.set_facecolor("0.93")
         return figure, axes, wide
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of cells along y and x."""
+        return self.edges_y.size - 1, self.edges_x.size - 1
+
     def label(self, axes: Axes) -> None:
         """Name both axes."""
         label_plane(axes, f"x [{self.length.unit}]", f"y [{self.length.unit}]")
 
     def outline(self, axes: Axes, contact: NDArray[np.bool_]) -> None:
         """Line around the contact, given for the cells shown, unless it is ragged."""
-        draw_contact_outline(axes, contact, self.length(self.edges_x), self.length(self.edges_y))
+        draw_contact_outline(axes, contact, *self.edges)
+
+    @property
+    def edges(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Edges of the cells along x and y, in the unit of the axes."""
+        return self.length(self.edges_x), self.length(self.edges_y)
 
 
 def masked_map(
@@ -106,9 +139,12 @@ def masked_map(
     on: Frame | None = None,
     cmap: str | None = None,
     masked: bool = True,
-    centred: bool = False,
+    lifted: int = 0,
 ) -> Figure:
-    """Map of a field over a window.
+    """Map of a field over a window, interpolated between the middles of cells.
+
+    A region of zeros has a smooth border, except around ragged regions and regions of few cells, which are drawn cell
+    by cell (`eigencontact.viz.smooth`).
 
     Parameters
     ----------
@@ -130,26 +166,35 @@ def masked_map(
         Colour map; by default one that suits the signs.
     masked : bool
         Whether zeros are grey.
-    centred : bool
-        Whether zero is in the middle of the colours also where all values are of one sign.
+    lifted : int
+        1 where positive values lift the surface out of the body, -1 where negative ones do: `lift_colours`.
     """
     shown = field[window.view.slices]
     with paper_style():
         figure, axes, wide = window.axes_of_map(on)
         limits = shown if limits is None else limits
         scale = scale_for(limits, unit)
+        colours: str | Colormap
         colours, low, high = colour_range(limits)
-        if centred:
-            low, high = -max(-low, high), max(-low, high)
+        if lifted:
+            colours, low, high = lift_colours(low, high, lifted)
         drawn = _sampled(shown)
+        nonzero = (drawn != 0) | (not masked)
+        border = None if nonzero.all() else _smooth_border(window, nonzero)
+        smooth = border is not None or bool(nonzero.all())
+        if masked and low == 0.0 and is_ragged(outline if on is None else on.film.touched("pressure")):
+            colours = _pale_first()
         image = axes.imshow(
-            np.ma.masked_where((drawn == 0) & masked, scale(drawn)),
+            scale(extended(drawn, nonzero)) if border else np.ma.masked_where(~nonzero, scale(drawn)),
             origin="lower",
             extent=window.extent,
             cmap=cmap or colours,
+            interpolation="bilinear" if smooth else None,
             vmin=low * scale.factor,
             vmax=high * scale.factor,
         )
+        if border:
+            image.set_clip_path(border, axes.transData)
         window.label(axes)
         axes.set_title(title)
         window.outline(axes, outline[window.view.slices])
@@ -172,14 +217,12 @@ def zone_map(
     window: Window, field: NDArray[Any], title: str, names: tuple[str, ...], colours: tuple[str, ...]
 ) -> Figure:
     """Map of a field of whole numbers, each with a name and a colour of its own."""
-    from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
     shown = np.rint(field[window.view.slices]).astype(int)
     with paper_style():
         figure, axes, _ = window.axes_of_map(bar=False)
-        norm = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names))
-        axes.imshow(shown, origin="lower", extent=window.extent, cmap=ListedColormap(colours), norm=norm)
+        draw_classes(axes, window, shown, colours)
         window.label(axes)
         window.outline(axes, shown > 0)
         axes.set_title(title)
@@ -189,6 +232,34 @@ def zone_map(
         ]
         legend_below(figure, patches, names, len(names))
     return figure
+
+
+def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours: tuple[str, ...]) -> None:
+    """Colour each cell shown by its number; regions of numbers that lie inside each other have smooth borders."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import PathPatch
+
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+    regions = [numbers >= number for number in range(1, int(numbers.max()) + 1)]
+    borders = [border for region in regions if (border := _smooth_border(window, region)) is not None]
+    smooth = len(borders) == len(regions)
+    ground = np.zeros_like(numbers) if smooth else numbers
+    axes.imshow(ground, origin="lower", extent=window.extent, cmap=ListedColormap(colours), norm=norm)
+    for border, colour in zip(borders if smooth else (), colours[1:], strict=False):
+        axes.add_patch(PathPatch(border, facecolor=colour, linewidth=0))
+
+
+def _pale_first() -> Colormap:
+    """Colours of maps of ragged contacts."""
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(colormaps[PALE_FIRST](np.linspace(*USED, 256)), name=PALE_FIRST)
+
+
+def _smooth_border(window: Window, region: NDArray[np.bool_]) -> Path | None:
+    """Smooth border of a region of the cells shown, in the unit of the axes."""
+    return None if region.shape != window.shape else smooth_border(region, *window.edges)
 
 
 def _sampled(field: NDArray[Any]) -> NDArray[Any]:
@@ -253,10 +324,24 @@ def contact_middle(pressure: NDArray[Any]) -> tuple[int, int, bool]:
     return row, column, False
 
 
-def line_words(along: str, across: str, at: float, *, central: bool) -> str:
-    """Title of a profile: its direction and its place."""
+def line_words(along: str, across: str, at: float, *, central: bool, cell: float = 0.0) -> str:
+    """Title of a profile: its direction, and its place unless a cell `cell` wide there holds the origin."""
+    if abs(at) <= NEAR * cell:
+        return f"along {along}"
     where = place(across, at)
-    return f"along {along} through the middle ({where})" if central else f"along {along} at {where}"
+    return f"along {along}, middle at {where}" if central else f"along {along} at {where}"
+
+
+def alike(dataset: Results, fields: Iterable[NDArray[Any]], lines: Sequence[tuple[Any, Any]]) -> bool:
+    """Whether profiles of fields along x and along y show the same, on cells of the same edge."""
+    edges = np.atleast_1d(dataset.attrs["cell_size"])
+    if len(lines) != 2 or abs(edges[0] - edges[-1]) > ALIKE * edges[0]:
+        return False
+    for field in fields:
+        along, across = (np.asarray(field[where], dtype=float) for where in lines)
+        if along.size != across.size or np.abs(along - across).max() > ALIKE * np.abs(field).max():
+            return False
+    return True
 
 
 def is_ragged(contact: NDArray[np.bool_]) -> bool:
@@ -274,10 +359,17 @@ def is_ragged(contact: NDArray[np.bool_]) -> bool:
 def draw_contact_outline(
     axes: Axes, contact: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any], *, faint: bool = False
 ) -> None:
-    """Line along the cell edges around the contact (`x`, `y`: edges of the cells), unless it is ragged."""
+    """Line around the contact (`x`, `y`: edges of the cells), unless it is ragged; along the edges of few cells."""
     from matplotlib.collections import LineCollection
+    from matplotlib.patches import PathPatch
 
     if is_ragged(contact):
+        return
+    style: dict[str, Any] = {"alpha": 0.8 if faint else None, "zorder": 3}
+    colour, width = ("1.0", 0.7) if faint else ("0.15", 0.8)
+    border = smooth_border(contact, x, y)
+    if border is not None:
+        axes.add_patch(PathPatch(border, fill=False, edgecolor=colour, linewidth=width, **style))
         return
     rows, columns = np.nonzero(contact[1:] != contact[:-1])
     level = np.stack([np.stack([x[columns + n], y[rows + 1]], axis=-1) for n in (0, 1)], axis=1)
@@ -286,11 +378,10 @@ def draw_contact_outline(
     axes.add_collection(
         LineCollection(
             [*level, *upright],
-            colors="1.0" if faint else "0.15",
-            linewidths=0.7 if faint else 0.8,
-            alpha=0.8 if faint else None,
+            colors=colour,
+            linewidths=width,
             capstyle="projecting",
-            zorder=3,
+            **style,
         ),
         autolim=False,
     )
