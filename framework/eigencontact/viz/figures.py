@@ -12,14 +12,14 @@ import numpy as np
 from eigencontact.viz.coverage import coverage_map, struck
 from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
-from eigencontact.viz.friction_history import fretting_loops, zone_strip
-from eigencontact.viz.friction_words import driven
-from eigencontact.viz.history import history_words, load_history
+from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
+from eigencontact.viz.history import history_panels, history_words, load_history
+from eigencontact.viz.informative import zones_change
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
 from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
-from eigencontact.viz.rolling import passing_history, rolls
+from eigencontact.viz.rolling import passing_history, passing_varies, rolls
 from eigencontact.viz.section import drawable, stress_section
 from eigencontact.viz.style import moment, save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
@@ -39,8 +39,6 @@ __all__ = ["draw_all"]
 
 #: Fewer steps than this are no loop.
 LOOP_STEPS = 3
-#: A load that changes by no more than this part of it is constant.
-CONSTANT = 1e-6
 
 
 def draw_all(
@@ -145,12 +143,12 @@ def draw_all(
     if struck(dataset):
         sentence = "Impacts that each place has felt; crosses are their middles."
         wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
-    elif rolls(dataset) and not unloads(dataset):
-        sentence = "Largest pressure, and stress at points, against the place of the geometry."
+    elif rolls(dataset) and passing_varies(dataset):
+        sentence = "Largest pressure, and stress at points, over the position of the moving body."
         wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
-    several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
-    if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
-        wanted.append(("history.png", history_words(dataset), lambda: load_history(dataset)))
+    load_depth_drawn = any(name == "load-depth.png" for name, *_ in wanted)
+    if (panels := history_panels(dataset)) and not load_depth_drawn and not rolls(dataset):
+        wanted.append(("history.png", history_words(panels), lambda: load_history(dataset)))
     named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
     for name, _, draw in named[part[0] :: part[1]]:
         save(draw(), folder / name, dpi)
@@ -211,11 +209,12 @@ def _friction(dataset: Results, step: int) -> list[Picture]:
         wanted.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))
     if dataset.sizes["step"] < LOOP_STEPS:
         return wanted
-    if driven(dataset):
-        sentence = "Tangential load against shift (moment against twist), with the work of friction."
+    if is_a_loop(dataset):
+        sentence = "Tangential load over shift (moment over twist), with the work of friction."
         wanted.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
-    sentence = "Stick and slip on a line through the contact, step by step."
-    wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
+    if zones_change(dataset, zones_of_line(dataset)[0]):
+        sentence = "Stick and slip on a line through the contact, step by step."
+        wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
     return wanted
 
 
@@ -241,7 +240,7 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."
         wanted.append(("wear-history.png", sentence, lambda: wear_history(dataset)))
-    if loop_cycles(dataset):
+    if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
         sentence = "Loops of chosen cycles over each other."
         wanted.append(("wear-loops.png", sentence, lambda: worn_loops(dataset)))
     return wanted
@@ -250,8 +249,3 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
 def _holds(dataset: Results, name: str, step: int) -> bool:
     """Whether a closed form is stored and holds at this step."""
     return name in dataset and not np.isnan(dataset[name][step].values).any()
-
-
-def _constant(dataset: Results, name: str) -> bool:
-    values = dataset[name].values
-    return float(values.max() - values.min()) <= CONSTANT * float(abs(values).max())
