@@ -14,13 +14,13 @@ from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
 from eigencontact.viz.history import history_panels, history_words, load_history
-from eigencontact.viz.informative import zones_change
+from eigencontact.viz.informative import vanishes, varies, zones_change
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
 from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import passing_history, passing_varies, rolls
-from eigencontact.viz.section import drawable, stress_section
+from eigencontact.viz.section import drawable, equivalent_of, stress_section
 from eigencontact.viz.style import moment, save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
@@ -52,6 +52,9 @@ def draw_all(
     dpi: int | None = None,
 ) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
+
+    Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution
+    (`eigencontact.viz.informative`).
 
     Parameters
     ----------
@@ -90,7 +93,7 @@ def draw_all(
     assert loaded is not None
     wanted: list[Picture] = []
     at = partial(moment, dataset)
-    if "pressure" in dataset:
+    if not vanishes(dataset, ["pressure"], loaded):
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
         without = homogeneous_words(dataset)
         beside = f" beside that of the {without} alone (closed form)" if without else beside
@@ -107,7 +110,7 @@ def draw_all(
                 lambda: pressure_profiles(dataset, loaded),
             ),
         ]
-    if "residual_displacement_z" in dataset:
+    if not vanishes(dataset, ["residual_displacement_z"], step):
         from_above = "; lines are outlines of the inclusions from above" if "outline" in dataset else ""
         wanted += [
             (
@@ -122,19 +125,22 @@ def draw_all(
             ),
         ]
     for region, how in drawable(dataset).items():
+        field = f"{region}_{equivalent_of(dataset, region)}"
+        stressed = not vanishes(dataset, [field], step)
         if how == "section":
             sentence = f"Equivalent stress on the section {region!r}{at(step)}; a cross marks the largest value"
             sentence += ", a bar above or a line the contact." if "pressure" in dataset else "."
             if f"{region}_outline" in dataset:
                 sentence += " Lines are outlines of inclusions."
-            wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
-            if loaded != step:
+            if stressed:
+                wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
+            if loaded != step and not vanishes(dataset, [field], loaded):
                 sentence = f"The same section {region!r} under the largest load{at(loaded)}."
                 wanted.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
             if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
                 sentence = f"Stresses along the surface, means over each depth of {region!r}{at(step)}."
                 wanted.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
-        else:
+        elif stressed:
             sentence = f"Stresses along the line {region!r}{at(step)}."
             wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
     wanted += _plastic(dataset, step, solid=solid)
@@ -179,10 +185,11 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
         sentence = f"Damage {largest} the cells that have some."
         wanted.append((name, sentence, partial(plastic_section, dataset, field, step, words)))
     if unloads(dataset) and not rolls(dataset):
-        sentence = "Normal load against approach, loading and unloading."
+        sentence = "Normal load over approach, loading and unloading."
         wanted.append(("load-depth.png", sentence, partial(load_depth, dataset)))
     prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
-    if prefix is not None and f"{prefix}_volume" in dataset and dataset.sizes["step"] >= LOOP_STEPS:
+    several = prefix is not None and f"{prefix}_volume" in dataset and dataset.sizes["step"] >= LOOP_STEPS
+    if several and any(varies(dataset[f"{prefix}_{name}"].values) for name in ("max_strain", "volume")):
         sentence = "Largest plastic strain and plastic volume, step by step."
         wanted.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
     return wanted
@@ -196,14 +203,16 @@ def _friction(dataset: Results, step: int) -> list[Picture]:
     if any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy"):
         beside = " beside the closed form"
     when = moment(dataset, step)
-    wanted: list[Picture] = [
-        ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
-        (
-            "shear-profiles.png",
-            f"Shear traction along x and y{beside}, and the bound of friction{when}.",
-            lambda: shear_profiles(dataset, step),
-        ),
-    ]
+    wanted: list[Picture] = []
+    if not vanishes(dataset, ["shear_x", "shear_y"], step):
+        wanted += [
+            ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
+            (
+                "shear-profiles.png",
+                f"Shear traction along x and y{beside}, and the bound of friction{when}.",
+                lambda: shear_profiles(dataset, step),
+            ),
+        ]
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
         sentence = f"Work of friction for each area{when}."
         wanted.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))

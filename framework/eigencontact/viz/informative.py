@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
     from eigencontact.results.stored import Results
 
-__all__ = ["NOISE", "area_varies", "axis_from_zero", "varies", "zones_change"]
+__all__ = ["NOISE", "area_varies", "axis_from_zero", "vanishes", "varies", "zones_change"]
 
 #: Values that differ by no more than this part of the largest are constant.
 CONSTANT = 1e-6
@@ -32,6 +34,11 @@ def varies(values: ArrayLike, share: float = CONSTANT) -> bool:
     numbers = np.asarray(values, dtype=float)
     numbers = numbers[np.isfinite(numbers)]
     return bool(numbers.size) and float(np.ptp(numbers)) > share * float(np.abs(numbers).max())
+
+
+def vanishes(dataset: Results, names: Iterable[str], step: int) -> bool:
+    """Whether all of some fields are zero, or missing, at a position along ``step``."""
+    return not any(np.any(np.nan_to_num(dataset[name][step].values)) for name in names if name in dataset)
 
 
 def area_varies(dataset: Results) -> bool:
