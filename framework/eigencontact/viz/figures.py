@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     Picture = tuple[str, str, Callable[[], Figure]]
     from eigencontact.results.stored import Results
 
-__all__ = ["draw_all"]
+__all__ = ["draw_all", "standard_pictures"]
 
 #: Fewer steps than this are no loop.
 LOOP_STEPS = 3
@@ -84,6 +84,26 @@ def draw_all(
     ------
     ResultsError
         When a picture cannot be stored.
+    """
+    wanted = standard_pictures(dataset, step, solid=solid)
+    named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
+    for name, _, draw in named[part[0] :: part[1]]:
+        save(draw(), folder / name, dpi)
+        gc.collect()  # a figure refers to itself
+    return {name: sentence for name, sentence, _ in named}
+
+
+def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool = False) -> list[Picture]:
+    """File name, sentence and function of each picture that `draw_all` draws.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    step : int, optional
+        See `draw_all`.
+    solid : bool
+        See `draw_all`.
     """
     loaded, asked = step, step
     if step is None:
@@ -155,11 +175,7 @@ def draw_all(
     load_depth_drawn = any(name == "load-depth.png" for name, *_ in wanted)
     if (panels := history_panels(dataset)) and not load_depth_drawn and not rolls(dataset):
         wanted.append(("history.png", history_words(panels), lambda: load_history(dataset)))
-    named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
-    for name, _, draw in named[part[0] :: part[1]]:
-        save(draw(), folder / name, dpi)
-        gc.collect()  # a figure refers to itself
-    return {name: sentence for name, sentence, _ in named}
+    return wanted
 
 
 def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
