@@ -209,5 +209,11 @@ def test_impacts_are_told_apart_by_what_lies_between_them(yielded):
     count, small, large = strikes(rows), yielded["pressure"][0].values > 0, yielded["pressure"][1].values > 0
     np.testing.assert_array_equal(count == 4, small)
     np.testing.assert_array_equal(count == 2, large & ~small)
-    title = coverage_map(rows).axes[0].get_title()
-    assert title.startswith("4 impacts: ")
+    axes = coverage_map(rows).axes[0]
+    assert axes.get_title().startswith("4 impacts cover ")
+    drawn = axes.images[0].get_array()
+    rows_shown = 6 * (axes.get_ylim()[1] - axes.get_ylim()[0]) / (1e6 * rows.attrs["cell_size"][1])
+    assert drawn.shape[0] == close(rows_shown, rel=1e-9)
+    for n, cells in ((2, 32), (4, 16)):  # a print of 4 x 4 cells is drawn with round corners
+        assert int((count >= n).sum()) == cells
+        assert 0.7 * cells < float((drawn >= n).sum()) / 36 <= cells

@@ -167,7 +167,7 @@ def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool 
     wanted += _friction(dataset, loaded)
     wanted += _wear(dataset, -1 if asked is None else asked)
     if struck(dataset):
-        sentence = "Impacts that each place has felt; crosses are their middles."
+        sentence = "Number of impacts at each place; dots are their middles."
         wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
     elif rolls(dataset) and passing_varies(dataset):
         sentence = "Largest pressure, and stress at points, over the position of the moving body."
@@ -204,8 +204,9 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
         sentence = "Normal load over approach, loading and unloading."
         wanted.append(("load-depth.png", sentence, partial(load_depth, dataset)))
     prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
-    several = prefix is not None and f"{prefix}_volume" in dataset and dataset.sizes["step"] >= LOOP_STEPS
-    if several and any(varies(dataset[f"{prefix}_{name}"].values) for name in ("max_strain", "volume")):
+    if prefix is None or f"{prefix}_volume" not in dataset or dataset.sizes["step"] < LOOP_STEPS:
+        return wanted
+    if any(varies(dataset[f"{prefix}_{name}"].values) for name in ("max_strain", "volume")):
         sentence = "Largest plastic strain and plastic volume, step by step."
         wanted.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
     return wanted

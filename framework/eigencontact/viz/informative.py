@@ -49,7 +49,7 @@ def area_varies(dataset: Results) -> bool:
     area = np.asarray(dataset["contact_area"].values, dtype=float)
     cell = float(np.prod(np.atleast_1d(dataset.attrs["cell_size"])))
     count = float(area.max(initial=0.0)) / cell
-    return float(np.ptp(area)) > np.sqrt(np.pi * count) * cell
+    return float(np.ptp(area)) > float(np.sqrt(np.pi * count)) * cell
 
 
 def axis_from_zero(values: ArrayLike) -> bool:

@@ -28,6 +28,8 @@ __all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "stress_s
 EQUIVALENT = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostatic": "Mean normal stress"}
 #: A plane this close to an interface, in parts of its depth, lies beside it.
 BESIDE = 1e-3
+#: What the title of a plane beside an interface says; both sides have pictures, with colours of their own.
+INTERFACE = "the interface"
 #: A section that begins within this part of its height below the surface has the contact above it.
 AT_THE_TOP = 0.1
 
@@ -133,7 +135,8 @@ def stress_section(
                 aspect=30 if wide else 22,
                 pad=0.03,
             )
-            bar.set_label(f"{shown.words} [{unit.unit}]" if unit.unit else shown.words)
+            label = f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
+            bar.set_label(f"{label}, scale of this side" if INTERFACE in where[0] else label)
             row, column = section.largest(seen.points)
             spot = [(horizontal, float(h[column])), (vertical, float(v[row]))]
             if vertical == "z" and abs(spot[0][1]) <= 0.51 * float(h[1] - h[0]):
@@ -164,7 +167,7 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
         if axis == "z" and near:
             side = "above" if at < near[0] * (1 - SAME) else "below"
-            words.append(f"just {side} the interface at {place(axis, near[0])}")
+            words.append(f"just {side} {INTERFACE} at {place(axis, near[0])}")
         else:
             words.append(f"at {place(axis, at)}")
     return ", ".join(words)
