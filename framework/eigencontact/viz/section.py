@@ -28,6 +28,8 @@ __all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "stress_s
 EQUIVALENT = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostatic": "Mean normal stress"}
 #: A plane this close to an interface, in parts of its depth, lies beside it.
 BESIDE = 1e-3
+#: A narrower figure [inch] has no room for its title.
+NARROWEST = 4.2
 #: What the title of a plane beside an interface says; both sides have pictures, with colours of their own.
 INTERFACE = "the interface"
 #: A section that begins within this part of its height below the surface has the contact above it.
@@ -100,7 +102,7 @@ def stress_section(
     width, height = box_size(*seen.size, (4.4, 3.4))
     with paper_style():
         wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7), on)
+        figure = new_figure(max(width + (0.8 if wide else 1.6), NARROWEST), height + (1.5 if wide else 0.7), on)
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         axes.set_xlim(length(seen.horizontal))

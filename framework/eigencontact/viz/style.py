@@ -40,8 +40,6 @@ __all__ = [
     "scale_for",
 ]
 
-#: Narrower figures [inch] have no room for their titles, and letters of another size where a page scales pictures.
-NARROWEST = 4.2
 #: Negative values below this part of the largest are what a solver leaves of zero.
 SIGNED = 1e-5
 #: Formats of pictures.
@@ -122,7 +120,6 @@ def new_figure(width: float, height: float, on: Frame | None = None) -> Figure:
     """
     if on is not None and on.part is not None:
         return cast("Figure", on.part)
-    width = max(width, NARROWEST)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
