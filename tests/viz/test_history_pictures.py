@@ -4,12 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import eigencontact as ec
 from close import close
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.history import first_touch, history_panels, history_words, load_history
 from eigencontact.viz.rolling import passes, passing_history
+from eigencontact.viz.strands import Strand, draw_strands
+from eigencontact.viz.style import new_figure
 from viz.test_figures import overlaps
 
 STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
@@ -129,3 +132,19 @@ def test_passes_over_a_body_that_is_the_same_everywhere_are_left_out(runs, monke
     dataset = runs("rolled")
     attrs = {**dataset.attrs, "regions": "{}"}
     assert "passing.png" not in draw_all(dataset.assign_attrs(attrs), Path())
+
+
+@pytest.mark.parametrize(("numbers", "scale"), [([1, 2, 3, 4, 10, 30], "log"), ([1, 2, 3, 4, 5], "linear")])
+def test_early_cycles_have_colours_that_differ(numbers, scale):
+    """Cycles chosen at even ratios: on a linear scale the first ones would look alike."""
+    figure = new_figure(4, 3)
+    strands = [Strand(n, n + 1, number) for n, number in enumerate(numbers)]
+    x = np.arange(len(numbers) + 1.0)
+    draw_strands(figure, figure.add_subplot(), x, x, strands, "Cycle")
+    lines, bar = figure.axes[0].get_lines(), figure.axes[1]
+    assert bar.get_yscale() == scale
+    colours = np.array([to_rgb(line.get_color()) for line in lines])
+    assert np.linalg.norm(np.diff(colours, axis=0), axis=1).min() > 0.08
+    ticks = [float(label.get_text()) for label in bar.get_yticklabels()]
+    assert ticks[-1] == numbers[-1]
+    assert set(ticks) <= set(numbers)

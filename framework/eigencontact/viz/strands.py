@@ -23,8 +23,8 @@ __all__ = ["Strand", "draw_strands"]
 COLOUR_MAP, BRIGHTEST = "viridis", 0.88
 #: Ticks of a colour bar lie at least this part of its length apart.
 TICK_ROOM = 0.08
-#: Numbers that span more than this factor have a logarithmic colour bar.
-DECADES = 100.0
+#: Numbers of which half lie below this part of the largest have a logarithmic colour bar.
+EARLY = 0.25
 #: Strands of more points than this have no markers.
 MARKERS = 60
 
@@ -80,7 +80,7 @@ def draw_strands(
     numbers = [strand.number for strand in strands]
     several = len(strands) > 1
     low, high = numbers[0], numbers[-1]
-    norm = LogNorm(low, high) if several and high > DECADES * low > 0 else Normalize(low, high)
+    norm = LogNorm(low, high) if several and low > 0 and np.median(numbers) < EARLY * high else Normalize(low, high)
     colours = ListedColormap(colormaps[COLOUR_MAP](np.linspace(0.0, BRIGHTEST, 256)))
     for strand in strands:
         colour = colours(float(norm(np.array(strand.number)))) if several else COLOURS[0]
