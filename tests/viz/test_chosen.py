@@ -136,6 +136,34 @@ def test_a_line_that_is_not_steep_is_drawn_across(data, region, rounded):
     assert (whole.get_xlabel(), whole.get_ylabel()[:8]) == (f"{name} [µm]", "Stress [")
 
 
+@pytest.mark.parametrize(
+    ("region", "field", "component", "name"),
+    [
+        ("along-x", "pressure", None, "pressure"),
+        ("along-y", "slip-distance", None, "slip_distance"),
+        ("along-x", "shear", "x", "shear_x"),
+    ],
+)
+def test_a_profile_on_the_surface_shows_one_row_or_column_of_a_field(data, region, field, component, name):
+    axes = ec.plot(data, field, component=component, region=region)
+    along, across = region[-1], {"x": "y", "y": "x"}[region[-1]]
+    curve = axes.get_lines()[0]
+    assert 1e-6 * curve.get_xdata() == close(data[along].values, rel=1e-12)
+    wanted = data[name][-1].isel({across: data.sizes[across] // 2}).values
+    drawn = curve.get_ydata() * unit(axes.get_ylabel())
+    assert np.abs(drawn - wanted).max() <= 1e-9 * np.abs(wanted).max()
+    assert np.abs(wanted).max() > 0
+    assert axes.get_xlabel() == f"{along} [µm]"
+
+
+def test_a_standard_picture_can_be_asked_for_by_its_name(data, folder, command, tmp_path):
+    axes = ec.plot(data, "pressure-profiles")
+    assert axes.get_title().startswith("along x")
+    done = command("plot", folder, "--field", "shear_profiles", "--no-vtk", "-o", tmp_path)
+    assert (done.code, done.err) == (0, "")
+    assert [path.name for path in tmp_path.iterdir()] == ["plot-shear-profiles.png"]
+
+
 def test_a_line_of_one_depth_is_stored_at_exactly_that(data):
     assert (data["level_z"].values == 3e-6).all()
     assert (data["level_x"].values[0], data["level_x"].values[-1]) == (-5e-6, 5e-6)
@@ -211,6 +239,9 @@ REFUSED = {
     ("--field", "gap", "--region", "axis"): "must be one that the results hold of region 'axis': stress, von_mises",
     ("--field", "shear", "--component", "w"): "component must be one of magnitude, x, y for 'shear' (got 'w')",
     ("--field", "gap", "--component", "x"): "component must be left out of 'gap'",
+    ("--field", "pressure-profiles", "--component", "x"): "component must be left out of 'pressure-profiles'",
+    ("--field", "worn-profiles"): "field must be one that the results hold: .*, or a picture: pressure-profiles, .*",
+    ("--field", "stress", "--region", "along-x"): "field must be one that the results hold of the surface: .*pressure",
     ("--field", "gap", "--step", "7"): "step must be one that is stored, 1 to 2 (got 7)",
     ("--field", "gap", "--cmap", "viridi"): "cmap must be a colour map .*did you mean 'viridis'?",
     ("--field", "gap", "--format", "pgf"): "format must be one of 'png', 'pdf', 'svg' (got 'pgf'); did you mean 'png'?",

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -343,3 +345,13 @@ def test_all_pictures_are_written_and_not_empty(stored, tmp_path, loads, regions
 )
 def test_engineering_units(value, unit, text):
     assert scale_for([value, 0.0, np.nan], unit).text(value) == text
+
+
+@pytest.mark.parametrize(
+    ("load", "names"),
+    [(synthetic.LOAD, {"pressure.png", "pressure-profiles.png", "plane_0.png", "line_1.png"}), (0.0, set())],
+    ids=["loaded", "without load"],
+)
+def test_fields_that_are_zero_everywhere_have_no_picture(stored, monkeypatch, load, names):
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
+    assert set(draw_all(stored(loads=(load,), regions=("plane", "line")), Path())) == names

@@ -134,6 +134,12 @@ def nothing(made, info):
         made.scalars[name] = 0.0
 
 
+def all_slip(made, info):
+    """Let all of the contact slip from the second step on; in the first nothing moves, and all sticks."""
+    if made.index > 1:
+        made.fields["contact_zone"] = np.minimum(made.fields["contact_zone"], 1.0)
+
+
 def along_y(made, info):
     torsion(made, info)
     made.fields["shear_y"] = made.fields["shear_x"]
@@ -184,16 +190,15 @@ ALWAYS = ["pressure.png", "pressure-profiles.png", "shear.png", "shear-profiles.
 @pytest.mark.parametrize(
     ("case", "names"),
     [
-        ({"history": MONOTONIC}, [*ALWAYS, "dissipation.png", "loop.png", "zones.png"]),
+        ({"history": CYCLE}, [*ALWAYS, "dissipation.png", "loop.png", "zones.png"]),
+        ({"history": MONOTONIC}, [*ALWAYS, "dissipation.png", "zones.png"]),
         ({"history": MONOTONIC[:2]}, [*ALWAYS, "dissipation.png"]),
-        ({"history": MONOTONIC[:1]}, ALWAYS),
-        ({"history": MONOTONIC, "change": radial}, [*ALWAYS, "dissipation.png", "zones.png"]),
-        (
-            {"history": ((0.2, 0.0, 0.0), *MONOTONIC)},
-            [*ALWAYS, "dissipation.png", "loop.png", "zones.png", "history.png"],
-        ),
+        ({"history": MONOTONIC[:1]}, ALWAYS[:2]),  # nothing is sheared
+        ({"history": MONOTONIC, "change": radial}, [*ALWAYS, "dissipation.png"]),
+        ({"history": MONOTONIC, "change": all_slip}, [*ALWAYS, "dissipation.png"]),
+        ({"history": ((0.2, 0.0, 0.0), *MONOTONIC)}, [*ALWAYS, "dissipation.png", "zones.png", "history.png"]),
     ],
-    ids=["monotonic", "two steps", "no slip", "no tangential load", "the normal load changes"],
+    ids=["cycle", "monotonic", "two steps", "no slip", "constant loads", "all slips", "the normal load changes"],
 )
 def test_which_pictures_a_run_gets(stored, monkeypatch, case, names):
     monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
@@ -375,7 +380,7 @@ def test_the_strip_shows_the_zones_of_one_line_over_the_steps(stored, change, al
     first = (line.shape[0] - shown.shape[0]) // 2
     np.testing.assert_array_equal(shown, line[first : first + len(shown)])
     assert not line[:first].any()
-    assert len(figure.axes[0].get_lines()) == 3  # normal load, tangential load, zero
+    assert len(figure.axes[0].get_lines()) == 2  # tangential load and zero; the constant normal load is left out
 
 
 def test_the_dissipation_is_masked_where_nothing_slipped(stored):

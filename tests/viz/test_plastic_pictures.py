@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -93,15 +94,37 @@ def test_line_around_the_zone_lies_on_the_faces_of_its_cells(yielded):
 
 
 def test_load_and_depth_are_told_apart(yielded):
+    """Loading begins at the first touch; what falls in one increment is joined by dots."""
     assert unloads(yielded)
     assert not unloads(yielded.isel(step=slice(0, 2)))
     assert loaded_step(yielded) == 1
     axes = load_depth(yielded).axes[0]
     assert [line.get_label() for line in axes.lines] == ["loading", "unloading"]
+    assert [line.get_linestyle() for line in axes.lines] == ["-", ":"]
     loads = 1e3 * yielded["normal_load"].values
-    np.testing.assert_allclose(axes.lines[0].get_ydata(), loads[:2], rtol=1e-12)
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), [0.0, *loads[:2]], rtol=1e-12)
     np.testing.assert_allclose(axes.lines[1].get_ydata(), loads[1:], rtol=1e-12)
+    touch, first = axes.lines[0].get_xdata()[:2]
+    assert 1e-9 * first == close(float(yielded["approach"][0]), rel=1e-12)
+    assert 0.0 <= 1e-9 * touch < 0.05 * float(yielded["approach"][0])
     assert axes.get_xlabel() == "Approach [nm]"
+
+
+def test_a_load_that_is_held_is_neither_loading_nor_unloading(yielded):
+    """Loads that agree to the tolerance of the solver, as in wear under a constant load."""
+    held = yielded.isel(step=[0, 1, 1, 1, 1, 2])
+    factors = np.array([1, 1, 1 + 1e-9, 1 - 1e-9, 1 + 1e-9, 1])
+    lines = load_depth(held.assign(normal_load=held["normal_load"] * factors)).axes[0].lines
+    assert [(line.get_label(), len(line.get_xdata())) for line in lines] == [
+        ("loading", 3), ("load held", 4), ("unloading", 2),
+    ]  # fmt: skip
+
+
+def test_a_history_of_loads_is_drawn_once(yielded, monkeypatch):
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
+    names = set(draw_all(yielded, Path()))
+    assert "load-depth.png" in names
+    assert "history.png" not in names
 
 
 def test_means_over_depth(yielded):
@@ -189,8 +212,14 @@ def test_impacts_are_told_apart_by_what_lies_between_them(yielded):
     count, small, large = strikes(rows), yielded["pressure"][0].values > 0, yielded["pressure"][1].values > 0
     np.testing.assert_array_equal(count == 4, small)
     np.testing.assert_array_equal(count == 2, large & ~small)
-    title = coverage_map(rows).axes[0].get_title()
-    assert title.startswith("4 impacts: ")
+    axes = coverage_map(rows).axes[0]
+    assert axes.get_title().startswith("4 impacts cover ")
+    drawn = axes.images[0].get_array()
+    rows_shown = 6 * (axes.get_ylim()[1] - axes.get_ylim()[0]) / (1e6 * rows.attrs["cell_size"][1])
+    assert drawn.shape[0] == close(rows_shown, rel=1e-9)
+    for n, cells in ((2, 32), (4, 16)):  # a print of 4 x 4 cells is drawn with round corners
+        assert int((count >= n).sum()) == cells
+        assert 0.7 * cells < float((drawn >= n).sum()) / 36 <= cells
 
 
 def test_the_map_of_plastic_strain_has_no_colour_outside_of_the_line(yielded):

@@ -330,3 +330,26 @@ def test_a_long_title_is_broken_to_stay_inside_the_figure(tmp_path):
     assert box.x0 > 0
     assert box.x1 < figure.bbox.width
     assert title.get_text().count("\n") >= 1
+
+
+def test_planes_beside_an_interface_say_that_their_colours_are_their_own():
+    """Two pictures of one interface must not be compared by colour."""
+    attrs = {
+        "scene": LAYERED,
+        "regions": '{"cut": {"shape": "plane", "body": 1, "dims": ["y", "x"], "fields": ["von_mises"]}}',
+    }
+    labels = []
+    for depth in (2e-6, 1e-6):
+        data = xr.Dataset(
+            {"cut_von_mises": (("step", "cut_y", "cut_x"), (1e9 + 1e14 * np.abs(H) + 0.0 * H[:, None])[None])},
+            coords={"step": [1], "cut_x": H, "cut_y": H, "cut_z": depth},
+            attrs=attrs,
+        )
+        labels.append(stress_section(data, "cut").axes[1].get_ylabel())
+    assert labels == ["Von Mises stress [GPa], scale of this side", "Von Mises stress [GPa]"]
+
+
+def test_a_narrow_section_has_room_for_its_title():
+    narrow = section(np.ones((41, 41)) * 1e9 * (1 + V[:, None] / 1e-5), BALL)
+    narrow = narrow.isel(cut_x=slice(18, 23))
+    assert stress_section(narrow, "cut").get_figwidth() >= 4.0

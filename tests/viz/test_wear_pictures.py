@@ -23,6 +23,7 @@ RADIUS = 200e-6
 STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 #: Increments of a cycle.
 CYCLE = [{"shift_x": 0.5e-6, "increments": 2}, {"shift_x": -0.5e-6, "increments": 3}, {"shift_x": 0.0, "increments": 1}]
+CYCLE_STEPS = sum(ramp["increments"] for ramp in CYCLE)
 SHARES = {"body1": 0.7, "body2": 0.3}
 
 
@@ -110,7 +111,7 @@ def test_what_the_history_goes_by(worn):
 @pytest.mark.parametrize(
     ("kind", "names"),
     [
-        ("frets", ["worn-depth.png", "worn-profiles.png", "wear-history.png", "wear-loops.png"]),
+        ("frets", ["worn-depth.png", "worn-profiles.png", "wear-history.png"]),
         ("has a coating of cells", ["worn-depth.png", "worn-profiles.png", "worn-coating.png"]),
         ("slides", ["worn-depth.png", "worn-profiles.png", "worn-coating.png", "wear-history.png"]),
     ],
@@ -191,9 +192,13 @@ def test_loops_of_cycles_begin_where_the_last_one_ended_and_are_coloured_by_numb
         part = slice(cycle.first - 1, cycle.last + 1)
         np.testing.assert_allclose(1e-9 * loop.get_xdata(), dataset["shift_x"].values[part], atol=1e-18)
         np.testing.assert_allclose(loop.get_ydata(), dataset["tangential_load_x"].values[part], rtol=1e-12, atol=1e-12)
-    ends = [mpl.colors.to_hex(mpl.colormaps["viridis"](value)) for value in (0.0, 1.0)]
-    assert [mpl.colors.to_hex(loops[n].get_color()) for n in (0, -1)] == ends
-    assert [text.get_text() for text in bar.get_yticklabels()] == [f"{cycle.done:g}" for cycle in chosen]
+    colours = [mpl.colors.to_hex(loop.get_color()) for loop in loops]
+    assert len(set(colours)) == len(chosen)
+    assert colours[0] == mpl.colors.to_hex(mpl.colormaps["viridis"](0.0))
+    numbers = [text.get_text() for text in bar.get_yticklabels()]
+    assert set(numbers) <= {f"{cycle.done:g}" for cycle in chosen}
+    assert numbers[-1] == "12"
+    assert bar.get_ylabel() == "Cycle"
 
 
 def test_the_map_says_volume_and_depth(worn):
@@ -253,6 +258,36 @@ def test_what_travels_is_followed_step_by_step_with_scales_that_stay(worn):
     seen = [axes.get_ylim() for step in film.steps for axes in worn_profiles(dataset, step, Frame(film)).axes]
     assert set(seen) == set(seen[:2])
     assert "nothing lost so far" in worn_profiles(dataset, 0).get_suptitle()
+
+
+def test_loops_of_few_steps_have_the_colours_of_their_cycles_and_replace_the_chosen_ones(worn):
+    dataset = worn("frets")
+    loop, bar = fretting_loops(dataset).axes
+    cycles = solved_cycles(dataset)
+    curves = [line for line in loop.get_lines() if len(line.get_xdata()) == CYCLE_STEPS + 1]
+    assert len(curves) == len({mpl.colors.to_hex(line.get_color()) for line in curves}) == len(cycles)
+    for curve, cycle in zip(curves, cycles, strict=True):
+        loads = dataset["tangential_load_x"].values[cycle.first - 1 : cycle.last + 1]
+        assert curve.get_ydata() == close(loads, abs=1e-9)
+    assert bar.get_ylabel() == "Cycle"
+
+
+def test_loops_of_chosen_cycles_are_drawn_of_long_histories(worn, monkeypatch):
+    monkeypatch.setattr("eigencontact.viz.figures.save", lambda *_: None)
+    monkeypatch.setattr("eigencontact.viz.figures.MANY", 20)
+    assert "wear-loops.png" in draw_all(worn("frets"), Path())
+
+
+def test_what_wears_nothing_has_no_points_in_the_history(worn):
+    """Loading at the beginning and unloading at the end: no vertical lines, no fall to zero."""
+    dataset = worn("slides").isel(step=[0, 0, 1, 2, 2])
+    pressure = dataset["max_pressure"].values.copy()
+    pressure[[0, 4]] = 0.5 * pressure[0], 0.0
+    changed = dataset.assign(max_pressure=("step", pressure))
+    for axes, name in zip(wear_history(changed).axes[2:], ("max_pressure", "contact_area"), strict=True):
+        (curve,) = axes.get_lines()
+        wanted = changed[name].values[1:4]
+        assert curve.get_ydata() / curve.get_ydata()[0] == close(wanted / wanted[0], rel=1e-12)
 
 
 def test_of_many_steps_the_last_cycle_alone_is_dark(worn, monkeypatch):

@@ -2,7 +2,8 @@
 
 A change of the house must not change a result. ``identity.json`` was written by this module running on the commit that
 it names (the module uses nothing but the public calls, so that it runs there too); the same scenes are run again
-and every scalar and field is compared in three numbers of its own. Scenes in which contact and interior are iterated
+and every scalar and field is compared in three numbers of its own. The numbers of ``prestressed-concrete`` are younger:
+its bars and loads have changed since. Scenes in which contact and interior are iterated
 on are also run to a tolerance of 1e-10: another way to the same answer differs by the tolerance of the scene.
 
 ``python -m eigencontact_verification.identity`` compares and exits with 1 where something differs that
@@ -41,8 +42,7 @@ _SWEPT = (3e-6, "cells are swept with the contact, in place of rounds of solves:
 _PLACE = (np.inf, "the place of a maximum: rounding chooses among its mirror images")
 EXCEPTIONS = {
     **dict.fromkeys(
-        ("ellipsoid-under-contact", "inclusion-cluster", "inclusion-under-contact", "prestressed-concrete",
-         "rolling-over-inclusion"), _SWEPT,
+        ("ellipsoid-under-contact", "inclusion-cluster", "inclusion-under-contact", "rolling-over-inclusion"), _SWEPT,
     ),
     "rolling-over-inclusion:moment_x": (1.0, "zero by symmetry, up to the tolerance"),
     "coated-fretting:dissipated_energy_max_x": _PLACE,
@@ -61,7 +61,6 @@ EXCEPTIONS |= {
         ("hertz-ellipse", ("section", "cross", "axis"), 1e-4),
         ("inclusion-cluster", ("section",), 5e-6),
         ("inclusion-under-contact", ("section", "axis"), 5e-5),
-        ("prestressed-concrete", ("along", "across"), 5e-4),
         ("rolling-over-inclusion", ("section",), 5e-6),
         ("soft-coating", ("section",), 5e-6),
         ("tilted-punch", ("section",), 1e-4),

@@ -43,15 +43,16 @@ def plot(
         A folder of results or its ``results.nc``, what `open_results` or `region` returned, or what a run returned.
     field : str, optional
         ``"pressure"``, ``"shear"``, ``"gap"``, ``"stress"``, ``"von-mises"``, ``"plastic-strain"``, … whatever the
-        results hold; an unknown name is answered with all of them. By default the pressure, or the equivalent stress of
-        a region.
+        results hold; an unknown name is answered with all of them. The name of a standard picture works too:
+        ``"worn-profiles"``. By default the pressure, or the equivalent stress of a region.
     component : str, optional
         ``"xz"`` of a stress, or ``"1"`` for its largest principal value; ``"x"`` of a displacement or of a traction.
     step : int, optional
         Number of the load step, from 1; the last by default.
     region : str, optional
-        Name of a region of the run, or ``"surface"``; by default the surface where the field lies there, else the first
-        region that has it.
+        Name of a region of the run, ``"surface"``, or ``"along-x"`` or ``"along-y"`` for a profile on the surface
+        through the middle of the contact; by default the surface where the field lies there, else the first region that
+        has it.
     zoom : str or pairs of numbers, optional
         What is seen, along the horizontal and the vertical: ``"-6 um:6 um, 0:8 um"``, or pairs of numbers [m].
     cmap : str, optional

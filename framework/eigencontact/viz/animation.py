@@ -15,7 +15,7 @@ from eigencontact.viz.frame import Film, Frame
 from eigencontact.viz.friction import shear_map
 from eigencontact.viz.friction_history import fretting_loops
 from eigencontact.viz.friction_words import driven
-from eigencontact.viz.history import load_history
+from eigencontact.viz.history import history_panels, load_history
 from eigencontact.viz.movie import write_movie
 from eigencontact.viz.plastic import load_depth
 from eigencontact.viz.remembered import yields
@@ -102,7 +102,7 @@ def subject_of(dataset: Results) -> Subject | None:
         if section and dataset.sizes.get("history_step") == dataset.sizes["step"]:
             sentence += " The line is around what has yielded."
         return Subject((section[0] if section else pressure, partial(load_depth, dataset)), sentence)
-    if known and not section:
+    if not section and history_panels(dataset):
         return Subject(
             (pressure, partial(load_history, dataset)), "Contact pressure through the load history.", stacked=True
         )

@@ -14,7 +14,7 @@ from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.viz.cut import Shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -141,8 +141,19 @@ def cell_fields(dataset: Results) -> dict[str, Field]:
     return found
 
 
-def choose(name: str, known: dict[str, Field], place: str) -> Field:
+def choose(name: str, known: dict[str, Field], place: str, pictures: Sequence[str] = ()) -> Field:
     """Field of a name; hyphens and case do not matter.
+
+    Parameters
+    ----------
+    name : str
+        As a user gives it.
+    known : dict
+        Fields by name.
+    place : str
+        Where they lie, in words.
+    pictures : sequence of str
+        Standard pictures that could be asked for instead.
 
     Raises
     ------
@@ -152,9 +163,9 @@ def choose(name: str, known: dict[str, Field], place: str) -> Field:
     text = str(name).strip().lower().replace("-", "_")
     if text not in known:
         listed = ", ".join(known) or "none"
-        raise SceneError(
-            f"field must be one that the results hold{place}: {listed} (got {shown(name)}){nearest(text, known)}"
-        )
+        others = f", or a picture: {', '.join(pictures)}" if pictures else ""
+        near = nearest(text, known) or nearest(text.replace("_", "-"), pictures)
+        raise SceneError(f"field must be one that the results hold{place}: {listed}{others} (got {shown(name)}){near}")
     return known[text]
 
 

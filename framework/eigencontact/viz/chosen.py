@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
+from eigencontact.core.names import PICTURES
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.viz.cells import cells_map
@@ -30,10 +31,11 @@ from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES
 from eigencontact.viz.profile import line_profile
 from eigencontact.viz.section import equivalent_of, stress_section
 from eigencontact.viz.style import heading
+from eigencontact.viz.surface_line import SURFACE_LINES, surface_line
 from eigencontact.viz.window import Window, masked_map, view_of, zone_map
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from matplotlib.figure import Figure
 
@@ -80,13 +82,15 @@ def chosen_picture(
     dataset : Results
         Results of a run.
     field : str or None
-        Its name; by default the pressure, or the equivalent stress of a region.
+        Its name, or that of a standard picture, ``"worn-profiles"``; by default the pressure, or the equivalent stress
+        of a region.
     component : str, optional
         Of a vector or tensor.
     step : int
         Position along ``step``.
     region : str, optional
-        Name of a stored region, or ``"surface"``; by default the surface, or the first region that holds the field.
+        Name of a stored region, ``"surface"``, or ``"along-x"`` or ``"along-y"`` for a profile on the surface through
+        the middle of the contact; by default the surface, or the first region that holds the field.
     zoom : str or sequence, optional
         See `zoom_of`.
     cmap : str, optional
@@ -99,12 +103,24 @@ def chosen_picture(
     """
     (horizontal, vertical), colours = zoom_of(zoom), colour_map(cmap)
     view = View(horizontal, vertical, colours)
-    place, one = _found(dataset, field, region)
+    stem = str(field).strip().lower().replace("_", "-")
+    pictures = _standard(dataset, step) if stem in PICTURES else {}
+    if stem in pictures:
+        for name, value in {"component": component, "region": region, "zoom": zoom, "cmap": cmap}.items():
+            if value is not None:
+                raise SceneError(
+                    f"{name} must be left out of {field!r}, which is a standard picture (got {shown(value)})"
+                )
+        sentence, draw = pictures[stem]
+        return Chosen(f"plot-{stem}", sentence, draw())
+    place, one = _found(dataset, field, region, tuple(pictures))
     part = one.component(component)
     words = [] if place == SURFACE else [place or "cells"]
     name = "-".join([*words, one.name, *([part] if part else [])]).replace("_", "-")
     if place == SURFACE:
         made = _surface(dataset, one, part, step, view)
+    elif place in SURFACE_LINES:
+        made = surface_line(dataset, SURFACE_LINES[place], surface_numbers(dataset, one, part, step), step, view)
     elif not place:
         body = int(one.variable.rpartition("_")[2])
         made = cells_map(dataset, body, cell_numbers(dataset, one, part, step), step, view)
@@ -119,27 +135,42 @@ def chosen_picture(
     return Chosen(f"plot-{name}", sentence, made)
 
 
-def _found(dataset: Results, field: str | None, region: str | None) -> tuple[str, Field]:
+def _standard(dataset: Results, step: int) -> dict[str, tuple[str, Callable[[], Figure]]]:
+    """Sentence and function of the standard pictures that bear no name of a field, by their names."""
+    from eigencontact.viz.figures import standard_pictures
+
+    last = step % dataset.sizes["step"] == dataset.sizes["step"] - 1
+    fields = {field.replace("_", "-") for field in surface_fields(dataset)}
+    pictures = {
+        file.removesuffix(".png"): (sentence, draw)
+        for file, sentence, draw in standard_pictures(dataset, None if last else step)
+    }
+    return {name: pictures[name] for name in PICTURES if name in pictures and name not in fields}
+
+
+def _found(dataset: Results, field: str | None, region: str | None, pictures: tuple[str, ...]) -> tuple[str, Field]:
     """Place of a field, empty for the cells of bodies, and the field there."""
     regions = {name: one for name, one in json.loads(dataset.attrs["regions"]).items() if _is_drawn(dataset, name, one)}
     surface, cells = surface_fields(dataset), cell_fields(dataset)
-    if region is not None and region not in (SURFACE, *regions):
+    places = [*regions, SURFACE, *SURFACE_LINES]
+    if region is not None and region not in places:
         raise SceneError(
-            f"region must be a stored one that can be drawn: {listed([*regions, SURFACE])} (got {shown(region)})"
-            f"{nearest(str(region), [*regions, SURFACE])}; another one is described by a table, "
+            f"region must be a stored one that can be drawn: {listed(places)} (got {shown(region)})"
+            f"{nearest(str(region), places)}; another one is described by a table, "
             "'name = \"cut\", shape = \"plane\", depth-max = \"1 mm\"'"
         )
     if region is None and field is None and "pressure" not in surface:
         region = next(iter(regions), None)
-    if region not in (None, SURFACE):
+    if region not in (None, SURFACE, *SURFACE_LINES):
         own = region_fields(dataset, str(region))
         name = field or equivalent_of(dataset, str(region)) or next(iter(own))
         return str(region), choose(name, own, f" of region {region!r}")
     name = field or "pressure"
-    if region == SURFACE:
-        return SURFACE, choose(name, surface, " of the surface")
+    if region in (SURFACE, *SURFACE_LINES):
+        return str(region), choose(name, surface, " of the surface")
     everywhere = {at: region_fields(dataset, at) for at in regions}
-    one = choose(name, {**{k: v for own in everywhere.values() for k, v in own.items()}, **cells, **surface}, "")
+    known = {**{k: v for own in everywhere.values() for k, v in own.items()}, **cells, **surface}
+    one = choose(name, known, "", pictures)
     if one.name in surface:
         return SURFACE, surface[one.name]
     if one.name in cells:

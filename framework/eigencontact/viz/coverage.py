@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,12 +14,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from eigencontact.core.grid import Box
     from eigencontact.results.stored import Results
 
 __all__ = ["coverage_map", "impacts", "strikes", "struck"]
 
 #: Fewer impacts are no treatment of a surface.
 FEWEST = 3
+#: Points along the edge of a cell that draw the borders of prints, and the share of neighbours that counts as touched.
+FINER, HALF = 6, 0.5
 
 
 def impacts(dataset: Results) -> list[int]:
@@ -40,6 +43,18 @@ def strikes(dataset: Results) -> NDArray[np.intp]:
     return np.asarray((dataset["pressure"][impacts(dataset)].values > 0).sum(axis=0))
 
 
+def _smooth_strikes(dataset: Results, view: Box) -> NDArray[np.intp]:
+    """Impacts on points finer than cells of a view; the border of each print passes between the middles of cells."""
+    from scipy.ndimage import gaussian_filter, zoom
+
+    count: NDArray[np.intp] = np.zeros([FINER * side for side in view.shape], dtype=np.intp)
+    for step in impacts(dataset):
+        touched = (dataset["pressure"][step].values > 0).astype(float)
+        share = gaussian_filter(touched, 1.0, mode="nearest")[view.slices]
+        count += zoom(share, FINER, order=1, mode="nearest", grid_mode=True) > HALF
+    return count
+
+
 def coverage_map(dataset: Results) -> Figure:
     """Number of impacts that each place has felt; the share of a square in the middle that has felt one is said.
 
@@ -51,7 +66,8 @@ def coverage_map(dataset: Results) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Crosses are the middles of the impacts. The square reaches to the outermost of them.
+        Dots are the middles of the impacts. The square reaches to the outermost of them. Borders of prints are smooth;
+        the share counts whole cells.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm
@@ -67,18 +83,19 @@ def coverage_map(dataset: Results) -> Figure:
         most = int(count.max())
         colours = colormaps["viridis"].resampled(most + 1)
         image = axes.imshow(
-            count[window.view.slices],
+            _smooth_strikes(dataset, window.view),
             origin="lower",
             extent=window.extent,
             cmap=colours,
             norm=BoundaryNorm(np.arange(most + 2) - 0.5, most + 1),
         )
-        axes.plot(*window.length(at.T), "+", color="white", markersize=6)
+        dots: dict[str, Any] = {"color": "white", "markeredgecolor": "black", "markersize": 3.5, "markeredgewidth": 0.6}
+        axes.plot(*window.length(at.T), "o", **dots)
         corners = window.length([[left, right, right, left, left], [bottom, bottom, top, top, bottom]])
         axes.plot(*corners, "--", color="white", linewidth=0.8)
         window.label(axes)
         bar = figure.colorbar(image, ax=axes, aspect=22, pad=0.03, ticks=range(0, most + 1, max(1, most // 6)))
         bar.set_label("Impacts")
         share = 100.0 * float((inside > 0).mean()) if inside.size else 0.0
-        axes.set_title(f"{len(at)} impacts: {share:.0f} % of the dashed square covered")
+        axes.set_title(f"{len(at)} impacts cover {share:.0f} % of the dashed square")
     return figure

@@ -12,15 +12,15 @@ import numpy as np
 from eigencontact.viz.coverage import coverage_map, struck
 from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
-from eigencontact.viz.friction_history import fretting_loops, zone_strip
-from eigencontact.viz.friction_words import driven
-from eigencontact.viz.history import history_words, load_history
+from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
+from eigencontact.viz.history import history_panels, history_words, load_history
+from eigencontact.viz.informative import vanishes, varies, zones_change
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
 from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
-from eigencontact.viz.rolling import passing_history, rolls
-from eigencontact.viz.section import drawable, stress_section
+from eigencontact.viz.rolling import passing_history, passing_varies, rolls
+from eigencontact.viz.section import drawable, equivalent_of, stress_section
 from eigencontact.viz.style import moment, save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
@@ -35,12 +35,10 @@ if TYPE_CHECKING:
     Picture = tuple[str, str, Callable[[], Figure]]
     from eigencontact.results.stored import Results
 
-__all__ = ["draw_all"]
+__all__ = ["draw_all", "standard_pictures"]
 
 #: Fewer steps than this are no loop.
 LOOP_STEPS = 3
-#: A load that changes by no more than this part of it is constant.
-CONSTANT = 1e-6
 
 
 def draw_all(
@@ -54,6 +52,9 @@ def draw_all(
     dpi: int | None = None,
 ) -> dict[str, str]:
     """Draw the pictures of one step, and of the history where there are several steps.
+
+    Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution
+    (`eigencontact.viz.informative`).
 
     Parameters
     ----------
@@ -84,6 +85,26 @@ def draw_all(
     ResultsError
         When a picture cannot be stored.
     """
+    wanted = standard_pictures(dataset, step, solid=solid)
+    named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
+    for name, sentence, draw in named[part[0] :: part[1]]:
+        save(draw(), folder / name, dpi, sentence)
+        gc.collect()  # a figure refers to itself
+    return {name: sentence for name, sentence, _ in named}
+
+
+def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool = False) -> list[Picture]:
+    """File name, sentence and function of each picture that `draw_all` draws.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run.
+    step : int, optional
+        See `draw_all`.
+    solid : bool
+        See `draw_all`.
+    """
     loaded, asked = step, step
     if step is None:
         stays = yields(dataset) or "worn_depth" in dataset
@@ -92,7 +113,7 @@ def draw_all(
     assert loaded is not None
     wanted: list[Picture] = []
     at = partial(moment, dataset)
-    if "pressure" in dataset:
+    if not vanishes(dataset, ["pressure"], loaded):
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
         without = homogeneous_words(dataset)
         beside = f" beside that of the {without} alone (closed form)" if without else beside
@@ -109,7 +130,7 @@ def draw_all(
                 lambda: pressure_profiles(dataset, loaded),
             ),
         ]
-    if "residual_displacement_z" in dataset:
+    if not vanishes(dataset, ["residual_displacement_z"], step):
         from_above = "; lines are outlines of the inclusions from above" if "outline" in dataset else ""
         wanted += [
             (
@@ -124,38 +145,37 @@ def draw_all(
             ),
         ]
     for region, how in drawable(dataset).items():
+        field = f"{region}_{equivalent_of(dataset, region)}"
+        stressed = not vanishes(dataset, [field], step)
         if how == "section":
             sentence = f"Equivalent stress on the section {region!r}{at(step)}; a cross marks the largest value"
             sentence += ", a bar above or a line the contact." if "pressure" in dataset else "."
             if f"{region}_outline" in dataset:
                 sentence += " Lines are outlines of inclusions."
-            wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
-            if loaded != step:
+            if stressed:
+                wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
+            if loaded != step and not vanishes(dataset, [field], loaded):
                 sentence = f"The same section {region!r} under the largest load{at(loaded)}."
                 wanted.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
             if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
                 sentence = f"Stresses along the surface, means over each depth of {region!r}{at(step)}."
                 wanted.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
-        else:
+        elif stressed:
             sentence = f"Stresses along the line {region!r}{at(step)}."
             wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
     wanted += _plastic(dataset, step, solid=solid)
     wanted += _friction(dataset, loaded)
     wanted += _wear(dataset, -1 if asked is None else asked)
     if struck(dataset):
-        sentence = "Impacts that each place has felt; crosses are their middles."
+        sentence = "Number of impacts at each place; dots are their middles."
         wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
-    elif rolls(dataset) and not unloads(dataset):
-        sentence = "Largest pressure, and stress at points, against the place of the geometry."
+    elif rolls(dataset) and passing_varies(dataset):
+        sentence = "Largest pressure, and stress at points, over the position of the moving body."
         wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
-    several = dataset.sizes["step"] > 1 and {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
-    if several and not (("contact_zone" in dataset or rolls(dataset)) and _constant(dataset, "normal_load")):
-        wanted.append(("history.png", history_words(dataset), lambda: load_history(dataset)))
-    named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
-    for name, sentence, draw in named[part[0] :: part[1]]:
-        save(draw(), folder / name, dpi, sentence)
-        gc.collect()  # a figure refers to itself
-    return {name: sentence for name, sentence, _ in named}
+    load_depth_drawn = any(name == "load-depth.png" for name, *_ in wanted)
+    if (panels := history_panels(dataset)) and not load_depth_drawn and not rolls(dataset):
+        wanted.append(("history.png", history_words(panels), lambda: load_history(dataset)))
+    return wanted
 
 
 def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
@@ -181,10 +201,12 @@ def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
         sentence = f"Damage {largest} 5 % of that value."
         wanted.append((name, sentence, partial(plastic_section, dataset, field, step, words)))
     if unloads(dataset) and not rolls(dataset):
-        sentence = "Normal load against approach, loading and unloading."
+        sentence = "Normal load over approach, loading and unloading."
         wanted.append(("load-depth.png", sentence, partial(load_depth, dataset)))
     prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
-    if prefix is not None and f"{prefix}_volume" in dataset and dataset.sizes["step"] >= LOOP_STEPS:
+    if prefix is None or f"{prefix}_volume" not in dataset or dataset.sizes["step"] < LOOP_STEPS:
+        return wanted
+    if any(varies(dataset[f"{prefix}_{name}"].values) for name in ("max_strain", "volume")):
         sentence = "Largest plastic strain and plastic volume, step by step."
         wanted.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
     return wanted
@@ -198,24 +220,27 @@ def _friction(dataset: Results, step: int) -> list[Picture]:
     if any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy"):
         beside = " beside the closed form"
     when = moment(dataset, step)
-    wanted: list[Picture] = [
-        ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
-        (
-            "shear-profiles.png",
-            f"Shear traction along x and y{beside}, and the bound of friction{when}.",
-            lambda: shear_profiles(dataset, step),
-        ),
-    ]
+    wanted: list[Picture] = []
+    if not vanishes(dataset, ["shear_x", "shear_y"], step):
+        wanted += [
+            ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
+            (
+                "shear-profiles.png",
+                f"Shear traction along x and y{beside}, and the bound of friction{when}.",
+                lambda: shear_profiles(dataset, step),
+            ),
+        ]
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
         sentence = f"Work of friction for each area{when}."
         wanted.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))
     if dataset.sizes["step"] < LOOP_STEPS:
         return wanted
-    if driven(dataset):
-        sentence = "Tangential load against shift (moment against twist), with the work of friction."
+    if is_a_loop(dataset):
+        sentence = "Tangential load over shift (moment over twist), with the work of friction."
         wanted.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
-    sentence = "Stick and slip on a line through the contact, step by step."
-    wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
+    if zones_change(dataset, zones_of_line(dataset)[0]):
+        sentence = "Stick and slip on a line through the contact, step by step."
+        wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
     return wanted
 
 
@@ -241,7 +266,7 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."
         wanted.append(("wear-history.png", sentence, lambda: wear_history(dataset)))
-    if loop_cycles(dataset):
+    if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
         sentence = "Loops of chosen cycles over each other."
         wanted.append(("wear-loops.png", sentence, lambda: worn_loops(dataset)))
     return wanted
@@ -250,8 +275,3 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
 def _holds(dataset: Results, name: str, step: int) -> bool:
     """Whether a closed form is stored and holds at this step."""
     return name in dataset and not np.isnan(dataset[name][step].values).any()
-
-
-def _constant(dataset: Results, name: str) -> bool:
-    values = dataset[name].values
-    return float(values.max() - values.min()) <= CONSTANT * float(abs(values).max())

@@ -10,10 +10,15 @@ from eigencontact.core.grid import Box
 from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven, history_of
+from eigencontact.viz.informative import varies
+from eigencontact.viz.strands import Strand, draw_strands
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, is_ragged, view_of
+from eigencontact.viz.worn import solved_cycles
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -21,11 +26,14 @@ if TYPE_CHECKING:
     from eigencontact.results.cycles import Cycle
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
+    from eigencontact.viz.worn import SolvedCycle
 
-__all__ = ["fretting_loops", "zone_strip"]
+__all__ = ["cycles_with_loops", "fretting_loops", "is_a_loop", "strands_of", "zone_strip", "zones_of_line"]
 
 #: With more steps than this, only some carry a marker.
 MARKERS = 60
+#: Fewer increments than this are no loop.
+LOOP_STEPS = 3
 #: With more steps than this the last cycle alone is dark.
 MANY = 250
 #: Area of the polygon through the increments less the work of friction, relative, above which it is said: loops of 24
@@ -33,8 +41,15 @@ MANY = 250
 _COARSE = 0.02
 
 
+def is_a_loop(dataset: Results) -> bool:
+    """Whether load and displacement along or about the surface close a cycle, or cycles are drawn over each other."""
+    history, motions = history_of(dataset), driven(dataset)
+    closed = any(last_cycle(history, "twist" if motion == "twist" else "shift") for motion in motions)
+    return closed or len(cycles_with_loops(dataset)) > 1
+
+
 def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Tangential load over shift, torsion moment over twist, through all steps.
+    """Tangential load over shift, torsion moment over twist, through all steps; cycles in the colours of their numbers.
 
     Parameters
     ----------
@@ -61,7 +76,7 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
             cycle = last_cycle(history_of(dataset), "twist" if mode == "twist" else "shift")
             scales = scale_for(ways, units[1]), scale_for(forces, units[0])
             if on is None:
-                _loop(axes, scales[0](ways), scales[1](forces), cycle)
+                _loop(figure, axes, scales[0](ways), scales[1](forces), cycle, strands_of(cycles_with_loops(dataset)))
             else:
                 draw_way(axes, scales[0](ways), scales[1](forces), step)
             axes.set(xlabel=f"{words[1]} [{scales[0].unit}]", ylabel=f"{words[0]} [{scales[1].unit}]")
@@ -70,18 +85,38 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
     return figure
 
 
-def _loop(axes: Axes, x: NDArray[Any], y: NDArray[Any], cycle: Cycle | None) -> None:
-    every = max(1, -(-x.size // MARKERS))
+def cycles_with_loops(dataset: Results) -> list[SolvedCycle]:
+    """Solved cycles of enough increments to show a loop."""
+    if not driven(dataset):
+        return []
+    return [cycle for cycle in solved_cycles(dataset) if cycle.last - cycle.first + 1 >= LOOP_STEPS]
+
+
+def strands_of(cycles: Sequence[SolvedCycle]) -> list[Strand]:
+    """Curve of each cycle, from where the cycle solved before it ended."""
+    return [Strand(max(cycle.first - 1, 0), cycle.last, cycle.done) for cycle in cycles]
+
+
+def _loop(
+    figure: Figure, axes: Axes, x: NDArray[Any], y: NDArray[Any], cycle: Cycle | None, strands: list[Strand]
+) -> None:
     axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
     axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
+    many = cycle is not None and x.size > MANY
     if cycle is not None:
         part = slice(cycle.first, cycle.last + 1)
         axes.fill(x[part], y[part], color=COLOURS[0], alpha=0.15, linewidth=0, zorder=1)
-    if cycle is not None and x.size > MANY:
+    if cycle is not None and many:
         axes.plot(x, y, "-", color="0.75", linewidth=0.4, zorder=0)
-        x, y, every = x[part], y[part], 1
-    axes.plot(x, y, "o-", color=COLOURS[0], markevery=every, markersize=2.8, zorder=2)
-    axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5, zorder=3)
+        strands = [Strand(cycle.first, cycle.last, 1)]
+    elif len(strands) > 1:
+        before = slice(0, strands[0].first + 1)
+        axes.plot(x[before], y[before], "-", color="0.5", linewidth=0.8)
+    else:
+        strands = [Strand(0, x.size - 1, 1)]
+    draw_strands(figure, axes, x, y, strands, "Cycle")
+    start = strands[0].first if many else 0
+    axes.plot(x[start], y[start], "o", color=COLOURS[0], markerfacecolor="white", markersize=5, zorder=3)
 
 
 def _energy_words(dataset: Results, modes: list[str]) -> str:
@@ -130,19 +165,8 @@ def zone_strip(dataset: Results) -> Figure:
     from matplotlib.patches import Patch
     from matplotlib.ticker import MaxNLocator
 
-    zones = np.rint(np.asarray(dataset["contact_zone"].values, dtype=float)).astype(int)
-    touched = (zones > 0).any(axis=0)
-    along = "y" if driven(dataset) == ["y"] or dataset.sizes["x"] == 1 else "x"
+    strip, edges, along, at = zones_of_line(dataset)
     across = "y" if along == "x" else "x"
-    box = Box.around(touched) or Box(0, touched.shape[0], 0, touched.shape[1])
-    at = (box.y0 + box.y1) // 2 if along == "x" else (box.x0 + box.x1) // 2
-    if is_ragged(touched):  # patches: the line that meets most of them
-        at = int(np.argmax(touched.sum(axis=1 if along == "x" else 0)))
-    view = view_of(touched)
-    part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
-    strip = zones[:, at, part] if along == "x" else zones[:, part, at]
-    centres = np.asarray(dataset[along].values, dtype=float)
-    edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
     length = scale_for(edges, "m")
     steps = np.asarray(dataset["step"].values, dtype=float)
     with paper_style():
@@ -166,8 +190,25 @@ def zone_strip(dataset: Results) -> Figure:
     return figure
 
 
+def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], NDArray[np.float64], str, int]:
+    """Zones (steps, n) on the line of `zone_strip`, edges of its cells [m], its direction, and its row or column."""
+    zones = np.rint(np.asarray(dataset["contact_zone"].values, dtype=float)).astype(int)
+    touched = (zones > 0).any(axis=0)
+    along = "y" if driven(dataset) == ["y"] or dataset.sizes["x"] == 1 else "x"
+    box = Box.around(touched) or Box(0, touched.shape[0], 0, touched.shape[1])
+    at = (box.y0 + box.y1) // 2 if along == "x" else (box.x0 + box.x1) // 2
+    if is_ragged(touched):  # patches: the line that meets most of them
+        at = int(np.argmax(touched.sum(axis=1 if along == "x" else 0)))
+    view = view_of(touched)
+    part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
+    strip = zones[:, at, part] if along == "x" else zones[:, part, at]
+    centres = np.asarray(dataset[along].values, dtype=float)
+    edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
+    return strip, edges, along, at
+
+
 def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
-    """Loads over the steps, relative to their largest size, which the legend names."""
+    """Loads that change over the steps, relative to their largest size, which the legend names."""
     symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
     curves = [("normal_load", "$P$", "N", "0.35", ":")]
     curves += [
@@ -176,7 +217,7 @@ def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
     for name, symbol, unit, colour, style in curves:
         values = np.asarray(dataset[name].values, dtype=float)
         largest = float(np.abs(values).max())
-        if largest == 0:
+        if largest == 0 or not varies(values):  # a constant course is a line at 1
             continue
         look: dict[str, Any] = {
             "marker": "o" if len(steps) <= MARKERS else "",

@@ -1,36 +1,130 @@
-"""Pictures of the load history."""
+"""Picture of the load history: load, approach, moment, tilt and contact area, as far as they change."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from eigencontact.viz.frame import draw_way
+from eigencontact.viz.informative import area_varies, varies
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
+from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, scene_of, wears
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["history_words", "load_history"]
+__all__ = ["Panel", "Quantity", "first_touch", "history_panels", "history_words", "load_history"]
 
 #: With more steps than this, only some carry a marker.
 MARKERS = 40
 
 
-def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """What was prescribed against what followed, and contact area, through all steps.
+@dataclass(frozen=True)
+class Quantity:
+    """A number in each step, what it is and its unit."""
 
-    Normal load against approach and contact area against load; where the load stays the same and a moment or a tilt
-    changes, moment against tilt and contact area against moment.
+    values: NDArray[np.float64]
+    words: str
+    unit: str
+
+    def begun(self, start: float | None) -> Quantity:
+        """The same with a value before the first step."""
+        return self if start is None else Quantity(np.append(start, self.values), self.words, self.unit)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A curve of one quantity over another.
+
+    Attributes
+    ----------
+    x, y : Quantity
+        Of all points, that of the unloaded start among them where `started`.
+    started : bool
+        Whether the first point is the state before the first step.
+    steps : (n,) int
+        Positions along ``step`` of the points after the start.
+    """
+
+    x: Quantity
+    y: Quantity
+    started: bool
+    steps: NDArray[np.intp]
+
+    @property
+    def title(self) -> str:
+        """Both quantities in words."""
+        return f"{self.y.words} over {self.x.words.lower()}"
+
+    def draw(self, axes: Axes, step: int | None) -> None:
+        """Draw the curve, in an animation as far as a position along ``step``."""
+        scales = scale_for(self.x.values, self.x.unit), scale_for(self.y.values, self.y.unit)
+        x, y = scales[0](self.x.values), scales[1](self.y.values)
+        if step is not None:
+            draw_way(axes, x, y, int(np.searchsorted(self.steps, step, side="right")) - 1 + self.started)
+        else:
+            axes.plot(x, y, "o-", color=COLOURS[0], markevery=max(1, -(-x.size // MARKERS)))
+            axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5)
+        for numbers, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
+            if numbers.min() >= 0.0:
+                set_limits(0.0, 1.05 * numbers.max())
+        labels = [
+            f"{quantity.words} [{scale.unit}]" if scale.unit else quantity.words
+            for quantity, scale in zip((self.x, self.y), scales, strict=True)
+        ]
+        axes.set(xlabel=labels[0], ylabel=labels[1], title=self.title)
+
+
+def history_panels(dataset: Results) -> list[Panel]:
+    """Curves of a load history that tell something; none where loads and displacements stay as they are.
+
+    Normal load over approach, and contact area over load; where the load is constant and a moment or a tilt changes,
+    moment over tilt, and contact area over moment. A load under a constant approach is drawn over the cycles, the path
+    of sliding or the steps. The contact area is left out where its change may be that of a few cells.
 
     Parameters
     ----------
     dataset : Results
-        Results of a run with several steps.
+        Results of a run.
+    """
+    if dataset.sizes["step"] < 2 or not {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars):
+        return []
+    worn = wears(dataset)
+    steps = ends_of_cycles(dataset) if worn else np.arange(dataset.sizes["step"])
+    force, way = _driver(dataset)
+    if not varies(force.values):
+        return []
+    start = first_touch(dataset) if way.words == "Approach" else None
+    panels = []
+    if varies(way.values):
+        curve = Quantity(way.values[steps], way.words, way.unit), Quantity(force.values[steps], force.words, force.unit)
+        panels.append(
+            Panel(curve[0].begun(start), curve[1].begun(None if start is None else 0.0), start is not None, steps)
+        )
+    else:
+        values, words, unit = course(dataset)
+        curve = Quantity(values[steps], words, unit), Quantity(force.values[steps], force.words, force.unit)
+        panels.append(Panel(*curve, False, steps))
+    if area_varies(dataset) and not worn:  # the history of wear shows the area
+        area = np.asarray(dataset["contact_area"].values, dtype=float)
+        panels.append(Panel(force, Quantity(area, "Contact area", "m2"), False, steps))
+    return panels
+
+
+def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
+    """Draw the curves of `history_panels`, through all steps.
+
+    Parameters
+    ----------
+    dataset : Results
+        Results of a run that has such curves.
     step : int
         Position along ``step`` up to which a frame draws the curves.
     on : Frame, optional
@@ -39,47 +133,45 @@ def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> F
     Returns
     -------
     matplotlib.figure.Figure
-        Two panels; the first step is marked by an open circle, so that loading and unloading can be told apart.
+        One or two panels; an open circle marks the first point, which tells loading and unloading apart.
     """
-    force, way, words = _driver(dataset)
-    loads, ways, area = (np.asarray(dataset[name].values, dtype=float) for name in (force, way, "contact_area"))
-    unit = dict.fromkeys(("moment_x", "moment_y"), "N m")
-    load_scale = scale_for(loads, unit.get(force, "N"))
-    way_scale = scale_for(ways, "m" if way == "approach" else "rad")
-    surface = scale_for(area, "m2")
-    every = max(1, -(-loads.size // MARKERS))
+    panels = history_panels(dataset)
     with paper_style():
-        figure = new_figure(6.6, 2.8, on)
-        left, right = figure.subplots(1, 2)
-        curves = ((left, way_scale(ways), load_scale(loads)), (right, load_scale(loads), surface(area)))
-        for axes, x, y in curves:
-            if on is not None:
-                draw_way(axes, x, y, step)
-                continue
-            axes.plot(x, y, "o-", color=COLOURS[0], markevery=every)
-            axes.plot(x[:1], y[:1], "o", color=COLOURS[0], markerfacecolor="white", markersize=5)
-        left.set(xlabel=f"{words[1]} [{way_scale.unit}]", ylabel=f"{words[0]} [{load_scale.unit}]")
-        right.set(xlabel=f"{words[0]} [{load_scale.unit}]", ylabel=f"Contact area [{surface.unit}]")
-        left.set_title(f"{words[0]} and {words[1].lower()}")
-        right.set_title(f"Contact area and {words[0].lower()}")
+        figure = new_figure(6.6 if len(panels) > 1 else 3.9, 2.8, on)
+        for axes, panel in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+            panel.draw(axes, None if on is None else step % dataset.sizes["step"])
     return figure
 
 
-def history_words(dataset: Results) -> str:
+def history_words(panels: list[Panel]) -> str:
     """What the picture shows, in a sentence."""
-    force, way = _driver(dataset)[2]
-    return f"{force} against {way.lower()}, and contact area against {force.lower()}."
+    return " and ".join(panel.title.lower() for panel in panels).capitalize() + "."
 
 
-def _driver(dataset: Results) -> tuple[str, str, tuple[str, str]]:
-    """Force and displacement that change most through the history, and their names in words."""
-    loads = np.asarray(dataset["normal_load"].values, dtype=float)
-    if np.ptp(loads) > 1e-6 * np.abs(loads).max(initial=0.0):
-        return "normal_load", "approach", ("Normal load", "Approach")
-    for axis in "yx":
-        force, way = f"moment_{axis}", f"tilt_{axis}"
-        if force in dataset and np.ptp(dataset[way].values) > 0:
-            moments = np.asarray(dataset[force].values, dtype=float)
-            if np.ptp(moments) > 1e-6 * np.abs(moments).max():
-                return force, way, (f"Moment about {axis}", f"Tilt about {axis}")
-    return "normal_load", "approach", ("Normal load", "Approach")
+def first_touch(dataset: Results) -> float | None:
+    """Approach [m] at which the bodies touch first; None where the results do not tell it.
+
+    Eigenstrain and a tilt move the surfaces before anything is loaded.
+    """
+    scene = scene_of(dataset)
+    strained = bool(scene.get("eigenstrain")) or any(table.get("eigenstrain") for table in scene.get("inclusions", []))
+    strained |= any(scene.get(f"body{body}", {}).get("initial") for body in (1, 2))
+    tilted = any(float(dataset[name][0]) != 0.0 for name in ("tilt_x", "tilt_y") if name in dataset)
+    unloaded = float(dataset["normal_load"][0]) == 0.0
+    if strained or tilted or unloaded or not {"gap", "displacement_z"} <= set(dataset.data_vars):
+        return None
+    return float(initial_separation(dataset, 0).min())
+
+
+def _driver(dataset: Results) -> tuple[Quantity, Quantity]:
+    """Force and displacement that change most through the history."""
+    pairs = [("normal_load", "approach", "Normal load", "Approach", "N", "m")]
+    if not varies(dataset["normal_load"].values):
+        for axis in "yx":
+            names = f"moment_{axis}", f"tilt_{axis}"
+            if names[0] in dataset and np.ptp(dataset[names[1]].values) > 0 and varies(dataset[names[0]].values):
+                pairs.insert(0, (*names, f"Moment about {axis}", f"Tilt about {axis}", "N m", "rad"))
+                break
+    force, way, load, motion, force_unit, way_unit = pairs[0]
+    loads, ways = (np.asarray(dataset[name].values, dtype=float) for name in (force, way))
+    return Quantity(loads, load, force_unit), Quantity(ways, motion, way_unit)

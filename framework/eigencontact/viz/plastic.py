@@ -9,6 +9,7 @@ import numpy as np
 
 from eigencontact.viz.contours import draw_sides
 from eigencontact.viz.frame import draw_way
+from eigencontact.viz.history import first_touch
 from eigencontact.viz.line_sides import inclusion_segments
 from eigencontact.viz.outline import draw_segments
 from eigencontact.viz.remembered import SHARE, CellField, draw_zone, zone_field
@@ -41,6 +42,12 @@ PERCENT = 100.0
 #: Colour of what has not yielded.
 ELASTIC = "0.93"
 PLASTIC = "Equivalent plastic strain [%]"
+#: Name and line of a load that rises, falls or is held.
+_WAYS: dict[int, tuple[str, dict[str, Any]]] = {
+    1: ("loading", {"color": COLOURS[0], "linestyle": "-", "marker": "o"}),
+    -1: ("unloading", {"color": COLOURS[1], "linestyle": "--", "marker": "s"}),
+    0: ("load held", {"color": COLOURS[2], "linestyle": "-.", "marker": "^"}),
+}
 
 
 def loaded_step(dataset: Results) -> int:
@@ -59,7 +66,7 @@ def unloads(dataset: Results) -> bool:
 
 
 def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Normal load against approach, loading and unloading told apart.
+    """Normal load over approach from the first touch; loading, unloading and a load that is held told apart.
 
     Parameters
     ----------
@@ -73,35 +80,33 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
     Returns
     -------
     matplotlib.figure.Figure
-        The largest approach and that of the last step are said where the load has gone.
+        The title gives the largest approach, and that of the last step where it has no load. Faint dots join the two
+        ends of an unloading in one increment, between which nothing was computed.
     """
     loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
+    last = len(loads) - 1 if on is None else step % len(loads)
+    largest, left, unloaded = float(depths[: last + 1].max()), float(depths[last]), loads[last] <= FALL * loads.max()
+    touch = first_touch(dataset)
+    if touch is not None:
+        loads, depths, last = np.append(0.0, loads), np.append(touch, depths), last + 1
     force, length = scale_for(loads, "N"), scale_for(depths, "m")
-    last = len(loads) - 1 if on is None else step
-    rising = np.diff(loads[: last + 1]) >= 0
     with paper_style():
         figure = new_figure(4.4, 3.2, on)
         axes = figure.add_subplot()
         if on is not None:
-            draw_way(axes, length(depths), force(loads), step, line=False)
+            draw_way(axes, length(depths), force(loads), last, line=False)
         labelled: set[str] = set()
-        for first, end in _runs(rising) if rising.size else []:
-            up = bool(rising[first])
-            name = "loading" if up else "unloading"
-            style: dict[str, Any] = {"color": COLOURS[0 if up else 1], "linestyle": "-" if up else "--"}
+        for first, end, way in _runs(loads[: last + 1]):
+            name, style = _WAYS[way]
+            if end - first == 1 and way < 0:
+                style = {**style, "linestyle": ":", "linewidth": 0.8}
             part = slice(first, end + 1)
-            axes.plot(
-                length(depths[part]),
-                force(loads[part]),
-                marker="o" if up else "s",
-                label=None if name in labelled else name,
-                **style,
-            )
+            label = None if name in labelled else name
+            axes.plot(length(depths[part]), force(loads[part]), label=label, **style)
             labelled.add(name)
-        left = float(depths[last])
-        words = f"largest {length.text(depths[: last + 1].max())}"
-        if last > 0 and loads[last] <= FALL * loads.max():
-            words += f", {scale_for([left], 'm').text(left)} when the load has gone"
+        words = f"largest {length.text(largest)}"
+        if last > 0 and unloaded:
+            words += f", {scale_for([left], 'm').text(left)} after unloading"
         axes.set(xlabel=f"Approach [{length.unit}]", ylabel=f"Normal load [{force.unit}]")
         axes.set_title(f"Load and depth\n{words}")
         axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
@@ -111,10 +116,14 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
     return figure
 
 
-def _runs(rising: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last point of each piece of a history in which the load goes one way."""
-    turns = [0, *(np.flatnonzero(rising[1:] != rising[:-1]) + 1).tolist(), rising.size]
-    return list(pairwise(turns))
+def _runs(loads: NDArray[np.float64]) -> list[tuple[int, int, int]]:
+    """First and last point of each piece of a history in which the load rises (1), falls (-1) or is held (0)."""
+    if loads.size < 2:
+        return []
+    change = np.diff(loads)
+    ways = np.where(np.abs(change) > FALL * np.abs(loads).max(), np.sign(change), 0.0).astype(int)
+    ends = [0, *(np.flatnonzero(ways[1:] != ways[:-1]) + 1).tolist(), ways.size]
+    return [(first, end, int(ways[first])) for first, end in pairwise(ends)]
 
 
 def plastic_section(
@@ -213,7 +222,7 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
         left.set(ylabel="Equivalent plastic strain [%]", title="Largest plastic strain")
         right.set(ylabel=f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]", title="Plastic volume")
         for axes in (left, right):
-            axes.set_xlabel("step")
+            axes.set_xlabel("Step")
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)
             axes.xaxis.get_major_locator().set_params(integer=True)

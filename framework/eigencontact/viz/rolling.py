@@ -1,4 +1,4 @@
-"""Picture of a geometry that rolls over a body: what its place does to the pressure and to the stress at points."""
+"""Picture of a geometry that moves along a body: pressure and stress at points over its position."""
 
 from __future__ import annotations
 
@@ -7,21 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.style import COLOURS, Scale, new_figure, paper_style, scale_for
+from eigencontact.viz.informative import NOISE, axis_from_zero, varies
+from eigencontact.viz.strands import Strand, draw_strands
+from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from eigencontact.results.stored import Results
 
-__all__ = ["passing_history", "rolls"]
+__all__ = ["passes", "passing_history", "passing_varies", "rolls"]
 
 #: Points whose stress is drawn.
 MOST = 6
-#: Pressures that differ by less are the same.
-ROUND_OFF = 1e-3
 
 
 def rolls(dataset: Results) -> bool:
@@ -30,9 +29,9 @@ def rolls(dataset: Results) -> bool:
 
 
 def passing_history(dataset: Results) -> Figure:
-    """Largest pressure, and von Mises stress at the points of regions of points, against the place of the geometry.
+    """Largest pressure, and von Mises stress at the points of regions of points, over the position of the geometry.
 
-    Where the geometry moves along x and y, the place is the length of its path.
+    Where the geometry moves along x and y, the position is the length of its path.
 
     Parameters
     ----------
@@ -42,46 +41,85 @@ def passing_history(dataset: Results) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One panel, and a second one where there are such points, at most six of which are drawn.
+        One panel, in which each pass has the colour of its number, and a second one where there are such points, at
+        most six of which are drawn.
     """
     place, words = _place(dataset)
     length = scale_for(place, "m")
     points = _histories(dataset)
     pressure = np.asarray(dataset["max_pressure"].values, dtype=float)
+    scale = scale_for(pressure, "Pa")
+    runs = passes(place, pressure > 0)
     with paper_style():
-        figure = new_figure(6.8 if points else 3.9, 2.9)
+        figure = new_figure(7.2 if points else 4.6, 2.9)
         panels = figure.subplots(1, 2 if points else 1, squeeze=False)[0]
-        _curve(panels[0], length, place, pressure, "Largest pressure")
-        panels[0].set_title("Largest contact pressure")
+        draw_strands(figure, panels[0], length(place), scale(pressure), runs, "Pass")
+        shown = np.concatenate([pressure[run.first : run.last + 1] for run in runs])
+        if axis_from_zero(shown):
+            panels[0].set_ylim(0.0, 1.1 * float(scale(shown.max())))
+        panels[0].set(ylabel=f"Largest pressure [{scale.unit}]", title="Largest contact pressure")
         if points:
             stress = scale_for(np.stack(list(points.values())), "Pa")
             for n, (name, values) in enumerate(points.items()):
-                panels[1].plot(length(place), stress(values), "-", color=COLOURS[n % len(COLOURS)], label=name)
-            panels[1].set(ylabel=f"Von Mises stress [{stress.unit}]", title="Stress at points")
+                for run in runs:
+                    part, label = slice(run.first, run.last + 1), name if run is runs[0] else "_"
+                    style = {"color": COLOURS[n % len(COLOURS)], "label": label}
+                    panels[1].plot(length(place[part]), stress(values[part]), "-", **style)
+            panels[1].set(ylabel=f"Von Mises stress [{stress.unit}]", title="Stress at fixed points of the body")
             panels[1].set_ylim(bottom=0)
-            figure.legend(loc="outside lower center", ncols=min(3, len(points)))
+            figure.legend(loc="outside lower center", ncols=min(2, len(points)))
         for axes in panels:
             axes.set_xlabel(f"{words} [{length.unit}]")
             axes.margins(x=0)
     return figure
 
 
-def _curve(axes: Axes, length: Scale, place: NDArray[np.float64], values: NDArray[np.float64], label: str) -> None:
-    scale = scale_for(values, "Pa")
-    axes.plot(length(place), scale(values), "o-", color=COLOURS[0], markersize=3)
-    if np.ptp(values) < ROUND_OFF * values.max():  # a body that is the same everywhere: no zoom into round-off
-        axes.set_ylim(0.0, 1.1 * float(scale(values.max())))
-    axes.set_ylabel(f"{label} [{scale.unit}]")
+def passing_varies(dataset: Results) -> bool:
+    """Whether the stress is stored at points, or the pressure of passes changes by more than the noise of cells."""
+    pressure = np.asarray(dataset["max_pressure"].values, dtype=float)
+    runs = passes(_place(dataset)[0], pressure > 0)
+    shown = [pressure[run.first : run.last + 1] for run in runs]
+    return bool(runs) and (bool(_histories(dataset)) or varies(np.concatenate(shown), NOISE))
+
+
+def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Strand]:
+    """Pieces of a path that go one way in contact; a turn belongs to both its pieces, a lift to none.
+
+    Parameters
+    ----------
+    place : (steps,)
+        Position along the path.
+    pressed : (steps,) bool
+        Whether the bodies touch.
+    """
+    found: list[Strand] = []
+    first, way = None, 0.0
+    for step in range(place.size):
+        if not pressed[step]:
+            first = None
+            continue
+        if first is None:
+            first, way = step, 0.0
+            continue
+        move = float(np.sign(place[step] - place[step - 1]))
+        if way and move and move != way:
+            first = step - 1
+        way = move or way
+        if found and found[-1].first == first:
+            found[-1] = Strand(first, step, found[-1].number)
+        elif way:
+            found.append(Strand(first, step, len(found) + 1.0))
+    return found
 
 
 def _place(dataset: Results) -> tuple[NDArray[np.float64], str]:
-    """Place of the geometry in each step [m], and its name."""
+    """Position of the geometry in each step [m], and its name."""
     x, y = (np.asarray(dataset[name].values, dtype=float) for name in ("travel_x", "travel_y"))
     if not np.ptp(y):
-        return x, "place of the geometry along x"
+        return x, "Position of the moving body along x"
     if not np.ptp(x):
-        return y, "place of the geometry along y"
-    return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))]), "path of the geometry"
+        return y, "Position of the moving body along y"
+    return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))]), "Path of the moving body"
 
 
 def _histories(dataset: Results) -> dict[str, NDArray[np.float64]]:
@@ -96,5 +134,5 @@ def _histories(dataset: Results) -> dict[str, NDArray[np.float64]]:
         for number, (x, y, z) in enumerate(zip(*at, strict=True)):
             if len(found) < MOST:
                 where = ", ".join(f"{float(length(value)):.3g}" for value in (x, y, z))
-                found[f"{name} ({where}) {length.unit}"] = values[:, number]
+                found[f"{name}, at (x, y, z) = ({where}) {length.unit}"] = values[:, number]
     return found

@@ -29,6 +29,10 @@ __all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "stress_s
 EQUIVALENT = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostatic": "Mean normal stress"}
 #: A plane this close to an interface, in parts of its depth, lies beside it.
 BESIDE = 1e-3
+#: A narrower figure [inch] has no room for its title.
+NARROWEST = 4.2
+#: What the title of a plane beside an interface says; both sides have pictures, with colours of their own.
+INTERFACE = "the interface"
 #: A section that begins within this part of its height below the surface has the contact above it.
 AT_THE_TOP = 0.1
 
@@ -100,7 +104,7 @@ def stress_section(
     width, height = box_size(*seen.size, (4.4, 3.4))
     with paper_style():
         wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7), on)
+        figure = new_figure(max(width + (0.8 if wide else 1.6), NARROWEST), height + (1.5 if wide else 0.7), on)
         axes = figure.add_subplot()
         axes.set_aspect("equal")
         axes.set_xlim(length(seen.horizontal))
@@ -138,7 +142,8 @@ def stress_section(
                 pad=0.03,
             )
             label = f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
-            bar.set_label(f"{label} (nonlinear scale)" if grows(filled) else label)
+            label = f"{label} (nonlinear scale)" if grows(filled) else label
+            bar.set_label(f"{label}, scale of this side" if INTERFACE in cut else label)
             row, column = section.largest(seen.points)
             largest = float(values[row, column])
             name_largest(bar, filled, float(unit(largest)), f"{unit(largest):.3g}")
@@ -179,7 +184,7 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
         if axis == "z" and near:
             side = "above" if at < near[0] * (1 - SAME) else "below"
-            words.append(f"{side} the interface {place(axis, near[0])}")
+            words.append(f"{side} {INTERFACE} {place(axis, near[0])}")
         else:
             words.append(f"at {place(axis, at)}")
     return ", ".join(words)

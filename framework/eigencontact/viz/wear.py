@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.model.outlines import section_outline
+from eigencontact.viz.friction_history import cycles_with_loops, strands_of
 from eigencontact.viz.friction_words import MODES, driven
 from eigencontact.viz.outline import paths_of
 from eigencontact.viz.rolling import rolls
+from eigencontact.viz.strands import draw_strands
 from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import alike, contact_window, masked_map, middle
-from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_separation, interfaces, solved_cycles
+from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_separation, interfaces
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,8 +35,6 @@ __all__ = ["loop_cycles", "wear_history", "worn_coating", "worn_loops", "worn_ma
 SHARE = 1e-3
 #: Loops that are drawn.
 LOOPS = 8
-#: Fewer increments than this are no loop.
-LOOP_STEPS = 3
 #: Tints of the two bodies, and of what they have lost.
 TINTS, LOST = {1: "#CFE1EC", 2: "#E4E4E4"}, "#F3B7A0"
 BODY_STYLES = {1: "-", 2: "--"}
@@ -278,10 +278,11 @@ def wear_history(dataset: Results) -> Figure:
     Parameters
     ----------
     dataset : Results
-        Results of a run that wears. Of solved cycles their ends are drawn.
+        Results of a run that wears. One point is drawn for each number of cycles or path: of solved cycles their ends;
+        loading at the beginning and unloading at the end wear nothing and have no points of their own.
     """
-    steps = ends_of_cycles(dataset)
     values, words, unit = course(dataset)
+    steps = _worn_steps(dataset, values)
     along = scale_for(values, unit)
     at = along(values[steps])
     shown = (
@@ -310,11 +311,20 @@ def wear_history(dataset: Results) -> Figure:
     return figure
 
 
+def _worn_steps(dataset: Results, course_values: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Positions along ``step``: the last step with a contact at each place of the course, of cycles their ends."""
+    steps = ends_of_cycles(dataset)
+    pressed = np.asarray(dataset["max_pressure"].values)[steps] > 0
+    chosen = []
+    for value in np.unique(course_values[steps]):
+        alike = course_values[steps] == value
+        chosen.append(steps[alike & pressed][-1] if np.any(alike & pressed) else steps[alike][-1])
+    return np.array(chosen, dtype=np.intp)
+
+
 def loop_cycles(dataset: Results) -> list[SolvedCycle]:
     """Solved cycles whose loops are drawn: the first, the last, some between at even ratios of numbers."""
-    if not driven(dataset):
-        return []
-    known = [cycle for cycle in solved_cycles(dataset) if cycle.last - cycle.first + 1 >= LOOP_STEPS]
+    known = cycles_with_loops(dataset)
     if len(known) < 2:
         return []
     numbers = np.log([cycle.done for cycle in known])
@@ -330,30 +340,17 @@ def worn_loops(dataset: Results) -> Figure:
     dataset : Results
         Results of a run that wears and has `loop_cycles`.
     """
-    from matplotlib import colormaps
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import LogNorm
-
-    chosen = loop_cycles(dataset)
     mode = driven(dataset)[0]
     load, way, units, words = MODES[mode]
     forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
     force, length = scale_for(forces, units[0]), scale_for(ways, units[1])
-    norm, colours = LogNorm(chosen[0].done, chosen[-1].done), colormaps["viridis"]
     with paper_style():
         figure = new_figure(5.4, 3.6)
         axes = figure.add_subplot()
         axes.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
         axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
-        for cycle in chosen:
-            part = slice(max(cycle.first - 1, 0), cycle.last + 1)  # from where the one solved before it ended
-            colour = colours(float(norm(np.array(cycle.done))))
-            axes.plot(length(ways[part]), force(forces[part]), "-", color=colour, linewidth=1.0)
+        strands = strands_of(loop_cycles(dataset))
+        draw_strands(figure, axes, length(ways), force(forces), strands, "Cycle", markers=False)
         axes.set(xlabel=f"{words[1]} [{length.unit}]", ylabel=f"{words[0]} [{force.unit}]")
-        numbers = [cycle.done for cycle in chosen]
-        bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, ticks=numbers, pad=0.03, aspect=22)
-        bar.ax.set_yticks(numbers, [f"{number:.7g}" for number in numbers])
-        bar.ax.set_yticks([], minor=True)
-        bar.set_label("Cycle")
         axes.set_title("Loops of solved cycles")
     return figure

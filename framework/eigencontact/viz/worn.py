@@ -57,8 +57,9 @@ def wears(dataset: Results) -> bool:
 
 
 def solved_cycles(dataset: Results) -> list[SolvedCycle]:
-    """Cycles of a history that wears, in order; those that were skipped are not among them."""
-    time, done = (np.asarray(dataset[name].values, dtype=float) for name in ("time", "cycles"))
+    """Cycles of a history, in order; those that wear skipped are not among them."""
+    time = np.asarray(dataset["time"].values, dtype=float)
+    done = np.asarray(dataset["cycles"].values, dtype=float) if "cycles" in dataset else None
     found: list[SolvedCycle] = []
     begin = 0.0
     for step in _steps(dataset):
@@ -68,7 +69,8 @@ def solved_cycles(dataset: Results) -> list[SolvedCycle]:
             number = np.ceil((time[inside] - begin) / ramps - SAME)
             for one in np.unique(number):
                 own = inside[number == one]
-                found.append(SolvedCycle(int(own[0]), int(own[-1]), float(done[own[-1]])))
+                number_done = len(found) + 1.0 if done is None else float(done[own[-1]])
+                found.append(SolvedCycle(int(own[0]), int(own[-1]), number_done))
         begin += ramps * repeat
     return found
 
@@ -80,11 +82,11 @@ def ends_of_cycles(dataset: Results) -> NDArray[np.intp]:
 
 
 def course(dataset: Results) -> tuple[NDArray[np.float64], str, str]:
-    """What a wear history goes by, in each step: its values, what it is, and its unit.
+    """What a history goes by, in each step: its values, what it is, and its unit.
 
     Cycles where there are some; else the path of sliding all over the contact; else the number of the step.
     """
-    cycles = np.asarray(dataset["cycles"].values, dtype=float)
+    cycles = np.asarray(dataset["cycles"].values, dtype=float) if "cycles" in dataset else np.zeros(0)
     if cycles.max(initial=0.0) > 0:
         return cycles, "Cycles", "1"
     paths = [float(ramp.get("sliding-distance", 0.0)) for step in _steps(dataset) for ramp in step.get("cycle", [step])]
@@ -95,21 +97,19 @@ def course(dataset: Results) -> tuple[NDArray[np.float64], str, str]:
 
 
 def initial_separation(dataset: Results, step: int = -1) -> NDArray[np.float64]:
-    """Separation (ny, nx) [m] that the surfaces had before they wore, where the geometry is at a step.
+    """Separation (ny, nx) [m] of the unloaded and unworn surfaces, where the geometry is at a step.
 
     It follows from the gap ``g = h + w + u + r - approach - tilt_x y + tilt_y x`` of the first step, which meets a worn
     depth w only where it slides by a distance; of a geometry that travels from that of the step, worn on its way there.
     r is what eigenstrain displaces.
     """
-    worn = dataset["worn_depth"]
     position = step % dataset.sizes["step"]
     moves = any(float(np.ptp(dataset[axis].values)) > 0 for axis in ("travel_x", "travel_y") if axis in dataset)
-    met = worn[position].values
+    first = _steps(dataset)[0]
+    slides = "sliding-distance" in first.get("cycle", [first])[0]  # what slips wears after it is solved
     if not moves:
         position = 0
-        first = _steps(dataset)[0]
-        slides = "sliding-distance" in first.get("cycle", [first])[0]  # what slips wears after it is solved
-        met = worn[0].values * slides
+    met: Any = dataset["worn_depth"][position].values * (moves or slides) if "worn_depth" in dataset else 0.0
     wanted = ("gap", "approach", *_MOVED, "tilt_x", "tilt_y")
     one = {name: dataset[name][position] for name in wanted if name in dataset}
     tilt: Any = 0.0
