@@ -15,7 +15,7 @@ from content import code_hash  # noqa: E402 - lies in _ext
 
 # Cells call the program as a reader does: by its name, on a terminal that is no terminal.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-os.environ |= {"COLUMNS": "100", "TERM": "dumb", "NO_COLOR": "1", "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
+os.environ |= {"COLUMNS": "92", "TERM": "dumb", "NO_COLOR": "1", "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
 os.environ.setdefault("OMP_NUM_THREADS", "2")
 
 project = "eigencontact"
@@ -33,6 +33,7 @@ extensions = [
     "mathml",
     "generated",
     "docstrings",
+    "search_words",
 ]
 exclude_patterns = ["_build", "_cache", "_ext"]
 templates_path = ["_templates"]
@@ -61,6 +62,7 @@ html_title = "eigencontact"
 html_static_path = ["_static"]
 html_css_files = ["eigencontact.css"]
 html_show_sourcelink = False
+html_search_scorer = str(HERE / "_ext" / "scorer.js")
 html_theme_options = {
     "show_prev_next": True,
     "navigation_with_keys": False,
@@ -68,9 +70,10 @@ html_theme_options = {
     "show_toc_level": 2,
     "navbar_align": "left",
     "navbar_end": ["theme-switcher"],
+    # Pages of measurements and the first page give their tables the width of the list of sections.
+    "secondary_sidebar_items": {"index": [], "measured/**": []},
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"changelog": [], "citing": []}

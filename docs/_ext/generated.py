@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import subprocess
 from collections import defaultdict
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from api import api_pages
 from click import Context
 from gallery import write, write_gallery
+from scene_uses import plugin_target, scenes_by_plugin
 from sphinx.application import Sphinx
 from sphinx.config import Config
 from typer.main import get_command
@@ -19,6 +21,7 @@ from eigencontact.library import installed_plugins
 from eigencontact.listing import plugin_data
 from eigencontact.reference.tables import all_tables
 from eigencontact.reference.text import as_markdown
+from eigencontact.scene.loader import bundled_names
 
 
 def _scene_page(docs: Path) -> None:
@@ -44,7 +47,7 @@ def _key_table(keys: list[dict[str, Any]]) -> str:
     return "\n".join(rows)
 
 
-def _plugin_page(docs: Path) -> None:
+def _plugin_page(docs: Path, scenes: Collection[str]) -> None:
     kinds = defaultdict(list)
     for entry in plugin_data(installed_plugins())["plugins"]:
         kinds[entry["kind"]].append(entry)
@@ -56,13 +59,16 @@ def _plugin_page(docs: Path) -> None:
     for kind, entries in kinds.items():
         parts.append(f"## {kind.replace('-', ' ').capitalize()}")
         for entry in entries:
-            parts += [f"### {entry['type']}", _cell(entry["summary"])]
+            parts += [f"({plugin_target(kind, entry['type'])})=\n### {entry['type']}", _cell(entry["summary"])]
             if entry["parameters"]:
                 parts.append(_key_table(entry["parameters"]))
             for name, keys in entry["tables"].items():
                 parts += [f"In each table of `{name}`:", _key_table(keys)]
             if entry["references"]:
                 parts.append("Sources: " + "; ".join(map(_cell, entry["references"])) + ".")
+            if users := scenes_by_plugin().get((kind, entry["type"])):
+                links = (f"[{name}](../gallery/{name}.md)" if name in scenes else f"`{name}`" for name in users)
+                parts.append("In the gallery: " + ", ".join(links) + ".")
     write(docs / "reference" / "plugins.md", "\n\n".join(parts) + "\n")
 
 
@@ -80,11 +86,13 @@ def _command_page(docs: Path) -> None:
 
 def _generate(app: Sphinx, config: Config) -> None:
     docs = Path(app.srcdir)
-    for make in (_scene_page, _plugin_page, _command_page):
-        make(docs)
+    chosen = [name for name in config.gallery_scenes.split(",") if name]
+    _scene_page(docs)
+    _plugin_page(docs, chosen or bundled_names())
+    _command_page(docs)
     for name, text in api_pages():
         write(docs / "api" / "generated" / f"{name}.md", text)
-    write_gallery(docs, [name for name in config.gallery_scenes.split(",") if name])
+    write_gallery(docs, chosen)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

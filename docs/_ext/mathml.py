@@ -10,7 +10,10 @@ from sphinx.application import Sphinx
 
 
 def _inline(self: Any, node: nodes.math) -> None:
-    self.body.append(convert(node.astext(), display="inline"))
+    formula = convert(node.astext(), display="inline")
+    if "<mfrac" in formula or "<munder" in formula:  # letters of fractions in a line are as large as those beside them
+        formula = formula.replace('display="inline"', 'display="inline" displaystyle="true"', 1)
+    self.body.append(formula)
     raise nodes.SkipNode
 
 

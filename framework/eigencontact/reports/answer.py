@@ -61,7 +61,8 @@ def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
 def _sentence(words: str, column: Column, error: Column | None, steps: Sequence[int]) -> str:
     text = words.format(_value(column, column.last))
     if column.varies and _value(column, column.last) != _value(column, column.largest):
-        text = f"{text[:-1]}; the largest value is {_value(column, column.largest)}, at step {steps[column.at_largest]}."
+        largest = _value(column, column.largest)
+        text = f"{text[:-1]}; the largest value is {largest}, at step {steps[column.at_largest]}."
     if error is not None and error.last:
         text = f"{text[:-1]} (estimated error {100 * error.last:.2g} %)."
     return text
