@@ -34,6 +34,7 @@ extensions = [
     "generated",
     "docstrings",
     "search_words",
+    "notebooks",
 ]
 exclude_patterns = ["_build", "_cache", "_ext"]
 templates_path = ["_templates"]

@@ -21,6 +21,7 @@ from eigencontact.library import installed_plugins
 from eigencontact.listing import plugin_data
 from eigencontact.reference.tables import all_tables
 from eigencontact.reference.text import as_markdown
+from eigencontact.reports.citations import citations
 from eigencontact.scene.loader import bundled_names
 
 
@@ -53,8 +54,10 @@ def _plugin_page(docs: Path, scenes: Collection[str]) -> None:
         kinds[entry["kind"]].append(entry)
     parts = [
         "# Plugins",
-        ("What `type` may name in each table, with its parameters and sources. `eigencontact plugins KEY` prints one, "
-        "those of your own packages too; [how to write one](../plugins/index.md)."),
+        (
+            "What `type` may name in each table, with its parameters and sources. `eigencontact plugins KEY` prints "
+            "one, those of your own packages too; [how to write one](../plugins/index.md)."
+        ),
     ]
     for kind, entries in kinds.items():
         parts.append(f"## {kind.replace('-', ' ').capitalize()}")
@@ -70,6 +73,28 @@ def _plugin_page(docs: Path, scenes: Collection[str]) -> None:
                 links = (f"[{name}](../gallery/{name}.md)" if name in scenes else f"`{name}`" for name in users)
                 parts.append("In the gallery: " + ", ".join(links) + ".")
     write(docs / "reference" / "plugins.md", "\n\n".join(parts) + "\n")
+
+
+def _bibliography_page(docs: Path) -> None:
+    users = defaultdict(list)
+    for entry in plugin_data(installed_plugins())["plugins"]:
+        for reference in entry["references"]:
+            users[reference].append((entry["kind"], entry["type"]))
+    lines = [
+        "# Bibliography",
+        (
+            "Sources of the plugins, as each plugin names them. A run stores the sources that it used, and its report "
+            "has them as BibTeX. The pages of the [theory](../theory/index.md) name the sources of the solvers."
+        ),
+    ]
+    cited = sorted(citations(list(users)), key=lambda source: source.text.lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ. "))
+    for source in cited:
+        doi = f"[doi:{source.doi}](<https://doi.org/{source.doi}>)" if source.doi else ""
+        plugins = ", ".join(
+            f"{{ref}}`{key} <{plugin_target(kind, key)}>`" for kind, key in dict.fromkeys(users[source.text])
+        )
+        lines.append(f"- {_cell(source.before)}{doi}{_cell(source.after)} ({plugins})")
+    write(docs / "reference" / "bibliography.md", "\n\n".join(lines[:2]) + "\n\n" + "\n".join(lines[2:]) + "\n")
 
 
 def _command_page(docs: Path) -> None:
@@ -89,6 +114,7 @@ def _generate(app: Sphinx, config: Config) -> None:
     chosen = [name for name in config.gallery_scenes.split(",") if name]
     _scene_page(docs)
     _plugin_page(docs, chosen or bundled_names())
+    _bibliography_page(docs)
     _command_page(docs)
     for name, text in api_pages():
         write(docs / "api" / "generated" / f"{name}.md", text)

@@ -9,11 +9,16 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 
 
+def inline(formula: str) -> str:
+    """MathML of a formula in a line; letters of its fractions are as large as those beside them."""
+    markup = convert(formula, display="inline")
+    if "<mfrac" in markup:
+        markup = markup.replace('display="inline"', 'display="inline" displaystyle="true"', 1)
+    return markup
+
+
 def _inline(self: Any, node: nodes.math) -> None:
-    formula = convert(node.astext(), display="inline")
-    if "<mfrac" in formula or "<munder" in formula:  # letters of fractions in a line are as large as those beside them
-        formula = formula.replace('display="inline"', 'display="inline" displaystyle="true"', 1)
-    self.body.append(formula)
+    self.body.append(inline(node.astext()))
     raise nodes.SkipNode
 
 
