@@ -75,7 +75,7 @@ def test_commands_exist():
 
 def test_every_block_is_executed_somewhere():
     """By the build (cells), by the tests above, by CI as a command of README, or it is no code."""
-    tested = dict.fromkeys(("README.md", "docs/index.md"), {"toml", "python", "sh"})
+    tested = {page: {"toml", "python", "sh"} for page in ("README.md", "docs/index.md")}
     for page, text in PAGES.items():
         rest = re.sub(r"(?ms)^```sh\n(.*?)^```", lambda hit: "" if hit[1] in README else hit[0], text)
         for language in re.findall(r"^```+(\S+)", rest, re.MULTILINE):
