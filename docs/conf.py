@@ -58,6 +58,7 @@ numpydoc_show_class_members = False
 default_role = "code"
 suppress_warnings = ["mystnb.unknown_mime_type"]
 
+WITH_SECTIONS = "start", "tutorials", "gallery", "scenes", "reference", "help", "plugins", "theory", "api", "about"
 html_theme = "pydata_sphinx_theme"
 html_title = "eigencontact"
 html_static_path = ["_static"]
@@ -71,8 +72,8 @@ html_theme_options = {
     "show_toc_level": 2,
     "navbar_align": "left",
     "navbar_end": ["theme-switcher"],
-    # Pages of measurements and the first page give their tables the width of the list of sections.
-    "secondary_sidebar_items": {"index": [], "measured/**": []},
+    # The first page and pages of measurements give the width of the list of sections to their tables.
+    "secondary_sidebar_items": {f"{folder}/**": ["page-toc"] for folder in WITH_SECTIONS},
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
     "pygments_light_style": "a11y-high-contrast-light",
