@@ -12,7 +12,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.reports.answer import answer
+from eigencontact.reports.answer import answer, cards
 from eigencontact.reports.columns import Column
 
 SECTIONS = (
@@ -187,6 +187,13 @@ def test_a_number_that_falls_names_its_largest_value_and_the_skipped_cycles_coun
         "The bodies have lost a volume of 2 µm³ (estimated error 0.64 %).",
         "The work of friction is 160 mJ, with the skipped cycles.",
     ]
+
+
+def test_cards_have_the_work_of_friction_of_all_cycles():
+    solved = Column("dissipated_energy", "", "J", [0.0, 2e-4])
+    whole = Column("wear_energy", "", "J", [0.0, 0.16])
+    assert cards([solved, whole]) == [whole]
+    assert cards([solved]) == [solved]
 
 
 def test_paper_has_the_steps_that_say_most_and_no_folded_part(tmp_path):

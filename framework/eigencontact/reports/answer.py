@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eigencontact.core.units import readable
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from eigencontact.reports.columns import Column
 
-__all__ = ["answer"]
+__all__ = ["answer", "cards"]
 
 #: Sentence for a number after the last step, in the order of a report.
 _SENTENCES = {
@@ -27,6 +25,11 @@ _SENTENCES = {
     "wear_energy": "The work of friction is {}, with the skipped cycles.",
     "dissipated_energy": "The work of friction is {}.",
 }
+#: Numbers that a report shows in large letters.
+_CARDS = (
+    *("normal_load", "tangential_load", "approach", "contact_radius", "max_pressure", "max_von_mises", "max_uplift"),
+    *("max_plastic_strain", "dissipated_energy", "wear_energy", "worn_volume", "max_worn_depth"),
+)
 #: Estimated relative errors, by the number that they belong to.
 _ERRORS = {"worn_volume": "wear_error"}
 
@@ -47,15 +50,26 @@ def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
         A number that ends below its largest magnitude names that magnitude and its step as well. The work of friction
         is that of all cycles where the run skips some.
     """
-    by_name = {column.name: column for column in columns}
-    if by_name.keys() >= {"wear_energy", "dissipated_energy"} and by_name["wear_energy"].largest:
-        del by_name["dissipated_energy"]
+    by_name = {column.name: column for column in _of_all_cycles(columns)}
     sentences = [
         _sentence(words, by_name[name], by_name.get(_ERRORS.get(name, "")), steps)
         for name, words in _SENTENCES.items()
         if name in by_name and by_name[name].last is not None and by_name[name].largest
     ]
-    return [*sentences, *(_stroke(by_name[f"shift_{axis}"], axis) for axis in "xy" if f"shift_{axis}" in by_name)]
+    moved = (axis for axis in "xy" if f"shift_{axis}" in by_name and by_name[f"shift_{axis}"].varies)
+    return [*sentences, *(_stroke(by_name[f"shift_{axis}"], axis) for axis in moved)]
+
+
+def cards(columns: Iterable[Column]) -> list[Column]:
+    """Numbers that a report shows in large letters, in the order of the columns."""
+    return [column for column in _of_all_cycles(columns) if column.name in _CARDS]
+
+
+def _of_all_cycles(columns: Iterable[Column]) -> list[Column]:
+    """All columns but the work of friction in solved increments, where the run also has that of all cycles."""
+    listed = list(columns)
+    whole = any(column.name == "wear_energy" and column.largest for column in listed)
+    return [column for column in listed if not (whole and column.name == "dissipated_energy")]
 
 
 def _sentence(words: str, column: Column, error: Column | None, steps: Sequence[int]) -> str:
@@ -74,4 +88,4 @@ def _value(column: Column, value: float | None) -> str:
 
 def _stroke(column: Column, axis: str) -> str:
     held = [value for value in column.values if value is not None]
-    return f"The shift along {axis} spans {readable(max(held) - min(held), column.unit)} over all steps, peak to peak."
+    return f"The shift along {axis} spans {_value(column, max(held) - min(held))} over all steps, peak to peak."

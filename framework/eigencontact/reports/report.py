@@ -106,7 +106,7 @@ def _target(beside: Path, file: str | Path | None) -> Path:
 
 def _content(source: Source) -> dict[str, Any]:
     """Everything that the template shows."""
-    from eigencontact.reports.answer import answer
+    from eigencontact.reports.answer import answer, cards
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations
     from eigencontact.reports.columns import EFFORT, columns, is_certificate, telling
@@ -124,6 +124,7 @@ def _content(source: Source) -> dict[str, Any]:
         "made_by": source.dataset.attrs["eigencontact_version"],
         "source": source,
         "answer": answer(found, source.steps),
+        "cards": cards(numbers),
         "rows": sorted({*_rows(len(source.steps)), *printed}),
         "printed": printed,
         "numbers": numbers,
