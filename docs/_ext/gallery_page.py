@@ -16,7 +16,7 @@ from eigencontact.scene.loader import bundled_names, bundled_text
 #: Lines of the file and of the output that a page shows at most.
 LONGEST = 120
 #: Number of a case in a description, which only the scene's tests need.
-CASE = re.compile(r"^Case [A-Z]+(-\d+)?(: ?| )")
+CASE = re.compile(r"^Case [A-Z]+(-\d+)?(: ?| )|,? ?\bcase [A-Z]+-\d+(: )?")
 #: Tables whose keys every scene uses; links to them say nothing about the scene.
 COMMON = ("title", "description", "name", "output")
 #: Names of pictures begin so; the first that a run has stands for it in the index.
@@ -77,7 +77,7 @@ def scene_page(name: str, scene: Mapping[str, Any], folder: Path) -> str:
 def _links(scene: Mapping[str, Any]) -> Iterator[str]:
     tables = [key for key, value in scene.items() if key not in COMMON and isinstance(value, dict | list)]
     keys = ", ".join(f"[`{key}`](../reference/scene.md#{key})" for key in tables)
-    plugins = ", ".join(f"{{ref}}`{key} <{plugin_target(kind, key)}>`" for kind, key in plugins_of(scene))
+    plugins = ", ".join(f"{{ref}}`{key} <{plugin_target(kind, key)}>` ({kind})" for kind, key in plugins_of(scene))
     yield f"**Keys:** {keys}" + (f"  \n**Plugins:** {plugins}" if plugins else "")
 
 
