@@ -61,11 +61,13 @@ suppress_warnings = ["mystnb.unknown_mime_type"]
 WITH_SECTIONS = "start", "tutorials", "gallery", "scenes", "reference", "help", "plugins", "theory", "api", "about"
 html_theme = "pydata_sphinx_theme"
 html_title = "eigencontact"
+html_favicon = "_static/logo.svg"
 html_static_path = ["_static"]
 html_css_files = ["eigencontact.css"]
 html_show_sourcelink = False
 html_search_scorer = str(HERE / "_ext" / "scorer.js")
 html_theme_options = {
+    "logo": {"image_light": "_static/logo.svg", "image_dark": "_static/logo.svg", "text": "eigencontact"},
     "show_prev_next": True,
     "navigation_with_keys": False,
     "header_links_before_dropdown": 7,
