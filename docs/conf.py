@@ -15,7 +15,7 @@ from content import code_hash  # noqa: E402 - lies in _ext
 
 # Cells call the program as a reader does: by its name, on a terminal that is no terminal.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-os.environ |= {"COLUMNS": "100", "TERM": "dumb", "NO_COLOR": "1", "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
+os.environ |= {"COLUMNS": "92", "TERM": "dumb", "NO_COLOR": "1", "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
 os.environ.setdefault("OMP_NUM_THREADS", "2")
 
 project = "eigencontact"
@@ -33,6 +33,8 @@ extensions = [
     "mathml",
     "generated",
     "docstrings",
+    "search_words",
+    "notebooks",
 ]
 exclude_patterns = ["_build", "_cache", "_ext"]
 templates_path = ["_templates"]
@@ -56,21 +58,26 @@ numpydoc_show_class_members = False
 default_role = "code"
 suppress_warnings = ["mystnb.unknown_mime_type"]
 
+WITH_SECTIONS = "start", "tutorials", "gallery", "scenes", "reference", "help", "plugins", "theory", "api", "about"
 html_theme = "pydata_sphinx_theme"
 html_title = "eigencontact"
+html_favicon = "_static/logo.svg"
 html_static_path = ["_static"]
 html_css_files = ["eigencontact.css"]
 html_show_sourcelink = False
+html_search_scorer = str(HERE / "_ext" / "scorer.js")
 html_theme_options = {
+    "logo": {"image_light": "_static/logo.svg", "image_dark": "_static/logo.svg", "text": "eigencontact"},
     "show_prev_next": True,
     "navigation_with_keys": False,
     "header_links_before_dropdown": 7,
     "show_toc_level": 2,
     "navbar_align": "left",
     "navbar_end": ["theme-switcher"],
+    # The first page and pages of measurements give the width of the list of sections to their tables.
+    "secondary_sidebar_items": {f"{folder}/**": ["page-toc"] for folder in WITH_SECTIONS},
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"changelog": [], "citing": []}

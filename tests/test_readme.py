@@ -18,7 +18,9 @@ PAGES = {
     for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
     if not MADE & set(path.parts)
 }
+LANDING = PAGES["docs/index.md"]
 EXECUTED_BY_THE_BUILD = ("{code-cell}", "{toctree}", "{include}", "{literalinclude}", "{eval-rst}")
+PROSE = ("{figure}", "{glossary}")
 PLAIN = ("text", "bibtex")
 
 
@@ -45,6 +47,13 @@ def test_library_examples_run(tmp_path, monkeypatch):
     assert names["u"][0, 2] < 0  # what swells lifts the surface
 
 
+def test_the_example_of_the_landing_page_runs(capsys):
+    names = {}
+    (text,) = blocks(LANDING, "python")
+    exec(text, names)
+    assert float(capsys.readouterr().out) == names["result"].summary["max_pressure"] > 0
+
+
 def test_commands_exist():
     """Lines of a shell block begin with a command of the program, a file's name or the environment."""
     from click import Context
@@ -54,7 +63,8 @@ def test_commands_exist():
 
     group = get_command(app)
     known = set(group.list_commands(Context(group)))
-    typed = [line for text in blocks(README, "sh") for line in text.splitlines() if line.startswith("eigencontact")]
+    shell = [*blocks(README, "sh"), *blocks(LANDING, "sh")]
+    typed = [line for text in shell for line in text.splitlines() if line.startswith("eigencontact")]
     assert len(typed) > 5
     for line in typed:
         words = shlex.split(line, comments=True)
@@ -65,11 +75,11 @@ def test_commands_exist():
 
 def test_every_block_is_executed_somewhere():
     """By the build (cells), by the tests above, by CI as a command of README, or it is no code."""
-    tested = {"README.md": {"toml", "python", "sh"}}
+    tested = {page: {"toml", "python", "sh"} for page in ("README.md", "docs/index.md")}
     for page, text in PAGES.items():
         rest = re.sub(r"(?ms)^```sh\n(.*?)^```", lambda hit: "" if hit[1] in README else hit[0], text)
         for language in re.findall(r"^```+(\S+)", rest, re.MULTILINE):
-            allowed = {*PLAIN, *EXECUTED_BY_THE_BUILD, *tested.get(page, {"toml"})}
+            allowed = {*PLAIN, *PROSE, *EXECUTED_BY_THE_BUILD, *tested.get(page, {"toml"})}
             assert language in allowed, f"{page}: a block of {language!r} is executed by nothing; make it a cell"
 
 

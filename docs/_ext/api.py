@@ -21,8 +21,8 @@ PACKAGES = {
 
 def api_pages() -> Iterator[tuple[str, str]]:
     """Name and text of each page."""
-    for module, title in (("eigencontact", "The package"), ("eigencontact.plugin", "For plugins")):
-        yield module, _names(module, title)
+    for module in ("eigencontact", "eigencontact.plugin"):
+        yield module, _names(module, f"The package {module}")
     for package, title in PACKAGES.items():
         yield package, _modules(package, title)
 

@@ -1,4 +1,4 @@
-"""Pages of the bundled scenes, each made by running it: its pictures, its words, its TOML and how long it took.
+"""The gallery: every bundled scene is run, its pictures are kept, and an index shows one of them for each.
 
 A run is kept under the hash of the scene and of the code, so that a page is never older than what it shows. Runs go two
 at a time.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import shutil
 import subprocess
 import time
@@ -19,7 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from content import code_hash
-from PIL import Image
+from gallery_page import pictures_of, prose, scene_page
+from PIL import Image, ImageOps
 from sphinx.util.display import status_iterator
 
 from eigencontact.scene.loader import bundled_names, bundled_text
@@ -33,11 +33,10 @@ GROUPS = {
     "yielding": "Plasticity and damage",
     "wear": "Wear",
 }
-THUMBNAIL = 480
+#: Size of every thumbnail [pixels]; the picture is fitted into it on white.
+THUMBNAIL = (480, 360)
 #: Runs at a time.
 BESIDE = 2
-#: Names of pictures begin so; what shows a region below the surface says more than a map of the pressure.
-TELLING = ("worn", "damage", "section", "shear.", "uplift.", "pressure.")
 
 
 def write_gallery(docs: Path, chosen: list[str]) -> None:
@@ -51,7 +50,7 @@ def write_gallery(docs: Path, chosen: list[str]) -> None:
         scene = tomllib.loads(bundled_text(name))
         groups[_group(scene)].append(name)
         shutil.copytree(folder, pictures / name, ignore=shutil.ignore_patterns("*.json"))
-        write(pages / f"{name}.md", _page(name, scene, folder))
+        write(pages / f"{name}.md", scene_page(name, scene, folder))
     for stale in set(pages.glob("*.md")) - {pages / f"{name}.md" for name in (*names, "index")}:
         stale.unlink()
     write(pages / "index.md", _index(groups, runs))
@@ -89,19 +88,20 @@ def _run(name: str, folder: Path) -> None:
     work = folder / name
     work.mkdir(parents=True)
     start = time.perf_counter()
-    unseen = [word for key in ("animation", "vtk") for word in ("--set", f"output.{key}=false")]
-    command = ["eigencontact", "run", name, "-o", name, *unseen]
+    command = ["eigencontact", "run", name, "-o", name, "--set", "output.vtk=false"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"scene {name} must run (exit code {done.returncode}): {done.stderr.strip()}")
     seconds = time.perf_counter() - start
-    for picture in work.glob("*.png"):
+    for picture in (*work.glob("*.png"), *work.glob("*.gif")):
         shutil.copy(picture, folder)
+    for picture in work.glob("*.png"):
         with Image.open(picture) as image:
-            image.thumbnail((THUMBNAIL, THUMBNAIL))
-            image.save(folder / f"small-{picture.name}")
+            ImageOps.pad(image.convert("RGB"), THUMBNAIL, color="white").save(folder / f"small-{picture.name}")
+    captions = json.loads((work / "summary.json").read_text("utf-8"))["files"]
     shutil.rmtree(work)
-    (folder / "run.json").write_text(json.dumps({"seconds": seconds, "said": done.stdout}), "utf-8")
+    record = {"seconds": seconds, "output": done.stdout, "captions": captions}
+    (folder / "run.json").write_text(json.dumps(record), "utf-8")
 
 
 def _group(scene: Mapping[str, Any]) -> str:
@@ -121,49 +121,12 @@ def _group(scene: Mapping[str, Any]) -> str:
     return "friction" if "friction" in scene else "contact"
 
 
-def _pictures(folder: Path) -> list[str]:
-    """Pictures of a run, the one that says most first."""
-    names = sorted(path.name for path in folder.glob("*.png") if not path.name.startswith("small-"))
-    ranks = {name: rank for rank, word in enumerate(TELLING) for name in names if name.startswith(word)}
-    return sorted(names, key=lambda name: (ranks.get(name, len(TELLING)), name))
-
-
-def _words(text: str) -> str:
-    """Description as paragraphs of Markdown; names of scenes in quotes become links."""
-    plain = re.sub(r"([*_<>$\\`\[\]#|])", r"\\\1", text.strip())
-    known = set(bundled_names())
-    return re.sub(
-        r"'([a-z0-9-]+)'", lambda hit: f"[{hit[1]}]({hit[1]}.md)" if hit[1] in known else f"`{hit[1]}`", plain
-    )
-
-
-def _page(name: str, scene: Mapping[str, Any], folder: Path) -> str:
-    run = json.loads((folder / "run.json").read_text("utf-8"))
-    pictures = _pictures(folder)
-    shown = [f"![{_words(scene['title'])}: {Path(file).stem}](pictures/{name}/{file})" for file in pictures]
-    lines = [
-        f"# {_words(scene.get('title', name))}",
-        _words(scene.get("description", "")),
-        (
-            f"`eigencontact run {name}` took {run['seconds']:.1f} s here, pictures included, animations and "
-            "files for ParaView left out, beside another run. "
-            f"`eigencontact gallery show {name} > my.toml` copies the scene to start from."
-        ),
-        *shown[:1],
-        "```toml\n" + bundled_text(name).strip() + "\n```",
-        "What the terminal says:",
-        "```text\n" + run["said"].rstrip() + "\n```",
-        *shown[1:],
-    ]
-    return "\n\n".join(lines) + "\n"
-
-
 def _index(groups: Mapping[str, list[str]], runs: Mapping[str, Path]) -> str:
     lines = [
         "# Gallery",
         (
-            "Every bundled scene, run by the code that these pages describe. Each is a file to start from: "
-            "`eigencontact gallery show NAME > my.toml`."
+            "This site runs every bundled scene. `eigencontact gallery show NAME > my.toml` copies a scene as a "
+            "starting point for your own; `eigencontact run NAME` runs it as it is."
         ),
     ]
     for key, names in groups.items():
@@ -171,10 +134,12 @@ def _index(groups: Mapping[str, list[str]], runs: Mapping[str, Path]) -> str:
             continue
         lines += [f"## {GROUPS[key]}", "::::{grid} 1 2 3 3\n:gutter: 3"]
         for name in names:
-            title = _words(tomllib.loads(bundled_text(name)).get("title", name))
-            picture = next(iter(_pictures(runs[name])), None)
+            title = prose(tomllib.loads(bundled_text(name)).get("title", name))
+            picture = next(iter(pictures_of(runs[name])), None)
             image = f":img-top: pictures/{name}/small-{picture}\n" if picture else ""
-            lines.append(f":::{{grid-item-card}} {name}\n:link: {name}\n:link-type: doc\n{image}\n{title}\n:::")
+            animated = "\n{bdg-primary}`animation`\n" if any(runs[name].glob("*.gif")) else ""
+            card = f":::{{grid-item-card}} {name}\n:link: {name}\n:link-type: doc\n{image}\n{title}\n{animated}:::"
+            lines.append(card)
         lines.append("::::")
         lines.append("```{toctree}\n:hidden:\n\n" + "\n".join(names) + "\n```")
     return "\n\n".join(lines) + "\n"

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import subprocess
 from collections import defaultdict
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from api import api_pages
 from click import Context
 from gallery import write, write_gallery
+from scene_uses import plugin_target, scenes_by_plugin
 from sphinx.application import Sphinx
 from sphinx.config import Config
 from typer.main import get_command
@@ -20,6 +22,8 @@ from eigencontact.listing import plugin_data
 from eigencontact.reference.numbers import numbers_as_markdown
 from eigencontact.reference.tables import all_tables
 from eigencontact.reference.text import as_markdown
+from eigencontact.reports.citations import citations
+from eigencontact.scene.loader import bundled_names
 
 
 def _scene_page(docs: Path) -> None:
@@ -45,26 +49,60 @@ def _key_table(keys: list[dict[str, Any]]) -> str:
     return "\n".join(rows)
 
 
-def _plugin_page(docs: Path) -> None:
+def _plugin_pages(docs: Path, scenes: Collection[str]) -> None:
+    """A page for each kind of plugin, and one that lists all plugins."""
     kinds = defaultdict(list)
     for entry in plugin_data(installed_plugins())["plugins"]:
         kinds[entry["kind"]].append(entry)
-    parts = [
-        "# Plugins",
-        ("What `type` may name in each table, with its parameters and sources. `eigencontact plugins KEY` prints one, "
-        "those of your own packages too; [how to write one](../plugins/index.md)."),
-    ]
+    rows = ["| kind | plugins |", "|---|---|"]
     for kind, entries in kinds.items():
-        parts.append(f"## {kind.replace('-', ' ').capitalize()}")
-        for entry in entries:
-            parts += [f"### {entry['type']}", _cell(entry["summary"])]
-            if entry["parameters"]:
-                parts.append(_key_table(entry["parameters"]))
-            for name, keys in entry["tables"].items():
-                parts += [f"In each table of `{name}`:", _key_table(keys)]
-            if entry["references"]:
-                parts.append("Sources: " + "; ".join(map(_cell, entry["references"])) + ".")
-    write(docs / "reference" / "plugins.md", "\n\n".join(parts) + "\n")
+        links = ", ".join(f"{{ref}}`{entry['type']} <{plugin_target(kind, entry['type'])}>`" for entry in entries)
+        rows.append(f"| [{kind}](plugins-{kind}.md) | {links} |")
+        page = [f"# {kind.replace('-', ' ').capitalize()}: plugins"]
+        page += [_plugin_section(kind, entry, scenes) for entry in entries]
+        write(docs / "reference" / f"plugins-{kind}.md", "\n\n".join(page) + "\n")
+    lead = (
+        "# Plugins\n\nValues of `type` in each table. `eigencontact plugins KEY` prints the parameters and sources "
+        "of one plugin, also of your own packages. [Write a plugin](../plugins/index.md) shows how to add one.\n\n"
+    )
+    contents = "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(f"plugins-{kind}" for kind in kinds) + "\n```\n"
+    write(docs / "reference" / "plugins.md", lead + "\n".join(rows) + contents)
+
+
+def _plugin_section(kind: str, entry: Mapping[str, Any], scenes: Collection[str]) -> str:
+    parts = [f"({plugin_target(kind, entry['type'])})=\n## {entry['type']}", _cell(entry["summary"])]
+    if entry["parameters"]:
+        parts.append(_key_table(entry["parameters"]))
+    for name, keys in entry["tables"].items():
+        parts += [f"In each table of `{name}`:", _key_table(keys)]
+    if entry["references"]:
+        parts.append("Sources: " + "; ".join(map(_cell, entry["references"])) + ".")
+    if users := scenes_by_plugin().get((kind, entry["type"])):
+        links = (f"[{name}](../gallery/{name}.md)" if name in scenes else f"`{name}`" for name in users)
+        parts.append("In the gallery: " + ", ".join(links) + ".")
+    return "\n\n".join(parts)
+
+
+def _bibliography_page(docs: Path) -> None:
+    users = defaultdict(list)
+    for entry in plugin_data(installed_plugins())["plugins"]:
+        for reference in entry["references"]:
+            users[reference].append((entry["kind"], entry["type"]))
+    lines = [
+        "# Bibliography",
+        (
+            "Sources of the plugins, as each plugin names them. A run stores the sources that it used, and its report "
+            "has them as BibTeX. The pages of the [theory](../theory/index.md) name the sources of the solvers."
+        ),
+    ]
+    cited = sorted(citations(list(users)), key=lambda source: source.text.lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ. "))
+    for source in cited:
+        doi = f"[doi:{source.doi}](<https://doi.org/{source.doi}>)" if source.doi else ""
+        plugins = ", ".join(
+            f"{{ref}}`{key} <{plugin_target(kind, key)}>`" for kind, key in dict.fromkeys(users[source.text])
+        )
+        lines.append(f"- {_cell(source.before)}{doi}{_cell(source.after)} ({plugins})")
+    write(docs / "reference" / "bibliography.md", "\n\n".join(lines[:2]) + "\n\n" + "\n".join(lines[2:]) + "\n")
 
 
 def _command_page(docs: Path) -> None:
@@ -91,11 +129,15 @@ def _number_page(docs: Path) -> None:
 
 def _generate(app: Sphinx, config: Config) -> None:
     docs = Path(app.srcdir)
-    for make in (_scene_page, _plugin_page, _number_page, _command_page):
-        make(docs)
+    chosen = [name for name in config.gallery_scenes.split(",") if name]
+    _scene_page(docs)
+    _plugin_pages(docs, chosen or bundled_names())
+    _bibliography_page(docs)
+    _number_page(docs)
+    _command_page(docs)
     for name, text in api_pages():
         write(docs / "api" / "generated" / f"{name}.md", text)
-    write_gallery(docs, [name for name in config.gallery_scenes.split(",") if name])
+    write_gallery(docs, chosen)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -9,8 +9,16 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 
 
+def inline(formula: str) -> str:
+    """MathML of a formula in a line; letters of its fractions are as large as those beside them."""
+    markup = convert(formula, display="inline")
+    if "<mfrac" in markup:
+        markup = markup.replace('display="inline"', 'display="inline" displaystyle="true"', 1)
+    return markup
+
+
 def _inline(self: Any, node: nodes.math) -> None:
-    self.body.append(convert(node.astext(), display="inline"))
+    self.body.append(inline(node.astext()))
     raise nodes.SkipNode
 
 

@@ -13,11 +13,13 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.core.numbers import Number
+from eigencontact.reference.numbers import known_numbers
+from eigencontact.reports.answer import answer, cards
 from eigencontact.reports.columns import Column
 
 SECTIONS = (
-    *("top", "scene", "model", "left-out", "certificates", "numbers"),
-    *("pictures", "surface", "times", "provenance", "references"),
+    *("top", "pictures", "surface", "numbers", "certificates", "scene"),
+    *("model", "left-out", "times", "provenance", "references"),
 )
 EMPTY = {"meta", "link", "br", "img", "input", "path", "circle"}
 PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
@@ -163,6 +165,53 @@ def test_the_table_of_steps_is_the_history(fretting):
     assert len(rows) == len(history) == 2
     for row, step in zip(rows, history, strict=True):
         assert [float(one["attrs"]["value"]) for one in page.after(row, "data")] == [step[name] for name in heads[1:]]
+
+
+def test_the_result_is_told_in_sentences(fretting):
+    folder, page = fretting
+    last = summary_of(folder)["history"][-1]
+    text = page.id("answer")["text"]
+    assert f"Largest contact pressure: {last['max_pressure'] / 1e9:.5g} GPa." in text
+    assert f"Work of friction in the solved increments: {last['dissipated_energy'] * 1e9:.5g} nJ." in text
+    assert "The shift along x spans 500 nm over all steps, peak to peak." in text
+
+
+def test_a_number_that_falls_names_its_largest_value_and_the_skipped_cycles_count():
+    columns = [
+        declared("max_pressure", [1e9, 2e9, 0.0]),
+        declared("dissipated_energy", [0.0, 1e-4, 2e-4]),
+        declared("worn_volume", [0.0, 1e-18, 2e-18]),
+        declared("wear_energy", [0.0, 0.08, 0.16]),
+        declared("wear_error", [None, 0.001, 0.0064]),
+    ]
+    assert answer(columns, [1, 2, 3]) == [
+        "Largest contact pressure: 0 GPa; the largest value is 2 GPa, at step 2.",
+        "Volume that both bodies have lost: 2 µm³ (estimated error 0.64 %).",
+        "Work of friction that wore, that of cycles between solved ones included: 160 mJ.",
+    ]
+
+
+def declared(name, values):
+    return Column(known_numbers()[name], values)
+
+
+def test_cards_have_the_work_of_friction_of_all_cycles():
+    solved, whole = declared("dissipated_energy", [0.0, 2e-4]), declared("wear_energy", [0.0, 0.16])
+    assert cards([solved, whole]) == [whole]
+    assert cards([solved]) == [solved]
+
+
+def test_paper_has_the_steps_that_say_most_and_no_folded_part(tmp_path):
+    changes = [*QUICK, 'steps=[{normal-load = "0.6 N", increments = 3}, {normal-load = "0.1 N", increments = 4}]']
+    ec.run(ec.load_scene("hertz", changes), tmp_path)
+    text = ec.report(tmp_path).read_text(encoding="utf-8")
+    page = Page(text)
+    rows = [row for row in page.after(page.id("steps"), "tr") if "tbody" in row["inside"]]
+    printed = [page.after(row, "th")[0]["text"] for row in rows if row["attrs"].get("class") != "on-screen"]
+    assert (len(rows), printed) == (7, ["1", "3", "7"])
+    style = page.all("style")[0]["text"].partition("@media print")[2]
+    assert ".on-screen, details:not([open]) { display: none; }" in style
+    assert "beforeprint" not in text
 
 
 def test_residuals_and_times_are_those_of_the_summary(run):

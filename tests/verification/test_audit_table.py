@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from eigencontact_verification.audit.table import SceneAudit
+from eigencontact_verification.audit.table import SceneAudit, line_of, markdown_of
 from eigencontact_verification.campaign.case import Gap
 
 SHALLOW = Gap(kernel="a", what="stress in 'section'", reason="above a depth of 1 m the steps are felt")
@@ -27,3 +27,12 @@ def test_where_nothing_is_judged_the_largest_gap_is_the_reason(gaps, said):
     audit = SceneAudit(name="a", step=1, judged=(), gaps=gaps)
     assert audit.word == "inconclusive"
     assert audit.reason == said
+
+
+def test_a_page_has_two_tables_that_fit_and_the_reason_is_in_the_first():
+    audit = SceneAudit(name="a", step=1, judged=(), gaps=(BODY,))
+    text = markdown_of([line_of(audit)])
+    verdicts, effort = (block.splitlines() for block in text.split("\n\n") if block.startswith("|"))
+    assert [verdicts[-1].split(" | ")[0], verdicts[-1].split(" | ")[-1]] == ["| a", "it repeats |"]
+    assert effort[0].startswith("| scene | step |")
+    assert max(line.count(" | ") for line in (*verdicts, *effort)) < 8

@@ -34,6 +34,10 @@ class Number:
         Whether the console, notebooks and the figures of a sweep show it without being asked.
     label : str
         Words before the value there; by default its name.
+    replaces : str
+        Name of a number that is not shown where this one is not zero.
+    estimates : str
+        Of an error: name of the number that it belongs to.
 
     Examples
     --------
@@ -50,6 +54,8 @@ class Number:
     over: Literal["last", "sum", "max"] = "last"
     headline: bool = False
     label: str = ""
+    replaces: str = ""
+    estimates: str = ""
 
     @property
     def words(self) -> str:
@@ -70,7 +76,7 @@ class Number:
         """Attributes of its variable in a results file."""
         return {
             "units": self.unit, "long_name": self.meaning, "purpose": self.role, "over": self.over,
-            "headline": int(self.headline), "label": self.words,
+            "headline": int(self.headline), "label": self.words, "replaces": self.replaces, "estimates": self.estimates,
         }  # fmt: skip
 
     @classmethod
@@ -79,7 +85,8 @@ class Number:
         return cls(
             name=name, unit=str(attributes["units"]), meaning=str(attributes["long_name"]),
             role=attributes.get("purpose", "result"), over=attributes.get("over", "last"),
-            headline=bool(attributes.get("headline", 0)), label=str(attributes.get("label", "")),
+            headline=bool(attributes.get("headline", 0)),
+            **{key: str(attributes.get(key, "")) for key in ("label", "replaces", "estimates")},
         )  # fmt: skip
 
 

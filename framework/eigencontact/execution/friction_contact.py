@@ -79,7 +79,10 @@ FRICTION_NUMBERS = (
     Number(name="twist", unit="rad", meaning="twist of body 2 against body 1 about the z axis, from x to y"),
     Number(name="stick_radius", unit="m", meaning="radius of the circle of equal stick area"),
     Number(name="slip_fraction", unit="1", meaning="slipping part of the contact area", headline=True),
-    Number(name="dissipated_energy", unit="J", meaning="work of friction so far in the increments that are solved"),
+    Number(
+        name="dissipated_energy", unit="J", meaning="work of friction in the solved increments",
+        headline=True,
+    ),
     Number(name="bound_residual", unit="1", meaning="relative excess of the shear over its bound", role="certificate"),
     Number(name="stick_residual", unit="1", meaning="relative slip of sticking cells", role="certificate"),
     Number(

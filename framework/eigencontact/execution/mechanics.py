@@ -51,7 +51,7 @@ _OF_COUPLING = (
     ),
 )  # fmt: skip
 _OF_LAWS = (
-    Number(name="print_depth", unit="m", meaning="depth of the residual imprint in the surfaces"),
+    Number(name="print_depth", unit="m", meaning="depth of the residual imprint in the surfaces", headline=True),
     Number(name="pile_up", unit="m", meaning="height of the wall around the residual imprint"),
 )
 _PLASTIC_ERROR = Number(

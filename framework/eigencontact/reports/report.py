@@ -10,6 +10,7 @@ from eigencontact.reports.source import opened
 from eigencontact.results.ownership import REPORT, RESULTS
 
 if TYPE_CHECKING:
+    from eigencontact.reports.columns import Column
     from eigencontact.reports.source import Source
 
 __all__ = ["report"]
@@ -17,18 +18,18 @@ __all__ = ["report"]
 #: Parts of the page about a run: the anchor of each, and its name.
 SECTIONS = {
     "top": "Summary",
+    "pictures": "Pictures",
+    "surface": "Surface in space",
+    "numbers": "Numbers",
+    "certificates": "Certificates",
     "scene": "Scene",
     "model": "What was modelled",
     "left-out": "What was left out",
-    "certificates": "Certificates",
-    "numbers": "Numbers",
-    "pictures": "Pictures",
-    "surface": "Surface in space",
     "times": "Times",
     "provenance": "Provenance",
     "references": "References",
 }
-#: Rows of the table of steps at most; of more steps evenly spread ones are shown, and the last.
+#: Evenly spread rows of the table of steps at most; the last step and those where a number is largest come on top.
 _ROWS = 200
 
 
@@ -108,26 +109,28 @@ def _target(beside: Path, file: str | Path | None) -> Path:
 
 def _content(source: Source) -> dict[str, Any]:
     """Everything that the template shows."""
+    from eigencontact.reports.answer import answer, cards
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations
     from eigencontact.reports.columns import columns, telling
     from eigencontact.reports.pictures import animation_of, pictures_of
     from eigencontact.reports.surfaces import surfaces
-    from eigencontact.results.cycles import skips_cycles
-    from eigencontact.viz.friction_words import history_of
 
     found = columns(source.dataset)
     numbers = telling(found)
     drawn, anew = pictures_of(source)
     cited = citations(source.references)
+    printed = _printed(len(source.steps), numbers)
     return {
         "title": source.title,
         "sections": SECTIONS,
         "made_by": source.dataset.attrs["eigencontact_version"],
         "source": source,
-        "rows": _rows(len(source.steps)),
+        "answer": answer(found, source.steps),
+        "cards": cards(numbers),
+        "rows": sorted({*_rows(len(source.steps)), *printed}),
+        "printed": printed,
         "numbers": numbers,
-        "work_name": "wear_energy" if skips_cycles(history_of(source.dataset)) else "dissipated_energy",
         "certificates": [column for column in found if column.number.role in ("certificate", "error")],
         "effort": [column for column in found if column.number.role == "effort"],
         "charts": [
@@ -148,3 +151,8 @@ def _rows(count: int) -> list[int]:
     """Positions of the steps that the table shows."""
     every = -(-count // _ROWS)
     return [*range(0, count - 1, every), count - 1]
+
+
+def _printed(count: int, numbers: list[Column]) -> set[int]:
+    """Positions that the table keeps on paper: the first and the last step, and those where a number is largest."""
+    return {0, count - 1, *(column.at_largest for column in numbers if column.varies)}

@@ -84,10 +84,12 @@ def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     [('contact radius', '6 um')]
     """
     rows = []
-    for name, number in ((name, Number(**table)) for name, table in summary["numbers"].items()):
+    declared = {name: Number(**table) for name, table in summary["numbers"].items()}
+    replaced = {number.replaces for name, number in declared.items() if summary.get(name)}
+    for name, number in declared.items():
         value = summary.get(name, summary["observed"].get(name))
         changed = value or any(row.get(name) for row in summary["history"])
-        if number.headline and value is not None and changed:
+        if number.headline and name not in replaced and value is not None and changed:
             unit = number.unit.replace("m2", "m^2").replace("m3", "m^3")
             rows.append((number.words, f"{value:.4g}" if unit in ("1", "unknown") else readable(value, unit)))
     return rows

@@ -19,8 +19,11 @@ ENOUGH = 0.2
 _WAYS = {"revolution": "of revolution", "solid": "three dimensions"}
 _HEAD = (
     "scene", "step", "elements", "meshes", "unknowns", "wall time [s]", "longest solve [s]", "peak memory [GB]",
-    "agree", "inconclusive", "disagree", "largest difference in u", "in stress", "says", "why",
+    "agree", "inconclusive", "disagree", "largest difference in u", "in stress", "verdict", "why",
 )  # fmt: skip
+#: The columns of the two tables of a page: what the audit found, and what it took.
+_VERDICTS = ("scene", "verdict", "agree", "inconclusive", "disagree", "largest difference in u", "in stress", "why")
+_EFFORT = ("scene", "step", "elements", "meshes", "unknowns", "wall time [s]", "longest solve [s]", "peak memory [GB]")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,7 +131,7 @@ def line_of(one: SceneAudit) -> dict[str, Any]:
 
 
 def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
-    """Sentences and the table, for a page, of what `line_of` says of runs."""
+    """Sentences and two tables, for a page, of what `line_of` says of runs."""
     from eigencontact_verification.benchmarks.machine import describe, facts
 
     words = Counter(line["word"] for line in lines)
@@ -143,6 +146,12 @@ def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
         f"inconclusive, {verdicts['disagrees']} disagree, {verdicts['failed']} failed. {checks} checks without "
         f"elements: {hold} hold."
     )
-    rows = ["| " + " | ".join(_HEAD) + " |", "|" + "---|" * len(_HEAD)]
-    rows += ["| " + " | ".join(cell.replace("|", "\\|") for cell in line["cells"]) + " |" for line in lines]
-    return "\n\n".join([said, "\n".join(rows), f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."])
+    measured = f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."
+    return "\n\n".join([said, _table(_VERDICTS, lines), "Meshes and cost:", _table(_EFFORT, lines), measured])
+
+
+def _table(names: Sequence[str], lines: Sequence[dict[str, Any]]) -> str:
+    """Some columns of the lines."""
+    columns = [_HEAD.index(name) for name in names]
+    rows = [[line["cells"][at].replace("|", "\\|") for at in columns] for line in lines]
+    return "\n".join("| " + " | ".join(row) + " |" for row in [list(names), ["---"] * len(names), *rows])

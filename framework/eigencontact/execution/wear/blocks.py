@@ -25,14 +25,17 @@ _NUMBERS = (
     Number(
         name="worn_volume", unit="m3", meaning="volume that both bodies have lost", headline=True
     ),
-    Number(name="max_worn_depth", unit="m", meaning="largest depth that both bodies together have lost"),
-    Number(name="cycles", unit="1", meaning="cycles done, those between solved ones included"),
+    Number(
+        name="max_worn_depth", unit="m", meaning="largest depth that both bodies together have lost", headline=True
+    ),
+    Number(name="cycles", unit="1", meaning="cycles done, those between solved ones included", headline=True),
     Number(name="jump_cycles", unit="1", meaning="cycles that the last solved one stands for", role="effort"),
     Number(
-        name="wear_energy", unit="J", meaning="work of friction that wore, that of cycles between solved ones included"
+        name="wear_energy", unit="J", meaning="work of friction that wore, that of cycles between solved ones included",
+        headline=True, replaces="dissipated_energy",
     ),
     Number(
-        name="wear_error", unit="1", role="error",
+        name="wear_error", unit="1", role="error", estimates="worn_volume",
         meaning="estimated error of the worn volume by jumps over cycles and by one update a cycle, relative",
     ),
     Number(

@@ -209,7 +209,6 @@
   slider.addEventListener("input", redraw);
   window.addEventListener("resize", redraw);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-  window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
   find("viewer").hidden = false;
   choose();
 })();

@@ -1,0 +1,62 @@
+"""The result of a run in a few sentences, for the top of its report."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from eigencontact.reports.columns import Column
+
+__all__ = ["answer", "cards"]
+
+
+def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
+    """Sentences on the numbers after the last step.
+
+    Parameters
+    ----------
+    columns : iterable of Column
+        All numbers of the run.
+    steps : sequence of int
+        Numbers of the stored steps.
+
+    Returns
+    -------
+    list of str
+        A number that ends below its largest magnitude names that magnitude and its step as well. The work of friction
+        is that of all cycles where the run skips some.
+    """
+    listed = list(columns)
+    by_name = {column.name: column for column in listed}
+    errors = {column.number.estimates: column for column in listed if column.number.estimates}
+    sentences = [_sentence(column, errors.get(column.name), steps) for column in cards(listed) if column.largest]
+    moved = (axis for axis in "xy" if f"shift_{axis}" in by_name and by_name[f"shift_{axis}"].varies)
+    return [*sentences, *(_stroke(by_name[f"shift_{axis}"], axis) for axis in moved)]
+
+
+def cards(columns: Iterable[Column]) -> list[Column]:
+    """Headline numbers, in the order of the columns, without those that another number replaces."""
+    listed = list(columns)
+    replaced = {column.number.replaces for column in listed if column.largest}
+    return [column for column in listed if column.number.headline and column.name not in replaced]
+
+
+def _sentence(column: Column, error: Column | None, steps: Sequence[int]) -> str:
+    text = f"{column.meaning[:1].upper()}{column.meaning[1:]}: {_value(column, column.last)}."
+    if column.varies and _value(column, column.last) != _value(column, column.largest):
+        largest = _value(column, column.largest)
+        text = f"{text[:-1]}; the largest value is {largest}, at step {steps[column.at_largest]}."
+    if error is not None and error.last:
+        text = f"{text[:-1]} (estimated error {100 * error.last:.2g} %)."
+    return text
+
+
+def _value(column: Column, value: float | None) -> str:
+    return f"{column.text(value)} {column.scale.unit}".strip()
+
+
+def _stroke(column: Column, axis: str) -> str:
+    held = [value for value in column.values if value is not None]
+    return f"The shift along {axis} spans {_value(column, max(held) - min(held))} over all steps, peak to peak."
