@@ -5,7 +5,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.execution.driver import drive
+from eigencontact.execution.run.driver import drive
 from eigencontact.scene.loader import bundled_names
 
 #: Thickness of the coating, which is the contact radius on the bare substrate; radius of the ball [m].

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 import eigencontact as ec
 from eigencontact.cli import app
 from eigencontact.errors import ResultsError, SceneError
-from eigencontact.execution.mechanics import Mechanics
+from eigencontact.execution.mechanics.mechanics import Mechanics
 from stopping import Stop, Stopper
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65

@@ -20,7 +20,7 @@ from eigencontact.library import installed_plugins, make, rectangle_field
 if TYPE_CHECKING:
     import xarray
 
-    from eigencontact.execution.driver import Watcher
+    from eigencontact.execution.run.driver import Watcher
     from eigencontact.planning.plan import Plan
     from eigencontact.results.memory import MemoryStore
     from eigencontact.results.records import StepRecord
@@ -328,7 +328,7 @@ def _solve(
     done: Mapping[int, Callable[[], StepRecord]],
 ) -> _Solved:
     """Solve and store all steps that are not done."""
-    from eigencontact.execution.driver import drive
+    from eigencontact.execution.run.driver import drive
 
     last = done[max(done)]() if done else None
     solving, resumed = 0.0, perf_counter()

@@ -67,7 +67,7 @@ class DomainTooSmall(EigencontactError):
     sides : sequence of str
         Directions in which it does: ``"x"``, ``"y"``.
     step : object
-        Load step of a run, `eigencontact.execution.step.Step`, in which it did.
+        Load step of a run, `eigencontact.execution.blocks.step.Step`, in which it did.
     """
 
     exit_code = 4

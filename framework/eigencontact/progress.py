@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 from eigencontact.core.units import readable, time_in_words
 
 if TYPE_CHECKING:
-    from eigencontact.execution.driver import Watcher
-    from eigencontact.execution.loading import LoadPoint
+    from eigencontact.execution.run.driver import Watcher
+    from eigencontact.execution.run.loading import LoadPoint
     from eigencontact.results.records import StepRecord
 
 __all__ = ["ProgressLines", "VerboseLines", "draws_in_place", "progress"]

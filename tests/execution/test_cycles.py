@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.execution.loading import LoadHistory
+from eigencontact.execution.run.loading import LoadHistory
 from eigencontact.scene.schema import Step
 from eigencontact.scene.steps import each_impact
 

@@ -6,7 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
-from eigencontact.execution.driver import drive
+from eigencontact.execution.run.driver import drive
 
 STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 COATED = {

@@ -9,8 +9,8 @@ import eigencontact as ec
 from close import close
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
-from eigencontact.execution.friction_reference import ReferenceShear
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.mechanics.friction_reference import ReferenceShear
 from eigencontact.results.cycles import last_cycle
 from eigencontact.results.records import StepRecord
 from eigencontact_plugins.geometries.sphere import Sphere
@@ -153,7 +153,7 @@ def test_the_area_of_a_closed_loop_is_the_local_work_of_friction(coupling):
 
 
 def test_a_resumed_run_knows_whether_the_path_was_kept(tmp_path, monkeypatch):
-    from eigencontact.execution.mechanics import Mechanics
+    from eigencontact.execution.mechanics.mechanics import Mechanics
 
     steps = [PRESS, {X: 1.0}, {X: 0.5}, {X: 2.0}]
     whole = run(steps, cells=12)

@@ -9,7 +9,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.errors import NotConverged, ResultsError
-from eigencontact.execution.loading import control_at, start_of_ramp, tangential_control_at
+from eigencontact.execution.run.loading import control_at, start_of_ramp, tangential_control_at
 from eigencontact.reference.numbers import known_numbers
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.schema import Step

@@ -5,7 +5,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.execution.loading import LoadHistory, control_at
+from eigencontact.execution.run.loading import LoadHistory, control_at
 from eigencontact.scene.schema import Step
 
 SMALL = ["stress=[]", "grid={cells=16, size=[1.6e-5, 1.6e-5]}"]

@@ -6,7 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import DomainTooSmall, NotConverged
-from eigencontact.execution.coupled import Coupled
+from eigencontact.execution.mechanics.coupled import Coupled
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 MODULUS = E / (1 - NU**2)
@@ -235,7 +235,7 @@ def test_a_resumed_run_repeats(tmp_path):
             **FRICTION,
         }
     )
-    from eigencontact.execution.driver import drive
+    from eigencontact.execution.run.driver import drive
 
     first = next(iter(drive(planned)))
     last = list(drive(planned, done={1: lambda: first}))[-1]

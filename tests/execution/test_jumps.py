@@ -5,7 +5,7 @@ import pytest
 
 from close import close
 from eigencontact.core.grid import Grid
-from eigencontact.execution.step import CyclePlace
+from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.wear.jumps import Jumps
 from eigencontact.execution.wear.rate import Rate
 from eigencontact.execution.wear.state import WornState

@@ -6,8 +6,8 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import NotConverged, PluginError, SceneError
-from eigencontact.execution.driver import drive
 from eigencontact.execution.interiors.swept_cells import SweptCells
+from eigencontact.execution.run.driver import drive
 from eigencontact.solvers.cell_sweeps import CellSweeps
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.execution.driver import drive
-from eigencontact.execution.regions import Region
+from eigencontact.execution.fields.regions import Region
+from eigencontact.execution.run.driver import drive
 from eigencontact.planning.plan import Plan
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 

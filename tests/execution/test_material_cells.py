@@ -6,7 +6,7 @@ import pytest
 from close import close
 from eigencontact.core.grid import Grid
 from eigencontact.errors import SceneError
-from eigencontact.execution.material_cells import MaterialCells
+from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.sources import Inhomogeneity, Lattice
 from eigencontact_plugins.eigenstrain_fields.uniform import Uniform

@@ -7,7 +7,7 @@ import pytest
 
 from eigencontact import app
 from eigencontact.errors import SceneError
-from eigencontact.execution.precision import plane_round_off, settled, volume_round_off
+from eigencontact.execution.blocks.precision import plane_round_off, settled, volume_round_off
 from eigencontact.execution.routes.route import HalfSpace
 from eigencontact.model.sources import Lattice
 from eigencontact.scene.schema import Numerics

@@ -6,9 +6,9 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
-from eigencontact.execution.driver import drive
 from eigencontact.execution.interiors.interior import eigenstrain_name
-from eigencontact.execution.material_cells import MaterialCells, risen
+from eigencontact.execution.interiors.material_cells import MaterialCells, risen
+from eigencontact.execution.run.driver import drive
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.worth.noticed import noticed
 

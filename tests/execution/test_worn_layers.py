@@ -6,9 +6,9 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
-from eigencontact.execution.block import Run
-from eigencontact.execution.driver import drive
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Run
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.run.driver import drive
 from eigencontact.plugin import LayeredMedium
 
 #: Case WR-17: E of the substrate, thickness H = contact radius on the bare substrate, ball of 10 H.

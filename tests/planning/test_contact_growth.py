@@ -5,7 +5,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.execution.loading import LoadHistory
+from eigencontact.execution.run.loading import LoadHistory
 from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.contact_growth import contact_growth
 from eigencontact.scene.steps import Step

@@ -9,7 +9,7 @@ import pytest
 
 import eigencontact as ec
 from eigencontact.core.material import Material
-from eigencontact.execution.friction_contact import friction_cost
+from eigencontact.execution.mechanics.friction_contact import friction_cost
 from eigencontact.model.coupling import Coupling
 from eigencontact.scene.schema import Numerics
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY

@@ -9,7 +9,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.core.memory import resident_bytes
-from eigencontact.execution.traction_field import TractionField
+from eigencontact.execution.fields.traction_field import TractionField
 from eigencontact.planning.memory import run_bytes
 
 CENTRED = ["hertz", "cattaneo-mindlin", "coated-sphere"]

@@ -3,7 +3,7 @@
 import pytest
 
 from eigencontact.errors import PlanError
-from eigencontact.execution.block import Block, Cost
+from eigencontact.execution.blocks.block import Block, Cost
 from eigencontact.planning.order import in_order
 
 

@@ -8,8 +8,8 @@ from typer.testing import CliRunner
 import eigencontact as ec
 from eigencontact.cli import app
 from eigencontact.core.numbers import Number, accumulate
-from eigencontact.execution import beside_contact
-from eigencontact.execution.block import Stateless
+from eigencontact.execution.blocks.block import Stateless
+from eigencontact.execution.mechanics import separation
 from eigencontact.reference.numbers import known_numbers, numbers_as_markdown
 
 SCENE = {
@@ -52,8 +52,8 @@ class Stiffness(Stateless):
 @pytest.fixture
 def told(tmp_path, monkeypatch):
     """Console, summary, report, sweep table and reference page of a scene with one number more of each sort."""
-    blocks = beside_contact.blocks_beside_contact
-    monkeypatch.setattr(beside_contact, "blocks_beside_contact", lambda model: [*blocks(model), Stiffness()])
+    blocks = separation.blocks_beside_contact
+    monkeypatch.setattr(separation, "blocks_beside_contact", lambda model: [*blocks(model), Stiffness()])
     (tmp_path / "mean.py").write_text(STRANGER)
     scene = {**SCENE, "plugins": ["mean.py"], "observers": [{"type": "window-spread"}]}
     (tmp_path / "scene.toml").write_text(_toml(scene))

@@ -15,7 +15,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.core.kept import Kept, kept_or_made
 from eigencontact.errors import EigencontactError, PlanError, ResultsError, SceneError
-from eigencontact.execution.traction_field import TractionField
+from eigencontact.execution.fields.traction_field import TractionField
 from eigencontact.results.atomic import Sink
 from eigencontact.sweeps.axes import axes_of, axis_of_text
 from eigencontact.sweeps.identity import scene_digest, sweep_digest

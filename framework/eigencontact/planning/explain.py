@@ -24,7 +24,7 @@ from eigencontact.worth.understood import (
 )
 
 if TYPE_CHECKING:
-    from eigencontact.execution.block import Block
+    from eigencontact.execution.blocks.block import Block
     from eigencontact.model.sources import Source
     from eigencontact.planning.plan import Plan
 

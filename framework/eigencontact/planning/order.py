@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
 
 from eigencontact.errors import PlanError, nearest
-from eigencontact.execution.block import Block
+from eigencontact.execution.blocks.block import Block
 
 __all__ = ["in_order"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from eigencontact.core.cautions import Caution
 from eigencontact.core.numbers import Number, by_name
-from eigencontact.execution.block import Block, Cost, Part
-from eigencontact.execution.precision import Precision
+from eigencontact.execution.blocks.block import Block, Cost, Part
+from eigencontact.execution.blocks.precision import Precision
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 

@@ -9,9 +9,9 @@ from time import perf_counter
 
 from eigencontact.core.memory import machine_bytes
 from eigencontact.errors import PlanError
-from eigencontact.execution.block import Block
-from eigencontact.execution.initial import initial_states
-from eigencontact.execution.mechanics import Mechanics, mechanics_of
+from eigencontact.execution.blocks.block import Block
+from eigencontact.execution.interiors.initial import initial_states
+from eigencontact.execution.mechanics.mechanics import Mechanics, mechanics_of
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.model import Model, build_model
 from eigencontact.model.sizes import MEMORY_SHARE
@@ -61,7 +61,7 @@ def _mechanics(model: Model) -> Iterator[Mechanics]:
 def _beside_the_contact(model: Model) -> Iterable[Block]:
     if not model.geometries:
         return ()
-    from eigencontact.execution.beside_contact import blocks_beside_contact
+    from eigencontact.execution.mechanics.separation import blocks_beside_contact
 
     return blocks_beside_contact(model)
 
@@ -77,7 +77,7 @@ def _wear(model: Model, mechanics: Iterable[Mechanics]) -> Iterable[Block]:
 def _regions(model: Model) -> Iterable[Block]:
     if not model.requests:
         return ()
-    from eigencontact.execution.regions import regions_of
+    from eigencontact.execution.fields.regions import regions_of
 
     return regions_of(model)
 
@@ -86,7 +86,7 @@ def _observers(model: Model, mechanics: Iterable[Block]) -> Iterable[Block]:
     """Observers see what mechanics and wear give of the surface."""
     if not model.observers:
         return ()
-    from eigencontact.execution.observers import observers_of
+    from eigencontact.execution.run.observers import observers_of
 
     return observers_of(model, frozenset(name for block in mechanics for name in block.wanted))
 

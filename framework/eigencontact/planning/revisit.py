@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from eigencontact.errors import ResultsError, SceneError, shown
-from eigencontact.execution.block import Run
-from eigencontact.execution.regions import Region
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Run
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.fields.regions import Region
 from eigencontact.hooks.registry import OF_FILE, Registry
 from eigencontact.planning.plan import Plan
 from eigencontact.planning.planner import make_plan

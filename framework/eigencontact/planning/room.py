@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.units import readable
 from eigencontact.errors import DomainTooSmall
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.step import Step
 from eigencontact.model.kernels import PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.separation import sum_separations

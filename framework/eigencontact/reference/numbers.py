@@ -12,7 +12,7 @@ from eigencontact.errors import EigencontactError
 from eigencontact.hooks.registry import Registry
 
 if TYPE_CHECKING:
-    from eigencontact.execution.block import Part
+    from eigencontact.execution.blocks.block import Part
 
 __all__ = ["known_numbers", "numbers_as_markdown", "observed_numbers"]
 
@@ -28,7 +28,7 @@ def known_numbers() -> dict[str, Number]:
     'Pa'
     """
     from eigencontact import execution
-    from eigencontact.execution.block import Part
+    from eigencontact.execution.blocks.block import Part
 
     for module in pkgutil.walk_packages(execution.__path__, f"{execution.__name__}."):
         importlib.import_module(module.name)

@@ -69,7 +69,7 @@ def _cluster(task: Task) -> Sample:
 def _coated(task: Task) -> Sample:
     """Solve on the coating and on the substrate alone by turns."""
     from eigencontact.app import load_scene, plan
-    from eigencontact.execution.contact import normal_options
+    from eigencontact.execution.blocks.contact import normal_options
     from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
     from eigencontact.solvers.normal import NormalSolver

@@ -96,7 +96,7 @@ def measure(code: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
     code.load()
     import eigencontact as ec
-    from eigencontact.execution.mechanics import Mechanics
+    from eigencontact.execution.mechanics.mechanics import Mechanics
     from eigencontact.execution.wear.surface import WornSurface
     from eigencontact.results.store import ResultStore
 

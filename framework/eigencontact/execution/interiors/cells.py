@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.errors import SceneError
-from eigencontact.execution.block import Cost
-from eigencontact.execution.contact import Fields
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.contact import Fields
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
+from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
 from eigencontact.execution.interiors.interior import Remembered, loads
+from eigencontact.execution.interiors.material_cells import MaterialCells, is_empty
 from eigencontact.execution.interiors.responding import Responding
-from eigencontact.execution.material_cells import MaterialCells, is_empty
-from eigencontact.execution.precision import INNER, settled, volume_round_off
 from eigencontact.execution.routes.route import Pace
-from eigencontact.execution.sampling import sampling_seconds, spectra_cost
 from eigencontact.model.boxes import box_of_inhomogeneities
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model

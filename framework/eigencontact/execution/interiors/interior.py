@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.tractions import Traction, side
-from eigencontact.execution.block import Part
-from eigencontact.execution.contact import Fields
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.block import Part
+from eigencontact.execution.blocks.contact import Fields
+from eigencontact.execution.blocks.increment import Increment
 from eigencontact.plugin import ConstitutiveLaw
 from eigencontact.results.records import HistoryRecord
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import HalfSpace

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.numbers import Number
-from eigencontact.execution.contact import Fields
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.contact import Fields
+from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, eigenstrain_name
 from eigencontact.execution.routes.closed_form import ClosedForms
 from eigencontact.execution.routes.prescribed import PrescribedField, cell_route

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from eigencontact.core.elasticity import shear_ratios
 from eigencontact.core.numbers import Number
-from eigencontact.execution.contact import Fields
-from eigencontact.execution.increment import Increment
-from eigencontact.execution.initial import moved_state
+from eigencontact.execution.blocks.contact import Fields
+from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.averages import Averages
 from eigencontact.execution.interiors.cells import Cells
+from eigencontact.execution.interiors.initial import moved_state
 from eigencontact.execution.interiors.interior import Outgrown, Remembered, eigenstrain_name
 from eigencontact.model.growth import enlarged, lattice_of, with_lattice
 from eigencontact.model.model import Model

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.execution.block import Cost
-from eigencontact.execution.precision import Precision, plane_round_off, settled, volume_round_off
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.precision import Precision, plane_round_off, settled, volume_round_off
 from eigencontact.execution.routes.route import CellRoute, HalfSpace, Pace
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.regions import RegionLattice

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import timed
 from eigencontact.core.parallel import working_threads
-from eigencontact.execution.block import Cost
+from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.routes.route import Route
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials
 from eigencontact.model.sources import Source

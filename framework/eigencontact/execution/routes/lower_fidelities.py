@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import speed
 from eigencontact.core.parallel import working_threads
-from eigencontact.execution.block import Cost
+from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.routes.route import CellRoute, HalfSpace
 from eigencontact.model.installed import installed_influence
 from eigencontact.model.regions import RegionLattice, surface_lattice

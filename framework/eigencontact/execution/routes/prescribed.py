@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.block import Cost
-from eigencontact.execution.cell_strain import CellStrain
-from eigencontact.execution.precision import Precision
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.precision import Precision
+from eigencontact.execution.routes.cell_strain import CellStrain
 from eigencontact.execution.routes.cells import Between, Planes, cheapest
 from eigencontact.execution.routes.closed_form import ClosedForms
 from eigencontact.execution.routes.route import CellRoute, HalfSpace

@@ -17,8 +17,8 @@ from eigencontact.convolution.pace import Speed, speed, timed
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
-from eigencontact.execution.block import Cost
-from eigencontact.execution.precision import Precision
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.precision import Precision
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.installed import CellMaker, installed_cell

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from eigencontact.core.numbers import Number
-from eigencontact.execution.beside_contact import Separation
-from eigencontact.execution.block import Block, Cost, Run, Running
-from eigencontact.execution.exposed_material import ExposedMaterial
-from eigencontact.execution.mechanics import Mechanics
-from eigencontact.execution.normal_contact import normal_cost
-from eigencontact.execution.precision import contact_precision
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Block, Cost, Run, Running
+from eigencontact.execution.blocks.precision import contact_precision
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.mechanics.exposed_material import ExposedMaterial
+from eigencontact.execution.mechanics.mechanics import Mechanics
+from eigencontact.execution.mechanics.normal_contact import normal_cost
+from eigencontact.execution.mechanics.separation import Separation
 from eigencontact.execution.wear.layers import layers_that_wear
 from eigencontact.execution.wear.surface import WornSurface
 from eigencontact.model.model import Model

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.execution.step import CyclePlace
+from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.wear.rate import Rate
 from eigencontact.execution.wear.state import WornState, updated
 from eigencontact.scene.wear import Wear

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
-from eigencontact.execution.mechanics import RunningMechanics, contact_of
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.mechanics.mechanics import RunningMechanics, contact_of
 from eigencontact.execution.wear.state import WornState
 from eigencontact.model.kernels import Bodies, PairCoefficients
 from eigencontact.model.model import Model

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.step import Step
 from eigencontact.results.records import HistoryRecord, StepRecord
 
 __all__ = ["WornState", "recalled", "store", "updated"]

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import SceneError
-from eigencontact.execution.exposed_material import exposed_facts
-from eigencontact.execution.step import CyclePlace, Step
+from eigencontact.execution.blocks.step import CyclePlace, Step
+from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.execution.wear.jumps import MOST, Jumps, against_deflection, ahead
 from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
 from eigencontact.execution.wear.rate import Rate, energy_of, filled, quotient, rate_of
@@ -30,7 +30,7 @@ from eigencontact.solvers.moving_surface import moved
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from eigencontact.execution.mechanics import RunningMechanics
+    from eigencontact.execution.mechanics.mechanics import RunningMechanics
 
 __all__ = ["WornSurface"]
 

@@ -14,10 +14,10 @@ from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
-from eigencontact.execution.block import Cost
-from eigencontact.execution.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
-from eigencontact.execution.increment import Increment
-from eigencontact.execution.precision import contact_precision
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.precision import contact_precision
 from eigencontact.model.bodies import kernel_key, layered_bodies
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
@@ -155,7 +155,7 @@ def beyond_homogeneous(model: Model, tractions: Sequence[str]) -> Cost:
     """Price of the surface coefficients of layered bodies, for traction names with a kernel each."""
     if not layered_bodies(model.bodies):
         return Cost()
-    from eigencontact.execution.layered_cost import layered_surface_cost
+    from eigencontact.execution.blocks.layered_cost import layered_surface_cost
 
     return layered_surface_cost(model, tractions)
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.step import Slide, Step
+from eigencontact.execution.blocks.step import Slide, Step
 from eigencontact.solvers.control import MODES as NORMAL_MODES
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
-from eigencontact.execution.block import Block, Run, Running, Stateless
-from eigencontact.execution.precision import plane_round_off, settled
-from eigencontact.execution.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Block, Run, Running, Stateless
+from eigencontact.execution.blocks.precision import plane_round_off, settled
+from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.blocks.step import Step
 from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
 from eigencontact.model.kernels import KernelUse, PairCoefficients
 from eigencontact.model.model import Model
@@ -171,7 +171,7 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
     if model.wear is None:
         yield Separation(model)
         if model.exposed is not None:
-            from eigencontact.execution.exposed_material import ExposedMaterial
+            from eigencontact.execution.mechanics.exposed_material import ExposedMaterial
 
             yield ExposedMaterial(model.exposed)
     if model.scene.output.tangential_displacement and model.friction is None:
@@ -183,7 +183,7 @@ def blocks_beside_contact(model: Model) -> Iterator[Block]:
     if reference is not None:
         yield reference
     if model.friction is not None:
-        from eigencontact.execution.friction_reference import ReferenceShear, ShearBound
+        from eigencontact.execution.mechanics.friction_reference import ReferenceShear, ShearBound
 
         yield ShearBound(model)
         assert model.coupling is not None

@@ -11,7 +11,7 @@ from eigencontact.convolution.pace import speed, timed
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.execution.block import Cost
+from eigencontact.execution.blocks.block import Cost
 from eigencontact.model.kernels import Solid
 from eigencontact.plugin import LayeredMedium, SurfaceInfluence
 from eigencontact.scene.schema import Numerics
@@ -22,7 +22,7 @@ __all__ = ["sampling_seconds", "section_cost", "spectra_cost"]
 def sampling_seconds(influence: SurfaceInfluence, body: Solid, *, periodic: bool = False) -> float:
     """Measured time of six stress coefficients at one lattice point [s]."""
     if isinstance(body, LayeredMedium):
-        from eigencontact.execution.layered_cost import layered_sampling_seconds
+        from eigencontact.execution.blocks.layered_cost import layered_sampling_seconds
 
         return layered_sampling_seconds(body, periodic=periodic)
     return _homogeneous_point(influence, body)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.execution.block import Stateless
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Stateless
+from eigencontact.execution.blocks.step import Step
 from eigencontact.model.exposed import Exposed
 from eigencontact.model.model import Model
 

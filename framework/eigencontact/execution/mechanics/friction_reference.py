@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.material import contact_modulus
-from eigencontact.execution.block import Stateless
-from eigencontact.execution.exposed_material import exposed_facts
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Stateless
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.model import Model
 from eigencontact.plugin import FrictionState, HasReferencePressure

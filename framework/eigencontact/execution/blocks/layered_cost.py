@@ -15,7 +15,7 @@ import numpy as np
 from eigencontact.convolution.pace import timed
 from eigencontact.core.parallel import available_threads
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.execution.block import Cost
+from eigencontact.execution.blocks.block import Cost
 from eigencontact.halfspace.media import response_at_depths
 from eigencontact.model.kernels import Solid
 from eigencontact.model.model import Model

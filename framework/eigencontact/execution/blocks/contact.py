@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.numbers import Number
-from eigencontact.execution.block import Part
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.block import Part
+from eigencontact.execution.blocks.increment import Increment
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.control import Control

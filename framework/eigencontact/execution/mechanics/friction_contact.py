@@ -15,8 +15,8 @@ from eigencontact.convolution.pace import speed
 from eigencontact.core.numbers import Number
 from eigencontact.core.rigid_modes import NORMAL_MODES
 from eigencontact.core.tractions import ALONG
-from eigencontact.execution.block import Cost
-from eigencontact.execution.contact import (
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.contact import (
     COUPLING_RESIDUAL,
     Contact,
     ContactAnswer,
@@ -24,9 +24,10 @@ from eigencontact.execution.contact import (
     normal_options,
     scaled_forces,
 )
-from eigencontact.execution.exposed_material import exposed_facts
-from eigencontact.execution.increment import Increment
-from eigencontact.execution.normal_contact import (
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.precision import contact_precision
+from eigencontact.execution.mechanics.exposed_material import exposed_facts
+from eigencontact.execution.mechanics.normal_contact import (
     NORMAL_FIELDS,
     NORMAL_NUMBERS,
     beyond_homogeneous,
@@ -36,7 +37,6 @@ from eigencontact.execution.normal_contact import (
     normal_work,
     scaled_normal,
 )
-from eigencontact.execution.precision import contact_precision
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.coupling import Coupling
 from eigencontact.model.kernels import KernelUse, PairCoefficients

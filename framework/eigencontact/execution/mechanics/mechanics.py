@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from eigencontact.core.numbers import Number, accumulate, by_name
 from eigencontact.errors import NotConverged
-from eigencontact.execution.block import Block, Cost, Part, Run
-from eigencontact.execution.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
-from eigencontact.execution.coupled import Coupled, Solved
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.block import Block, Cost, Part, Run
+from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.interiors.interior import Interior, Outgrown
-from eigencontact.execution.step import Step
+from eigencontact.execution.mechanics.coupled import Coupled, Solved
 from eigencontact.model.law_numbers import measured, numbers_of_laws
 from eigencontact.model.model import Model
 from eigencontact.solvers.control import Control
@@ -305,11 +305,11 @@ def _memory(found: Sequence[Solved]) -> Any:
 def contact_of(model: Model) -> Contact | None:
     """The contact of a scene; None where it has none."""
     if model.friction is not None:
-        from eigencontact.execution.friction_contact import ContactWithFriction
+        from eigencontact.execution.mechanics.friction_contact import ContactWithFriction
 
         return ContactWithFriction(model)
     if model.geometries:
-        from eigencontact.execution.normal_contact import NormalContact
+        from eigencontact.execution.mechanics.normal_contact import NormalContact
 
         return NormalContact(model)
     return None
@@ -338,7 +338,7 @@ def interiors_of(model: Model, directions: str) -> list[Interior]:
         from eigencontact.execution.interiors.cells import Cells
 
         if model.numerics.inclusion_resolution == "whole":
-            from eigencontact.execution.interiors.wholes import Wholes
+            from eigencontact.execution.interiors.uniform_inclusions import Wholes
 
             found.append(Wholes(model, body, directions))
         else:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from eigencontact.errors import PluginError
-from eigencontact.execution.block import Block, Stateless
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Block, Stateless
+from eigencontact.execution.blocks.step import Step
 from eigencontact.model.model import Model
 from eigencontact.plugin import RegionView, RememberedView, StepView
 from eigencontact.results.records import RegionRecord
@@ -54,7 +54,7 @@ class Observe(Stateless):
 
 def observers_of(model: Model, seen: frozenset[str]) -> Iterator[Block]:
     """Every observer of the scene, and the regions that they ask for; `seen` are the results that they wait for."""
-    from eigencontact.execution.regions import Region
+    from eigencontact.execution.fields.regions import Region
 
     for number, one in enumerate(model.observers):
         for request in one.asked.values():

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
-from eigencontact.execution.cell_strain import Place, fractions_in, place_in, values_of
+from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
 from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet

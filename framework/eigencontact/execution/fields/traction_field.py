@@ -13,11 +13,11 @@ from eigencontact.core.grid import Box
 from eigencontact.core.kept import kept_or_made
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
-from eigencontact.execution.block import Cost
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.precision import plane_round_off, settled
+from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost
+from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.interiors.interior import loads
-from eigencontact.execution.precision import plane_round_off, settled
-from eigencontact.execution.sampling import sampling_seconds, section_cost, spectra_cost
-from eigencontact.execution.step import Step
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.kernels import KernelUse, Solid, StressCoefficients
 from eigencontact.model.model import Model
@@ -98,7 +98,7 @@ class TractionField:
                 )
         self.cost += cost
         if not isinstance(self._body, Material):
-            from eigencontact.execution.layered_cost import layered_stress_cost
+            from eigencontact.execution.blocks.layered_cost import layered_stress_cost
 
             anew = lattice.points is not None
             self.cost += layered_stress_cost(self._body, tables * count, numerics, anew=anew)
@@ -137,7 +137,7 @@ class TractionField:
         return found | ({"strain": self._strain(found["stress"])} if "strain" in self._wanted else {})
 
     def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """See `eigencontact.execution.regions.Cause`: tractions know no more."""
+        """See `eigencontact.execution.fields.regions.Cause`: tractions know no more."""
 
     def _strain(self, stress: FloatArray) -> FloatArray:
         """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""

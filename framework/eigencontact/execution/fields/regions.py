@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from eigencontact.core.numbers import Number
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
 from eigencontact.errors import SceneError
-from eigencontact.execution.block import Block, Cost, Run, Running
-from eigencontact.execution.precision import Precision
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.block import Block, Cost, Run, Running
+from eigencontact.execution.blocks.precision import Precision
+from eigencontact.execution.blocks.step import Step
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice, region_lattice
@@ -156,11 +156,11 @@ class Cause(Protocol):
 
 def _causes(model: Model, request: StressRequest, lattice: RegionLattice) -> Iterator[Cause]:
     if model.geometries:
-        from eigencontact.execution.traction_field import TractionField
+        from eigencontact.execution.fields.traction_field import TractionField
 
         yield TractionField(model, request, lattice)
     if any(source.body == request.body for source in model.sources):
-        from eigencontact.execution.eigenstrain_field import EigenstrainField
+        from eigencontact.execution.fields.eigenstrain_field import EigenstrainField
 
         yield EigenstrainField(model, request, lattice)
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
-from eigencontact.execution.cell_strain import fractions_in, place_in
-from eigencontact.execution.material_cells import is_empty, uniform_elasticity
+from eigencontact.execution.interiors.material_cells import is_empty, uniform_elasticity
+from eigencontact.execution.routes.cell_strain import fractions_in, place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["empty_points", "read_by_own_laws", "rises", "whole_cells"]
 
-#: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.material_cells`.
+#: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
 _LEAST = 1e-3
 
 #: A region is softer than the body where no strain takes more than this share of the body's stress.

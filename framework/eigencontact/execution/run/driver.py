@@ -8,15 +8,15 @@ from typing import Protocol
 
 from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall
-from eigencontact.execution.block import Block, Run, Running
-from eigencontact.execution.loading import (
+from eigencontact.execution.blocks.block import Block, Run, Running
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.run.loading import (
     LoadHistory,
     LoadPoint,
     control_at,
     start_of_ramp,
     tangential_control_at,
 )
-from eigencontact.execution.step import Step
 from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Scene

@@ -9,11 +9,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from eigencontact.core.numbers import Number
-from eigencontact.execution.step import Step
+from eigencontact.execution.blocks.step import Step
 from eigencontact.model.kernels import KernelUse
 
 if TYPE_CHECKING:
-    from eigencontact.execution.precision import Precision
+    from eigencontact.execution.blocks.precision import Precision
 
 __all__ = ["Block", "Cost", "Part", "Run", "Running", "Stateless"]
 

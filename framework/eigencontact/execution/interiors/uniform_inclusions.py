@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from eigencontact.core.parallel import in_parallel
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import SceneError
-from eigencontact.execution.block import Cost
-from eigencontact.execution.contact import Fields
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.contact import Fields
+from eigencontact.execution.blocks.sampling import sampling_seconds
 from eigencontact.execution.interiors.interior import loads
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.prescribed import PrescribedField
-from eigencontact.execution.sampling import sampling_seconds
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials
 from eigencontact.model.kernels import KernelUse, StressCoefficients
 from eigencontact.model.model import Model

@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from eigencontact.core.numbers import accumulate, by_name
 from eigencontact.core.tractions import ALONG
 from eigencontact.errors import NotConverged
-from eigencontact.execution.contact import Contact, ContactAnswer
-from eigencontact.execution.increment import Increment
+from eigencontact.execution.blocks.contact import Contact, ContactAnswer
+from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.precision import INNER
 from eigencontact.execution.interiors.interior import Interior
-from eigencontact.execution.precision import INNER
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.schema import Numerics
 from eigencontact.solvers.anderson import Anderson

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import ResultsError
-from eigencontact.execution.block import Cost
+from eigencontact.execution.blocks.block import Cost
+from eigencontact.execution.blocks.precision import Precision
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.fields.within_regions import empty_points, read_by_own_laws, rises, whole_cells
 from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.interiors.responding import places_solved, solved_route
-from eigencontact.execution.precision import Precision
 from eigencontact.execution.routes.prescribed import PrescribedField
 from eigencontact.execution.routes.route import CellRoute, HalfSpace, Route
-from eigencontact.execution.step import Step
-from eigencontact.execution.within_regions import empty_points, read_by_own_laws, rises, whole_cells
 from eigencontact.model.growth import lattice_of
 from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model

@@ -1,0 +1,1 @@
+"""The contact of two bodies over their interiors, and the fields that a contact has besides pressure and shear."""
