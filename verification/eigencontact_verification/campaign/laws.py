@@ -91,9 +91,6 @@ class LawCase(PlasticCase):
     code: ClassVar[tuple[str, ...]] = (*PlasticCase.code, f"{__name__}:LawOfPlugin", f"{__name__}:LawCase.law_of")
 
     states: ClassVar[Mapping[str, str]] = VARIABLES
-    #: As in an audit, the field around the law is judged: the residual stress along z, 2 % of the largest pressure,
-    #: need not be known to a quarter of itself, but to a quarter of a twentieth of the field.
-    small: ClassVar[float] = 0.05
 
     def law_of(self, table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> PointLaw:
         """The plugin's law itself."""
