@@ -79,14 +79,14 @@ def test_every_bundled_contact_is_tested():
 @pytest.mark.parametrize("name", COARSER)
 def test_summary(name, finished):
     summary = read(finished(name))
-    assert set(SUMMARY_KEYS) <= set(summary)
+    stressed = bool(ec.load_scene(name).stress)
+    assert {key for key in SUMMARY_KEYS if stressed or "von_mises" not in key} <= set(summary)
+    assert stressed or "max_von_mises" not in summary
     assert summary["converged"] is True
     for row in summary["history"]:
         assert max(row["gap_residual"], row["penetration_residual"], row["load_residual"]) <= 1e-6
-    stressed = bool(ec.load_scene(name).stress)
     for key in SUMMARY_KEYS:
-        assert (summary[key] is not None) == (stressed or "von_mises" not in key)
-        assert summary[key] is None or isfinite(summary[key])
+        assert key not in summary or isfinite(summary[key])
     assert summary["contact_radius"] == close(np.sqrt(summary["contact_area"] / np.pi), rel=1e-12)
     assert 5e7 < summary["peak_memory_bytes"] < 5e9
     assert set(summary["files"]) == {path.name for path in finished(name).iterdir()}

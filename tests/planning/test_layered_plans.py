@@ -85,7 +85,7 @@ def test_a_layered_body_couples_unless_the_other_is_like_it(body2, level, alike)
     assert any("both bodies move alike" in item.why for item in planned.left_out) == alike
 
 
-LAYERS = ("eigencontact.halfspace.layered", "eigencontact.execution.layered")
+LAYERS = ("eigencontact.halfspace.layered", "eigencontact.execution.blocks.layered")
 RUN = """
 import json, sys
 import eigencontact as ec
@@ -144,7 +144,7 @@ FAULTS = {
     "interfaces": "interfaces of layered-medium 'faulty' of tests 0 must be positive and ascend (got (2.0, 1.0))",
     "no interfaces": "must tell its materials, interfaces and response (got TypeError",
     "material": "must be made of Materials (got 210000000000.0)",
-    "raises": "must tell its materials, interfaces and response (got ZeroDivisionError: k)",
+    "raises": "must return without an exception (got ZeroDivisionError: k",
     "nan": "must be finite, of shape (1, 3, 3) for one component at 3 x 3 waves",
     "shape": "(got shape (3, 3))",
 }
@@ -157,5 +157,5 @@ def test_a_broken_medium_is_named_when_planning(fault, words):
     with pytest.raises(PluginError) as refused:
         ec.plan(scene({"type": "faulty", "fault": fault}), registry=registry)
     assert str(refused.value).startswith("body1.medium: ")
-    assert "'faulty' of tests 0" in str(refused.value)
+    assert "'faulty'" in str(refused.value)
     assert words in str(refused.value)

@@ -3,11 +3,11 @@
 import pytest
 
 from eigencontact.errors import PlanError
-from eigencontact.execution.blocks.block import Block, Cost
+from eigencontact.execution.blocks.block import Cost, Stateless
 from eigencontact.planning.order import in_order
 
 
-class Declared(Block):
+class Declared(Stateless):
     def __init__(self, name, requires="", provides="", wanted=""):
         self.name, self.requires, self.provides = name, frozenset(requires.split()), frozenset(provides.split())
         self.wanted = dict.fromkeys(wanted.split(), "the test")

@@ -48,8 +48,9 @@ class ContactResult:
     >>> import eigencontact as ec
     >>> ball = ec.make("sphere", radius="105 um")
     >>> found = ec.solve_contact(ball, ec.HalfSpace("210 GPa", 0.3), load=["0.3 N", "0.65 N"])
-    >>> found
-    ContactResult(normal load 650 mN, approach 348.97 nm, contact radius 6.0393 um, max pressure 8.468 GPa, step 2 of 2)
+    >>> found  # doctest: +NORMALIZE_WHITESPACE
+    ContactResult(normal load 650 mN, approach 348.97 nm, contact radius 6.0393 um, largest pressure 8.468 GPa,
+                  step 2 of 2)
     >>> round(found.at(1).load, 6)
     0.3
     """

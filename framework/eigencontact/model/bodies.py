@@ -66,6 +66,8 @@ def _medium(table: dict[str, Any], registry: Registry, where: str) -> LayeredMed
         inside = [medium.material_at(depth) for depth in (0.0, *depths)]
         k = np.array([[0.0, 1.0, 2.0]]) / (depths[0] if depths else 1.0)
         answer = np.asarray(medium.response("displacement", ["z"], "p", k, k.T, 0.0))
+    except PluginError as problem:
+        raise PluginError(f"{where}: {problem}") from None
     except (ArithmeticError, TypeError, ValueError) as problem:
         raise PluginError(
             f"{where}: {entry.kind} {entry.key!r} of {entry.origin} must tell its materials, interfaces and "

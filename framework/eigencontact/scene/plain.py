@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from eigencontact.core.units import number_and_unit, quantity_text
 from eigencontact.errors import SceneError, shown
@@ -64,7 +65,7 @@ def plain(value: Any, where: str = "") -> Any:
         return value.tolist()
     if isinstance(value, Real):
         return float(value)
-    if isinstance(value, Number) or is_dataclass(value):
+    if isinstance(value, Number | BaseModel) or is_dataclass(value):
         return value
     if hasattr(value, "__array__"):
         return plain(np.asarray(value), where)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
-from eigencontact.execution.interiors.material_cells import is_empty, uniform_elasticity
+from eigencontact.execution.interiors.empty_regions import is_empty, uniform_elasticity
 from eigencontact.execution.routes.cell_strain import fractions_in, place_in
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.model import Model

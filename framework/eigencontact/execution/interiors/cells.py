@@ -15,8 +15,9 @@ from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
+from eigencontact.execution.interiors.empty_regions import is_empty
 from eigencontact.execution.interiors.interior import Remembered, loads
-from eigencontact.execution.interiors.material_cells import MaterialCells, is_empty
+from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
 from eigencontact.execution.routes.route import Pace
 from eigencontact.model.boxes import box_of_inhomogeneities

@@ -15,9 +15,9 @@ from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
 from eigencontact.model.sources import Inhomogeneity
-from eigencontact.plugin import ConstitutiveLaw, LinearLaw
+from eigencontact.plugin import ConstitutiveLaw
 
-__all__ = ["LinearContent", "MaterialCells", "is_empty", "risen", "uniform_elasticity"]
+__all__ = ["LinearContent", "MaterialCells", "risen"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
@@ -37,18 +37,6 @@ class LinearContent:
     beside: IntArray
     fraction: FloatArray
     normal: FloatArray
-
-
-def uniform_elasticity(source: Inhomogeneity) -> LinearLaw | None:
-    """Law of a region that is elastic with the same constants all over; None for others."""
-    return source.law if isinstance(source.law, LinearLaw) and not source.law.varies else None
-
-
-def is_empty(source: Inhomogeneity) -> bool:
-    """Whether a region carries no stress at all."""
-    law = uniform_elasticity(source)
-    # The factors are bounded for every material; a rigid one has no stiffness to ask for.
-    return law is not None and not np.any(law.factors(1.0)[1])
 
 
 class MaterialCells:

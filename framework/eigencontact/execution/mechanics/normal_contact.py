@@ -58,7 +58,9 @@ NORMAL_NUMBERS = (
         headline=True,
     ),
     Number(name="contact_area_counted", unit="m2", meaning="area of the loaded cells"),
-    Number(name="max_pressure", unit="Pa", meaning="largest contact pressure", headline=True),
+    Number(
+        name="max_pressure", unit="Pa", meaning="largest contact pressure", headline=True, label="largest pressure"
+    ),
     Number(
         name="gap_residual", unit="1", meaning="relative gap where there is pressure", role="certificate"
     ),
