@@ -153,12 +153,12 @@ def test_the_area_of_a_closed_loop_is_the_local_work_of_friction(coupling):
 
 
 def test_a_resumed_run_knows_whether_the_path_was_kept(tmp_path, monkeypatch):
-    from eigencontact.execution.mechanics.mechanics import Mechanics
+    from eigencontact.execution.mechanics.mechanics import RunningMechanics
 
     steps = [PRESS, {X: 1.0}, {X: 0.5}, {X: 2.0}]
     whole = run(steps, cells=12)
 
-    advance = Mechanics.advance
+    advance = RunningMechanics.advance
 
     def stopping(self, step):
         if step.index > 3:
@@ -171,7 +171,7 @@ def test_a_resumed_run_knows_whether_the_path_was_kept(tmp_path, monkeypatch):
         "steps": steps, "numerics": {"coupling": "partial", "threads": 1}, "output": {"pictures": False},
     }  # fmt: skip
     with monkeypatch.context() as patch:
-        patch.setattr(Mechanics, "advance", stopping)
+        patch.setattr(RunningMechanics, "advance", stopping)
         with pytest.raises(KeyboardInterrupt):
             ec.run(ec.Scene(**scene), tmp_path)
     resumed = ec.run(ec.Scene(**scene), tmp_path, resume=True).dataset
