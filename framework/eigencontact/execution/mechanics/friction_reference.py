@@ -39,7 +39,7 @@ class ShearBound(Stateless):
 
     def __init__(self, model: Model) -> None:
         assert model.friction is not None
-        self._law, self._axes, self._facts = model.friction, model.grid.axes(), partial(exposed_facts, model)
+        self._law, self._axes, self._facts = model.friction, model.grid.axes(), partial(exposed_facts, model.exposed)
         if model.exposed is not None:
             self.requires = self.requires | {"exposed_material"}
 
@@ -48,7 +48,7 @@ class ShearBound(Stateless):
         y, x = self._axes
         pressure = step.fields["pressure"]
         slipped = np.zeros_like(pressure) if step.previous is None else step.previous.fields["slip_distance"]
-        facts = self._facts(step.exposed)
+        facts = self._facts(step.surface.exposed)
         asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **facts)
         step.fields["shear_bound"] = checked_shear_bound(self._law, asked)
 

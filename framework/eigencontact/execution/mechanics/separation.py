@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,7 +72,7 @@ class _TravellingGap:
             y, x = self._grid.axes()
             self._separation = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
             self._place = step.travel
-        step.fields["separation"] = self._separation
+        step.surface = replace(step.surface, separation=self._separation)
         if self._travels:
             step.scalars |= dict(zip(TRAVEL, step.travel, strict=True))
 
