@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
-from eigencontact.execution.fields.regions import Region
+from eigencontact.execution.fields.regions import EvaluatedRegion
 from eigencontact.execution.run.driver import drive
 from eigencontact.planning.plan import Plan
 from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
@@ -146,7 +146,7 @@ def test_extreme_layers(nu):
 def test_a_resumed_run_is_the_whole_run(tmp_path, monkeypatch):
     made = scene(coating(2.0), coupling="full", stress=SECTION)
     whole = ec.run(made).dataset
-    original, calls = Region.advance, []
+    original, calls = EvaluatedRegion.advance, []
 
     def cut(self, step):
         calls.append(step.index)
@@ -154,7 +154,7 @@ def test_a_resumed_run_is_the_whole_run(tmp_path, monkeypatch):
             raise KeyboardInterrupt
         original(self, step)
 
-    monkeypatch.setattr(Region, "advance", cut)
+    monkeypatch.setattr(EvaluatedRegion, "advance", cut)
     with pytest.raises(KeyboardInterrupt):
         ec.run(made, tmp_path)
     resumed = ec.run(made, tmp_path, resume=True).dataset

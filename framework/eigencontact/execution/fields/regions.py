@@ -22,7 +22,7 @@ from eigencontact.model.regions import RegionLattice, region_lattice
 from eigencontact.results.records import RegionRecord
 from eigencontact.scene.schema import StressRequest
 
-__all__ = ["Region", "regions_of"]
+__all__ = ["EvaluatedRegion", "Region", "regions_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -88,10 +88,10 @@ class Region(Block):
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return _Evaluated(self._model, self._request, self._lattice, self._note, stored=self._stored)
+        return EvaluatedRegion(self._model, self._request, self._lattice, self._note, stored=self._stored)
 
 
-class _Evaluated:
+class EvaluatedRegion:
     """Fields of a region in one run, with causes that hold operators."""
 
     def __init__(
