@@ -16,7 +16,6 @@ from eigencontact.execution.wear.layers import layers_that_wear
 from eigencontact.execution.wear.surface import MovedContact, WornSurface
 from eigencontact.model.model import Model
 from eigencontact.results.records import StepRecord
-from eigencontact.scene.holding import TRAVEL
 
 __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
 
@@ -72,11 +71,12 @@ class WornSeparation(Separation):
     """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step."""
 
     def __init__(self, model: Model, wear: Wear) -> None:
-        super().__init__(model)
+        ramps = model.scene.ramps
+        travels = any(ramp.travels for ramp in ramps)
+        super().__init__(model.geometries, model.grid, "slides" if travels else "")
         self._wear = wear
         self.why += ", and what has worn"
-        if any(ramp.slides for ramp in model.scene.ramps):
-            travels = any(getattr(ramp, name) is not None for ramp in model.scene.ramps for name in TRAVEL)
+        if any(ramp.slides for ramp in ramps):
             jumps = any(step.repeat > 1 for step in model.scene.steps)
             self.cost = _moving(model, _TRAVELLING if travels else _JUMPING if jumps else _SLIDING)
 

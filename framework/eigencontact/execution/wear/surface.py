@@ -81,7 +81,7 @@ class WornSurface:
         self._opening = model.scene.wear.error or 1e-2
         # Within a cycle surfaces move by increments that move them at once, and by sliding.
         self._within = self._at_once or any(ramp.slides for ramp in model.scene.ramps)
-        self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
+        self._travels = any(ramp.travels for ramp in model.scene.ramps)
 
     @property
     def lost(self) -> dict[int, FloatArray]:
