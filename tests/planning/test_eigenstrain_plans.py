@@ -209,7 +209,7 @@ def test_a_closed_form_loads_no_contact_and_no_cells():
     modules = loaded(SCENE | {"stress": REGION})
     assert "eigencontact.halfspace.points" in modules
     unwanted = {"solvers.normal", "solvers.subsurface", "solvers.eigenstrain", "convolution.volume", "halfspace.voxels"}
-    unwanted |= {"halfspace.cloud", "execution.normal_contact", "model.contact_window", "model.window"}
+    unwanted |= {"halfspace.cloud", "execution.mechanics.normal_contact", "model.contact_window", "model.window"}
     assert not modules & {f"eigencontact.{name}" for name in unwanted}
     assert not modules & {"numba", "matplotlib", "pyvista", "vtk", "meshio", "skfem"}
 

@@ -133,7 +133,7 @@ def test_work_follows_the_scene(more, loaded):
         [sys.executable, "-c", SCRIPT.replace("MORE", more)], capture_output=True, text=True, check=True, timeout=120
     )
     modules = set(json.loads(done.stdout.splitlines()[-1]))
-    new = {"execution.interiors.cells", "execution.material_cells", "solvers.equivalent_inclusions"}
+    new = {"execution.interiors.cells", "execution.interiors.material_cells", "solvers.equivalent_inclusions"}
     assert {name for name in new if f"eigencontact.{name}" in modules} == (new if loaded else set())
     assert "eigencontact.solvers.normal" not in modules
 

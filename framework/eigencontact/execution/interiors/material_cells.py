@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,13 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
 from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
-from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import ConstitutiveLaw, LinearLaw
+
+if TYPE_CHECKING:
+    from eigencontact.halfspace.voxels import Region
 
 __all__ = ["LinearContent", "MaterialCells", "is_empty", "risen", "uniform_elasticity"]
 
