@@ -85,7 +85,7 @@ def test_a_layered_body_couples_unless_the_other_is_like_it(body2, level, alike)
     assert any("both bodies move alike" in item.why for item in planned.left_out) == alike
 
 
-LAYERS = ("eigencontact.halfspace.layered", "eigencontact.execution.layered")
+LAYERS = ("eigencontact.halfspace.layered", "eigencontact.execution.blocks.layered")
 RUN = """
 import json, sys
 import eigencontact as ec
