@@ -1,7 +1,5 @@
 """The bound and the closed form that are stored beside a contact with friction, and the cycles of a stored run."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -87,8 +85,7 @@ PATHS = {
 def test_the_closed_form_holds_until_the_path_is_left(path):
     points, expected = PATHS[path]
     ball, grid = Sphere(radius=200e-6), Grid(nx=9, ny=9, dx=5e-6, dy=5e-6)
-    plan = SimpleNamespace(grid=grid, bodies=(Material(**STEEL), None), geometries=(ball,))
-    block, last, found = ReferenceShear(plan, ball), None, []
+    block, last, found = ReferenceShear(ball, "sphere", grid, (Material(**STEEL), None)), None, []
     y, x = grid.axes()
     for index, point in enumerate(points, 1):
         load, q_x, q_y, twist = (*point, 0.0, 0.0)[:4]

@@ -217,6 +217,6 @@ def test_a_closed_form_loads_no_contact_and_no_cells():
 def test_a_contact_loads_no_eigenstrain():
     modules = loaded({"body1": STEEL, "grid": SCENE["grid"], **CONTACT})
     assert "eigencontact.solvers.normal" in modules
-    unwanted = {"halfspace.points", "halfspace.theorem", "solvers.eigenstrain", "execution.eigenstrain_field"}
+    unwanted = {"halfspace.points", "halfspace.theorem", "solvers.eigenstrain", "execution.fields.eigenstrain_field"}
     unwanted |= {"execution.routes.prescribed", "execution.interiors.prescribed", "model.outlines"}
     assert not modules & {f"eigencontact.{name}" for name in unwanted}

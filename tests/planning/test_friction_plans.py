@@ -164,7 +164,7 @@ import sys
 import eigencontact as ec
 ec.run(ec.load_scene("hertz", ["stress=[]", "grid.cells-per-contact-radius=8"]))
 loaded = [name for name in sys.modules if name.startswith("eigencontact.")]
-friction = ("tangential.newton", "tangential.contact", "execution.friction_contact")
+friction = ("tangential.newton", "tangential.contact", "execution.mechanics.friction_contact")
 print([name for name in loaded if name.endswith(friction)])
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)

@@ -60,9 +60,8 @@ def test_worn_surfaces_that_touch_as_new_disagree(monkeypatch, name):
     """The depth is kept, and the gap forgets it."""
     begin = WornSurface.begin
 
-    def forgetful(self, step, separation):
-        begin(self, step, separation)
-        return separation
+    def forgetful(self, step):
+        return replace(begin(self, step), separation=step.surface.separation)
 
     monkeypatch.setattr(WornSurface, "begin", forgetful)
     assert "disagrees" in verdicts(name).values()

@@ -63,7 +63,7 @@ def _beside_the_contact(model: Model) -> Iterable[Block]:
         return ()
     from eigencontact.execution.mechanics.separation import blocks_beside_contact
 
-    return blocks_beside_contact(model)
+    return blocks_beside_contact(model, new_surfaces=model.wear is None)
 
 
 def _wear(model: Model, mechanics: Iterable[Mechanics]) -> Iterable[Block]:

@@ -86,7 +86,7 @@ def _check_steps(scene: Scene) -> None:
                 f"!{where} must not prescribe {step.prescribed[0]} without a geometry (got no contact to load); "
                 "add [geometry], or leave it out"
             )
-        if any(getattr(step, name) is not None for name in TRAVEL):
+        if step.travels:
             _check_travel(scene, where)
         along = [name for name in step.prescribed if name.replace("-", "_") in _TANGENTIAL]
         if along and scene.friction is None:
@@ -161,15 +161,11 @@ def _check_wear(scene: Scene) -> None:
             "!wear must be of surfaces that slide (got a contact without friction, and no step that slides); give a "
             "step sliding-distance or travel-x, or add [friction] and move the bodies by shift-x"
         )
-    if scene.wear.update == "cycle" and any(_travels(ramp) for step in scene.steps for ramp in step.cycle or ()):
+    if scene.wear.update == "cycle" and any(ramp.travels for step in scene.steps for ramp in step.cycle or ()):
         raise ValueError(
             "!wear.update must be 'increment' where a cycle moves the geometry, by travel-x, travel-y or impacts (got "
             "'cycle'); set update = \"increment\""
         )
-
-
-def _travels(step: Step) -> bool:
-    return any(getattr(step, name) is not None for name in TRAVEL)
 
 
 def _check_travel(scene: Scene, where: str) -> None:

@@ -197,9 +197,14 @@ class Step(Table):
         return self
 
     @property
+    def travels(self) -> bool:
+        """Whether the geometry moves along the surface."""
+        return self.travel_x is not None or self.travel_y is not None
+
+    @property
     def slides(self) -> bool:
         """Whether the surfaces slide all over the contact: by a distance, or as the geometry moves."""
-        return any(value is not None for value in (self.sliding_distance, self.travel_x, self.travel_y))
+        return self.sliding_distance is not None or self.travels
 
     @property
     def prescribed(self) -> list[str]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.kernels import KernelUse
+from eigencontact.results.records import StepRecord
 
 if TYPE_CHECKING:
     from eigencontact.execution.blocks.precision import Precision
@@ -131,17 +132,24 @@ class Block(Part, ABC):
         another block requires them.
     settles : bool
         Whether a step depends on what it did in the one before, so that it takes part in steps that are not results.
+    accumulated : frozenset of str
+        Surface fields that grow from solved step to solved step. Steps that are not results do not count in them.
     """
 
     requires: frozenset[str] = frozenset()
     provides: frozenset[str] = frozenset()
     wanted: Mapping[str, str] = MappingProxyType({})
     settles: bool = False
+    accumulated: frozenset[str] = frozenset()
 
     @property
     def parts(self) -> Sequence[Part]:
         """What is solved together in it."""
         return (self,)
+
+    def cycles_of(self, last: StepRecord) -> int:  # noqa: ARG002
+        """Number of cycles that an accepted step stands for, itself included."""
+        return 1
 
     @abstractmethod
     def start(self, run: Run) -> Running:

@@ -71,11 +71,14 @@ class Contact(Part):
         Surface fields that it gives.
     requires : frozenset of str
         Quantities that it needs.
+    accumulated : frozenset of str
+        See `Block`.
     """
 
     directions: str = "z"
     fields: frozenset[str] = frozenset()
     requires: frozenset[str] = frozenset({"separation"})
+    accumulated: frozenset[str] = frozenset()
 
     def start(self) -> None:
         """Build the solver."""

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from eigencontact.execution.blocks.step import Slide, Step
+from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.blocks.surface import Surface
 from eigencontact.solvers.control import MODES as NORMAL_MODES
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress
@@ -17,7 +15,6 @@ from eigencontact.solvers.tangential.control import MODES, TangentialControl
 
 __all__ = ["Increment"]
 
-FloatArray = NDArray[np.float64]
 _Control = TypeVar("_Control", Control, TangentialControl)
 
 
@@ -33,16 +30,8 @@ class Increment:
         Loads and motions at the start.
     control, tangential : Control, TangentialControl or None
         What is prescribed at the end; None without contact, or without friction.
-    separation : (ny, nx) or None
-        Initial separation, worn depth included [m].
-    material : (ny, nx) int or None
-        What is exposed; None where no law asks.
-    worn : mapping of int to (ny, nx)
-        Depth that bodies have lost [m].
-    slide : Slide or None
-        How the surfaces slide all over the contact.
-    moved : bool
-        Whether the surfaces are others than those that the pressure at the start was found on.
+    surface : Surface
+        The surfaces that the contact meets.
     progress : callable or None
         Told the residual of each iteration.
     """
@@ -51,11 +40,7 @@ class Increment:
     begin: Mapping[str, float]
     control: Control | None
     tangential: TangentialControl | None
-    separation: FloatArray | None
-    material: NDArray[np.intp] | None
-    worn: Mapping[int, FloatArray]
-    slide: Slide | None
-    moved: bool
+    surface: Surface
     progress: Progress | None
 
     @classmethod
@@ -67,11 +52,7 @@ class Increment:
             begin={} if last is None else last.scalars,
             control=step.control,
             tangential=step.tangential,
-            separation=step.fields.get("separation"),
-            material=step.exposed,
-            worn=step.worn,
-            slide=step.slide,
-            moved=step.moved,
+            surface=step.surface,
             progress=step.progress,
         )
 
@@ -85,11 +66,9 @@ class Increment:
         middle = 0.5 * (start + end)
         control, told = _middle(self.control, NORMAL_MODES, self.begin)
         tangential, along = _middle(self.tangential, MODES, self.begin)
-        slide = None if self.slide is None else replace(self.slide, distance=0.5 * self.slide.distance)
-        first = replace(self, times=(start, middle), control=control, tangential=tangential, slide=slide)
-        return first, replace(
-            self, times=(middle, end), begin={**self.begin, **told, **along}, slide=slide, moved=False
-        )
+        early, late = self.surface.halves()
+        first = replace(self, times=(start, middle), control=control, tangential=tangential, surface=early)
+        return first, replace(self, times=(middle, end), begin={**self.begin, **told, **along}, surface=late)
 
 
 def _middle(

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.model.kernels import Bodies
+from eigencontact.execution.blocks.surface import Surface
 from eigencontact.results.records import HistoryRecord, RegionRecord, StepRecord
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.report import Progress
 from eigencontact.solvers.tangential.control import TangentialControl
 
-__all__ = ["CyclePlace", "Slide", "Step"]
+__all__ = ["CyclePlace", "Step"]
 
 FloatArray = NDArray[np.float64]
 
@@ -44,22 +44,6 @@ class CyclePlace:
     settling: bool = False
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Slide:
-    """Sliding all over the contact.
-
-    Attributes
-    ----------
-    distance : float
-        Path of body 2 on body 1 [m].
-    direction : (float, float)
-        Of its end, along x and y, of length 1.
-    """
-
-    distance: float
-    direction: tuple[float, float]
-
-
 @dataclass(slots=True)
 class Step:
     """What one load step has produced so far.
@@ -76,14 +60,8 @@ class Step:
         Place (x, y) of the geometry [m].
     cycle : CyclePlace or None
         Where in a cycle it lies; None outside of cycles.
-    slide : Slide or None
-        How the surfaces slide all over the contact; None where what slips is to be found.
-    moved : bool
-        Whether the surfaces have moved since the last step found its pressure.
-    worn : dict of int to (ny, nx)
-        Depth that each body that wears has lost where the contact of the step meets it [m].
-    bodies : Bodies or None
-        Bodies whose layers have worn; None where they are those of the model.
+    surface : Surface
+        The surfaces that the contact of the step meets.
     previous : StepRecord or None
         The last accepted step, as it is stored; None in the first.
     fields, scalars, regions, observed, history
@@ -100,10 +78,7 @@ class Step:
     tangential: TangentialControl | None = None
     travel: tuple[float, float] = (0.0, 0.0)
     cycle: CyclePlace | None = None
-    slide: Slide | None = None
-    moved: bool = False
-    worn: dict[int, FloatArray] = field(default_factory=dict)
-    bodies: Bodies | None = None
+    surface: Surface = field(default_factory=Surface)
     previous: StepRecord | None = None
     fields: dict[str, FloatArray] = field(default_factory=dict)
     scalars: dict[str, float] = field(default_factory=dict)
@@ -113,19 +88,13 @@ class Step:
     history: dict[str, HistoryRecord] = field(default_factory=dict)
     progress: Progress | None = None
 
-    @property
-    def exposed(self) -> NDArray[np.intp] | None:
-        """Material ``(ny, nx)`` that the contact of the step meets, by number; None where no law asks."""
-        found = self.fields.get("exposed_material")
-        return None if found is None else found.astype(np.intp)
-
     def record(self) -> StepRecord:
         """The step as it is handed on and stored."""
         return StepRecord(
             index=self.index,
             time=self.time,
             scalars=self.scalars,
-            fields={name: values for name, values in self.fields.items() if name != "separation"},
+            fields=self.fields,
             regions=self.regions,
             observed=self.observed,
             history=self.history,

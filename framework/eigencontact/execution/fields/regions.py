@@ -103,8 +103,9 @@ class RunningRegion:
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
         fields: dict[str, FloatArray] = {}
-        if step.bodies is not None and step.bodies != self._bodies:
-            self._bodies = step.bodies
+        bodies = step.surface.bodies
+        if bodies is not None and bodies != self._bodies:
+            self._bodies = bodies
             self._causes = list(_causes(replace(self._model, bodies=self._bodies), self._request, self._lattice))
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():

@@ -131,7 +131,7 @@ class Cells(Responding):
         )  # fmt: skip
         self._places = self._box.centres(grid).flat_points()
         self._content = MaterialCells(self._box, self.sources, grid)
-        self._worn: FloatArray | None = None
+        self._lost = np.zeros(grid.shape)
         self._fill()
         self._joint = None
         if self._kernels:
@@ -157,24 +157,23 @@ class Cells(Responding):
         )
 
     def begin(self, increment: Increment, last: Remembered) -> None:
-        """See `Interior.begin`; where the surface has worn, what lies below it has come nearer."""
-        worn = increment.worn.get(self.body)
-        known = np.zeros(self._grid.shape) if self._worn is None else self._worn
-        if worn is not None and not np.array_equal(worn, known):
-            self._refuse_buried(float(worn.max()))
-            self._worn = worn
+        """See `Interior.begin`; inclusions rise by the depth that the surface above them has lost."""
+        lost = increment.surface.lost.get(self.body, self._lost)
+        if not np.array_equal(lost, self._lost):
+            self._refuse_buried(float(lost.max()))
+            self._lost = lost
             if not self._box.lattice.first[0]:
-                self._content.rise(worn)
+                self._content.rise(lost)
                 self._fill()
         super().begin(increment, last)
 
-    def _refuse_buried(self, worn: float) -> None:
+    def _refuse_buried(self, lost: float) -> None:
         """Refuse to raise a box above its cells."""
         layers, height = self._box.lattice.first[0], self._box.lattice.edges[0]
-        if layers and worn > _BURIED * height:
+        if layers and lost > _BURIED * height:
             raise SceneError(
                 f"wear of body {self.body} must stay below {_BURIED:g} of the height of cells, {height:.3g} m, where "
-                f"inclusions lie in the depth alone (got {worn:.3g} m above {self._box.names}, whose cells begin "
+                f"inclusions lie in the depth alone (got {lost:.3g} m above {self._box.names}, whose cells begin "
                 f"{layers} layers below the surface); give larger cells by numerics.inclusion-pitch, or another "
                 "inclusion, of the body's own constants, that begins at the surface"
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,13 @@ from numpy.typing import NDArray
 from eigencontact.core.grid import Grid
 from eigencontact.errors import require
 from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
-from eigencontact.halfspace.voxels import Region
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.plugin import ConstitutiveLaw
+
+if TYPE_CHECKING:
+    from eigencontact.halfspace.voxels import Region
 
 __all__ = ["LinearContent", "MaterialCells", "risen"]
 
@@ -69,22 +72,22 @@ class MaterialCells:
                 rule = f"fine enough for {source.name!r} to fill half of a cell: {source.law.key!r} has no part of one"
                 require(filled.any(), source.where, "cells", source.lattice.shape[::-1], rule)
 
-    def rise(self, worn: FloatArray) -> None:
+    def rise(self, lost: FloatArray) -> None:
         """Put the content under a surface that has lost a depth ``(ny, nx)`` [m] of the grid since it was new.
 
         Everything linear rises by that depth, column by column, and what rises above the surface is gone. A law that
         remembers stays where it is.
         """
-        self._risen = self._cells_risen(worn)
+        self._risen = self._cells_risen(lost)
         self._mix()
 
-    def _cells_risen(self, worn: FloatArray) -> dict[int, FloatArray]:
+    def _cells_risen(self, lost: FloatArray) -> dict[int, FloatArray]:
         """Depth that each linear source rises by, in its columns [cells]."""
         padded = np.zeros(self.shape[1:])
-        (_, row, column), (ny, nx) = self._box.lattice.first, worn.shape
+        (_, row, column), (ny, nx) = self._box.lattice.first, lost.shape
         rows, columns = (np.arange(n) + first for n, first in zip(padded.shape, (row, column), strict=True))
         inside = np.ix_((rows >= 0) & (rows < ny), (columns >= 0) & (columns < nx))
-        padded[inside] = worn[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
+        padded[inside] = lost[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
         padded /= self._box.lattice.edges[0]
         return {
             member: padded[place[1:]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ from numpy.typing import NDArray
 from eigencontact.execution.blocks.block import Stateless
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.exposed import Exposed
-from eigencontact.model.model import Model
 
 __all__ = ["ExposedMaterial", "exposed_facts"]
 
@@ -30,11 +30,13 @@ class ExposedMaterial(Stateless):
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
-        step.fields["exposed_material"] = self._exposed.at(step.worn.get(self._exposed.body)).astype(float)
+        material = self._exposed.at(step.surface.lost.get(self._exposed.body))
+        step.surface = replace(step.surface, exposed=material)
+        step.fields["exposed_material"] = material.astype(float)
 
 
-def exposed_facts(model: Model, material: NDArray[np.intp] | None) -> dict[str, Any]:
+def exposed_facts(exposed: Exposed | None, material: NDArray[np.intp] | None) -> dict[str, Any]:
     """Exposed material and names by number, as the states of laws take them; nothing where no law asks."""
-    if model.exposed is None or material is None:
+    if exposed is None or material is None:
         return {}
-    return {"material": material, "materials": model.exposed.names}
+    return {"material": material, "materials": exposed.names}

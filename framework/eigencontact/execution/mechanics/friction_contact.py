@@ -26,6 +26,7 @@ from eigencontact.execution.blocks.contact import (
 )
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import contact_precision
+from eigencontact.execution.blocks.surface import Slide
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.execution.mechanics.normal_contact import (
     NORMAL_FIELDS,
@@ -114,6 +115,7 @@ class ContactWithFriction(Contact):
 
     name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
     numbers = (*NORMAL_NUMBERS, *FRICTION_NUMBERS)
+    accumulated = frozenset({"slip_distance", "dissipated_energy_density"})
 
     def __init__(self, model: Model) -> None:
         assert model.coupling is not None
@@ -121,7 +123,7 @@ class ContactWithFriction(Contact):
         grid, box, coupling = model.grid, model.contact_box, model.coupling
         self._law, self._grid = model.friction, grid
         self._numerics, self.precisions = contact_precision(model)
-        self._facts = partial(exposed_facts, model)
+        self._facts = partial(exposed_facts, model.exposed)
         if model.exposed is not None:
             self.requires = self.requires | {"exposed_material"}
         self._components, self._periodic = coupling.components, model.periodic
@@ -188,12 +190,12 @@ class ContactWithFriction(Contact):
             dissipated=last.fields["dissipated_energy_density"],
         )
 
-    def _way(self, increment: Increment) -> FloatArray | None:
+    def _way(self, slide: Slide | None) -> FloatArray | None:
         """Way that body 2 slides on body 1 all over the contact, along the directions of the shear [m]."""
-        if increment.slide is None:
+        if slide is None:
             return None
-        along = dict(zip("xy", increment.slide.direction, strict=True))
-        return increment.slide.distance * np.array([along[c] for c in self._components])
+        along = dict(zip("xy", slide.direction, strict=True))
+        return slide.distance * np.array([along[c] for c in self._components])
 
     def _vector(self, fields: Mapping[str, FloatArray], name: str) -> FloatArray:
         return np.stack([fields[f"{name}_{c}"] for c in self._components])
@@ -214,18 +216,19 @@ class ContactWithFriction(Contact):
         """See `Contact.solve`."""
         assert increment.control is not None
         assert increment.tangential is not None
-        assert increment.separation is not None
-        self._time, self._scale, self._material = increment.times[1], 1.0 + softer, increment.material
+        surface = increment.surface
+        assert surface.separation is not None
+        self._time, self._scale, self._material = increment.times[1], 1.0 + softer, surface.exposed
         found = self._contact.step(
-            increment.separation + offset["z"] if "z" in offset else increment.separation,
+            surface.separation + offset["z"] if "z" in offset else surface.separation,
             scaled_forces(increment.control, self._scale),
             scaled_forces(increment.tangential, self._scale),
             _scaled_sliding(memory, self._scale) if softer else memory,
             offset=self._rows(offset) if offset else None,
             tolerance=tolerance,
             start=None if start is None else _scaled(start.solution, self._scale),
-            slide=self._way(increment),
-            moved=increment.moved,
+            slide=self._way(surface.slide),
+            moved=surface.moved,
             progress=increment.progress,
         )
         solution = _scaled(found, 1.0 / self._scale)

@@ -7,13 +7,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.grid import Grid
 from eigencontact.core.material import contact_modulus
 from eigencontact.execution.blocks.block import Stateless
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.model.bodies import without_layers
-from eigencontact.model.model import Model
-from eigencontact.plugin import FrictionState, HasReferencePressure
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.kernels import Bodies
+from eigencontact.plugin import FrictionLaw, FrictionState, HasReferencePressure
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 
@@ -37,10 +39,9 @@ class ShearBound(Stateless):
     provides = frozenset({"shear_bound"})
     wanted = dict.fromkeys(("shear_bound",), "pictures")
 
-    def __init__(self, model: Model) -> None:
-        assert model.friction is not None
-        self._law, self._axes, self._facts = model.friction, model.grid.axes(), partial(exposed_facts, model)
-        if model.exposed is not None:
+    def __init__(self, law: FrictionLaw, grid: Grid, exposed: Exposed | None) -> None:
+        self._law, self._axes, self._facts = law, grid.axes(), partial(exposed_facts, exposed)
+        if exposed is not None:
             self.requires = self.requires | {"exposed_material"}
 
     def advance(self, step: Step) -> None:
@@ -48,7 +49,7 @@ class ShearBound(Stateless):
         y, x = self._axes
         pressure = step.fields["pressure"]
         slipped = np.zeros_like(pressure) if step.previous is None else step.previous.fields["slip_distance"]
-        facts = self._facts(step.exposed)
+        facts = self._facts(step.surface.exposed)
         asked = FrictionState(pressure=pressure, x=x, y=y, slip_distance=slipped, time=step.time, **facts)
         step.fields["shear_bound"] = checked_shear_bound(self._law, asked)
 
@@ -76,10 +77,9 @@ class ReferenceShear(Stateless):
     provides = frozenset({"reference_shear_x", "reference_shear_y"})
     wanted = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
 
-    def __init__(self, model: Model, geometry: HasReferencePressure) -> None:
-        self._grid, self._geometry = model.grid, geometry
-        self._modulus = contact_modulus(*without_layers(model.bodies))
-        key = model.geometries[0].key
+    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, bodies: Bodies) -> None:
+        self._grid, self._geometry = grid, geometry
+        self._modulus = contact_modulus(*without_layers(bodies))
         self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
     def advance(self, step: Step) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -15,8 +16,10 @@ from eigencontact.execution.blocks.block import Block, Cost, Part, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.interior import Interior, Outgrown
 from eigencontact.execution.mechanics.coupled import Coupled, Solved
+from eigencontact.model.kernels import Bodies
 from eigencontact.model.law_numbers import measured, numbers_of_laws
 from eigencontact.model.model import Model
 from eigencontact.solvers.control import Control
@@ -89,6 +92,7 @@ class Mechanics(Block):
         self.kernels = [kernel for part in self._parts for kernel in part.kernels]
         self.cost = sum((part.cost for part in self._parts), Cost())
         self.requires = frozenset() if contact is None else contact.requires
+        self.accumulated = frozenset() if contact is None else contact.accumulated
         lifts = {f"residual_displacement_{name}": "every scene with eigenstrain" for name in directions if interiors}
         surface = frozenset() if contact is None else contact.fields
         self.wanted = {**dict.fromkeys(sorted(surface), "every run"), **lifts}
@@ -133,9 +137,9 @@ class RunningMechanics:
         self, model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str,
         declared: Mapping[str, Number],
     ) -> None:  # fmt: skip
-        self._grid, self._numerics, self._declared = model.grid, model.numerics, declared
+        self._model, self._grid, self._numerics, self._declared = model, model.grid, model.numerics, declared
         self._of_laws = tuple(number.name for number in numbers_of_laws(model.laws))
-        self._contact, self._interiors = contact, list(interiors)
+        self._contact, self._bodies, self._interiors = contact, model.bodies, list(interiors)
         self._directions = directions if interiors else ""
         self._tried: list[Solved] = []
         self._error = 0.0
@@ -145,9 +149,18 @@ class RunningMechanics:
         """Join the contact and the interiors as they are now."""
         self._coupled = Coupled(self._contact, self._interiors, self._numerics, self._directions, self._grid.shape)
 
+    def _follow(self, bodies: Bodies | None) -> None:
+        """Make the contact anew where the layers of the bodies have changed."""
+        if bodies is not None and bodies != self._bodies:
+            self._bodies, self._contact = bodies, contact_of(replace(self._model, bodies=bodies))
+            assert self._contact is not None
+            self._contact.start()
+            self._couple()
+
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
         began = perf_counter()
+        self._follow(step.surface.bodies)
         found = self._with_enough_cells(step)
         last = found[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
@@ -178,9 +191,9 @@ class RunningMechanics:
 
     def pressed(
         self,
+        surface: Surface,
         control: Control,
         fields: Mapping[str, FloatArray],
-        separation: FloatArray,
         springs: FloatArray | None,
         start: FloatArray | None,
     ) -> FloatArray:
@@ -188,20 +201,16 @@ class RunningMechanics:
 
         `fields` are those of a step near by; none before the first.
         """
+        self._follow(surface.bodies)
         assert self._contact is not None
+        assert surface.separation is not None
         sunk = fields.get("residual_displacement_z")
-        moved = separation if sunk is None else separation + sunk
+        moved = surface.separation if sunk is None else surface.separation + sunk
         return self._contact.pressed(control, moved, fields, springs, start)
 
-    def take(self, contact: Contact) -> None:
-        """Go on with another contact: that of bodies whose layers have worn."""
-        contact.start()
-        self._contact = contact
-        self._couple()
-
-    @property
-    def softness(self) -> float:
-        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]."""
+    def softness(self, bodies: Bodies | None) -> float:
+        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `bodies` as in `Surface`."""
+        self._follow(bodies)
         assert self._contact is not None
         return self._contact.softness
 

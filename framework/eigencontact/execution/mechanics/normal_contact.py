@@ -111,10 +111,11 @@ class NormalContact(Contact):
     ) -> ContactAnswer:
         """See `Contact.solve`."""
         assert increment.control is not None
-        assert increment.separation is not None
+        separation = increment.surface.separation
+        assert separation is not None
         scale = 1.0 + softer
         solution = self._solver.solve(
-            increment.separation + offset["z"] if "z" in offset else increment.separation,
+            separation + offset["z"] if "z" in offset else separation,
             scaled_forces(increment.control, scale),
             start=None if start is None else scale * start.tractions["pressure"],
             tolerance=tolerance,

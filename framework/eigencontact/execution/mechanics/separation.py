@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,12 +17,13 @@ from eigencontact.execution.blocks.precision import plane_round_off, settled
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.bodies import kernel_key, layered_bodies, without_layers
-from eigencontact.model.kernels import KernelUse, PairCoefficients
+from eigencontact.model.kernels import Bodies, KernelUse, PairCoefficients
 from eigencontact.model.model import Model
 from eigencontact.model.separation import sum_separations
-from eigencontact.plugin import Geometry, HasReferencePressure
+from eigencontact.plugin import Geometry, HasReferencePressure, SurfaceInfluence
 from eigencontact.plugin.revolution import RevolutionSum
 from eigencontact.scene.holding import TRAVEL
+from eigencontact.scene.schema import Numerics
 
 if TYPE_CHECKING:
     from eigencontact.convolution import Convolver
@@ -35,7 +37,16 @@ _BAND = 2**17
 
 
 class Separation(Block):
-    """The initial gap; where the geometry rolls or slides, at the place that it has reached, which is stored."""
+    """The initial gap; where the geometry rolls or slides, at the place that it has reached, which is stored.
+
+    Parameters
+    ----------
+    geometries : sequence of Geometry
+        Their separations add up.
+    grid : Grid
+    motion : str
+        Verb for the geometry that moves along the surface; empty where it stays.
+    """
 
     name = "separation"
     provides = frozenset({"separation"})
@@ -44,17 +55,15 @@ class Separation(Block):
         Number(name=f"travel_{axis}", unit="m", meaning=f"place of the geometry along {axis}") for axis in "xy"
     )
 
-    def __init__(self, model: Model) -> None:
-        self._geometries, self._grid = model.geometries, model.grid
-        self._rolls = any(getattr(step, name) is not None for step in model.scene.ramps for name in TRAVEL)
-        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in model.geometries)
-        motion = "rolls" if model.wear is None and model.friction is None else "slides"
-        self.why += f", which {motion} along the surface" if self._rolls else ""
-        self.numbers = Separation.numbers if self._rolls else ()
+    def __init__(self, geometries: Sequence[Geometry], grid: Grid, motion: str) -> None:
+        self._geometries, self._grid, self._travels = geometries, grid, bool(motion)
+        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in geometries)
+        self.why += f", which {motion} along the surface" if motion else ""
+        self.numbers = Separation.numbers if motion else ()
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return _TravellingGap(self._geometries, self._grid, travels=self._rolls)
+        return _TravellingGap(self._geometries, self._grid, travels=self._travels)
 
 
 class _TravellingGap:
@@ -71,7 +80,7 @@ class _TravellingGap:
             y, x = self._grid.axes()
             self._separation = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
             self._place = step.travel
-        step.fields["separation"] = self._separation
+        step.surface = replace(step.surface, separation=self._separation)
         if self._travels:
             step.scalars |= dict(zip(TRAVEL, step.travel, strict=True))
 
@@ -84,16 +93,14 @@ class TangentialDisplacement(Block):
     provides = frozenset({"displacement_x", "displacement_y"})
     wanted = dict.fromkeys(("displacement_x", "displacement_y"), "output.tangential-displacement")
 
-    def __init__(self, model: Model) -> None:
-        grid, influence = model.grid, model.influences["p"]
-        self._grid = grid
-        self._numerics, self.precisions = settled(model.numerics, self.name, plane_round_off)
-        self._pairs = [PairCoefficients(influence, model.bodies, component) for component in "xy"]
-        self._layout = Layout(grid.shape, grid.shape, periodic=model.periodic)
-        key = kernel_key(influence, model.bodies)
+    def __init__(self, grid: Grid, influence: SurfaceInfluence, solids: Bodies, numerics: Numerics) -> None:
+        self._grid, periodic = grid, numerics.boundary == "periodic"
+        self._numerics, self.precisions = settled(numerics, self.name, plane_round_off)
+        self._pairs = [PairCoefficients(influence, solids, component) for component in "xy"]
+        self._layout = Layout(grid.shape, grid.shape, periodic=periodic)
+        key = kernel_key(influence, solids)
         self.kernels = tuple(KernelUse(f"displacement {c}", "pressure p", key, "surface, whole window") for c in "xy")
-        bodies = [body for body in model.bodies if body is not None]
-        sampling = max(sampling_seconds(influence, body, periodic=model.periodic) for body in bodies)
+        sampling = max(sampling_seconds(influence, body, periodic=periodic) for body in solids if body is not None)
         self.cost = spectra_cost(self._layout, 1, sampling, self._numerics, kernels=2)
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
@@ -131,24 +138,29 @@ class ReferencePressure(Stateless):
     """Closed form of the pressure, where the geometry has one that holds for this step.
 
     For a body with layers, inclusions or eigenstrain it is that without them, and stored under another name.
+
+    Parameters
+    ----------
+    geometry : HasReferencePressure
+    key : str
+        Name of the geometry.
+    grid : Grid
+    bodies : Bodies
+    simpler : str
+        Phrase for what the closed form leaves out; empty where it leaves out nothing.
     """
 
     requires = frozenset({"pressure"})
 
-    def __init__(self, model: Model, geometry: HasReferencePressure) -> None:
+    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, bodies: Bodies, simpler: str) -> None:
         from eigencontact.core.material import contact_modulus
 
-        what = "without inclusions and eigenstrain" if model.sources else ""
-        what = "on the bare substrate" if layered_bodies(model.bodies) else what
-        self.name = "homogeneous-pressure" if what else "reference-pressure"
-        self.why = " ".join(
-            [f"geometry {model.geometries[0].key!r} has a closed form", *([what] if what else [])]
-        ) + ", drawn beside the result"  # fmt: skip
+        self.name = "homogeneous-pressure" if simpler else "reference-pressure"
+        self.why = f"geometry {key!r} has a closed form {simpler}".rstrip() + ", drawn beside the result"
         self._field = self.name.replace("-", "_")
         self.provides, self.wanted = frozenset({self._field}), {self._field: "pictures"}
-        self._grid: Grid = model.grid
-        self._modulus = contact_modulus(*without_layers(model.bodies))
-        self._geometry = geometry
+        self._grid, self._geometry = grid, geometry
+        self._modulus = contact_modulus(*without_layers(bodies))
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
@@ -164,28 +176,33 @@ class ReferencePressure(Stateless):
         step.fields[self._field] = field
 
 
-def blocks_beside_contact(model: Model) -> Iterator[Block]:
-    """What a contact has besides its mechanics."""
+def blocks_beside_contact(model: Model, *, new_surfaces: bool) -> Iterator[Block]:
+    """Blocks of a contact besides its mechanics; without `new_surfaces` another block gives the separation."""
     if not model.geometries:
         return
-    if model.wear is None:
-        yield Separation(model)
+    if new_surfaces:
+        motion = "rolls" if model.friction is None else "slides"
+        travels = any(ramp.travels for ramp in model.scene.ramps)
+        yield Separation(model.geometries, model.grid, motion if travels else "")
         if model.exposed is not None:
             from eigencontact.execution.mechanics.exposed_material import ExposedMaterial
 
             yield ExposedMaterial(model.exposed)
     if model.scene.output.tangential_displacement and model.friction is None:
-        yield TangentialDisplacement(model)
+        yield TangentialDisplacement(model.grid, model.influences["p"], model.bodies, model.numerics)
     alone = len(model.geometries) == 1
-    geometry: Geometry | None = model.geometries[0] if alone else RevolutionSum.of(model.geometries)
-    closed = not model.periodic and model.wear is None and isinstance(geometry, HasReferencePressure)
-    reference = ReferencePressure(model, geometry) if closed else None  # type: ignore[arg-type]
-    if reference is not None:
+    geometry: object = model.geometries[0] if alone else RevolutionSum.of(model.geometries)
+    key, reference = model.geometries[0].key, None
+    if new_surfaces and not model.periodic and isinstance(geometry, HasReferencePressure):
+        simpler = "without inclusions and eigenstrain" if model.sources else ""
+        simpler = "on the bare substrate" if layered_bodies(model.bodies) else simpler
+        reference = ReferencePressure(geometry, key, model.grid, model.bodies, simpler)
         yield reference
     if model.friction is not None:
         from eigencontact.execution.mechanics.friction_reference import ReferenceShear, ShearBound
 
-        yield ShearBound(model)
+        yield ShearBound(model.friction, model.grid, model.exposed)
         assert model.coupling is not None
-        if reference is not None and reference.name == "reference-pressure" and not model.coupling.joins_normal:
-            yield ReferenceShear(model, geometry)  # type: ignore[arg-type]
+        exact = reference is not None and reference.name == "reference-pressure"
+        if exact and isinstance(geometry, HasReferencePressure) and not model.coupling.joins_normal:
+            yield ReferenceShear(geometry, key, model.grid, model.bodies)

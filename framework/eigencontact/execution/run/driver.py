@@ -10,6 +10,7 @@ from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.blocks.block import Block, Run, Running
 from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.run.loading import (
     LoadHistory,
     LoadPoint,
@@ -96,7 +97,7 @@ def drive(
     done, course = done or {}, _Course(plan, watcher, stopwatch or Stopwatch())
     last: StepRecord | None = None
     before: LoadPoint | None = None
-    while (point := course.history.after(before, cycles=_stands_for(last))) is not None:
+    while (point := course.history.after(before, cycles=_cycles_of(last, plan.blocks))) is not None:
         if point.index in done:
             course.passes(point, last)
             last, before = done[point.index](), point
@@ -174,7 +175,7 @@ class _Course:
             tangential=tangential_control_at(ramp, point.fraction, begin) if self._friction else None,
             travel=self.history.travel(point),
             cycle=self.history.cycle(point),
-            slide=self.history.slide(point, before),
+            surface=Surface(slide=self.history.slide(point, before)),
             previous=last,
             progress=None if self._watcher is None else self._watcher.iterated,
         )
@@ -188,7 +189,8 @@ class _Course:
         ends = self.history.ends_of_cycle_before(point) if point.skipped else []
         if last is None or not ends:
             return point, last
-        counts = {name: last.fields[name] for name in _COUNTED if name in last.fields}
+        fields = {name for block in self._plan.blocks for name in block.accumulated}
+        counts = {name: last.fields[name] for name in fields}
         for ramp_end in ends:
             self.passes(ramp_end, last)
             step = self.step(ramp_end, None, last)
@@ -200,10 +202,6 @@ class _Course:
         return replace(point, skipped=0), replace(last, index=point.index - 1)
 
 
-#: Fields that add up over the steps that are solved.
-_COUNTED = ("slip_distance", "dissipated_energy_density")
-
-
-def _stands_for(last: StepRecord | None) -> int:
-    """Cycles that the last one stands for, where it has been decided."""
-    return 1 if last is None else int(last.scalars.get("jump_cycles", 1.0))
+def _cycles_of(last: StepRecord | None, blocks: Sequence[Block]) -> int:
+    """Cycles that the last step stands for."""
+    return 1 if last is None else max((block.cycles_of(last) for block in blocks), default=1)

@@ -6,7 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
-from eigencontact.execution.blocks.step import CyclePlace, Slide
+from eigencontact.execution.blocks.step import CyclePlace
+from eigencontact.execution.blocks.surface import Slide
 from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.steps import (

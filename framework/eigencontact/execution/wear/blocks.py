@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from eigencontact.core.numbers import Number
 from eigencontact.execution.blocks.block import Block, Cost, Run, Running
@@ -13,9 +13,9 @@ from eigencontact.execution.mechanics.mechanics import Mechanics
 from eigencontact.execution.mechanics.normal_contact import normal_cost
 from eigencontact.execution.mechanics.separation import Separation
 from eigencontact.execution.wear.layers import layers_that_wear
-from eigencontact.execution.wear.surface import WornSurface
+from eigencontact.execution.wear.surface import MovedContact, WornSurface
 from eigencontact.model.model import Model
-from eigencontact.scene.holding import TRAVEL
+from eigencontact.results.records import StepRecord
 
 __all__ = ["Wear", "WornSeparation", "blocks_of_wear"]
 
@@ -71,11 +71,12 @@ class WornSeparation(Separation):
     """The gap of surfaces that have worn; sliding all over the contact wears them on the way to a step."""
 
     def __init__(self, model: Model, wear: Wear) -> None:
-        super().__init__(model)
+        ramps = model.scene.ramps
+        travels = any(ramp.travels for ramp in ramps)
+        super().__init__(model.geometries, model.grid, "slides" if travels else "")
         self._wear = wear
         self.why += ", and what has worn"
-        if any(ramp.slides for ramp in model.scene.ramps):
-            travels = any(getattr(ramp, name) is not None for ramp in model.scene.ramps for name in TRAVEL)
+        if any(ramp.slides for ramp in ramps):
             jumps = any(step.repeat > 1 for step in model.scene.steps)
             self.cost = _moving(model, _TRAVELLING if travels else _JUMPING if jumps else _SLIDING)
 
@@ -93,18 +94,24 @@ class _WornGap:
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
         self._new.advance(step)
-        step.fields["separation"] = self._surface.begin(step, step.fields["separation"])
-        step.worn, step.bodies = self._surface.lost, self._surface.bodies
+        step.surface = self._surface.begin(step)
 
 
 class Wear(Block):
-    """Depth that the surfaces lose by what the contact slipped."""
+    """Depth that the surfaces lose by what the contact slipped.
+
+    Parameters
+    ----------
+    model : Model
+    contact : callable
+        `Block.start` of the block that solves the contact.
+    """
 
     name = "wear"
     settles = True
     numbers = (*_NUMBERS, _LAG, _BALANCE, _LAYER_ERROR, *_LAYERS_LOST)
 
-    def __init__(self, model: Model, mechanics: Mechanics) -> None:
+    def __init__(self, model: Model, contact: Callable[[Run], MovedContact]) -> None:
         assert model.wear is not None
         assert model.scene.wear is not None
         layered, slides = layers_that_wear(model), any(ramp.slides for ramp in model.scene.ramps)
@@ -114,7 +121,7 @@ class Wear(Block):
             *(() if model.wear.volume_per_energy is None else (_BALANCE,)),
             *((_LAYER_ERROR, *(_LAYERS_LOST[body - 1] for body in layered)) if layered else ()),
         )
-        self._model, self._mechanics = model, mechanics
+        self._model, self._contact = model, contact
         bodies = model.scene.wear.parts
         which = " and ".join(f"body {body}" for body in bodies)
         self.why = f"{which} wear{'s' if len(bodies) == 1 else ''} by {model.wear.key!r}"
@@ -128,9 +135,13 @@ class Wear(Block):
         if not slides:
             self.cost = _moving(model, _SLIPPING)
 
+    def cycles_of(self, last: StepRecord) -> int:
+        """See `Block.cycles_of`."""
+        return int(last.scalars["jump_cycles"])
+
     def start(self, run: Run) -> WornSurface:
         """See `Block.start`."""
-        return WornSurface(self._model, run.started(self._mechanics.start))
+        return WornSurface(self._model, run.started(self._contact))
 
 
 def _moving(model: Model, solves: float) -> Cost:
@@ -141,7 +152,7 @@ def _moving(model: Model, solves: float) -> Cost:
 
 def blocks_of_wear(model: Model, mechanics: Mechanics) -> Iterator[Block]:
     """What moves the surfaces, before and after the contact."""
-    wear = Wear(model, mechanics)
+    wear = Wear(model, mechanics.start)
     yield WornSeparation(model, wear)
     if model.exposed is not None:
         yield ExposedMaterial(model.exposed)

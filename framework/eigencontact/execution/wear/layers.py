@@ -9,7 +9,6 @@ moduli that rise or fall with depth throughout, the compliance of the worn layer
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.step import Step
-from eigencontact.execution.mechanics.mechanics import RunningMechanics, contact_of
 from eigencontact.execution.wear.state import WornState
 from eigencontact.model.kernels import Bodies, PairCoefficients
 from eigencontact.model.model import Model
@@ -71,15 +69,18 @@ class WornLayers:
     ----------
     model : Model
         With a layered body that wears.
-    mechanics : RunningMechanics
-        Its contact is replaced where the thickness has changed.
+
+    Attributes
+    ----------
+    bodies : Bodies
+        Bodies with layers of the thickness that the kernels have.
     """
 
-    def __init__(self, model: Model, mechanics: RunningMechanics) -> None:
+    def __init__(self, model: Model) -> None:
         assert model.scene.wear is not None
-        self._model, self._mechanics, self._allowed = model, mechanics, model.scene.wear.layer_error
+        self._model, self._allowed = model, model.scene.wear.layer_error
         self._media = layers_that_wear(model)
-        self._lost = dict.fromkeys(self._media, 0.0)
+        self._lost, self.bodies = dict.fromkeys(self._media, 0.0), model.bodies
         reach, finest = max(model.grid.size), min(model.grid.dx, model.grid.dy)
         self._waves = np.geomspace(0.5 / reach, np.pi / finest, _WAVES)
 
@@ -123,18 +124,9 @@ class WornLayers:
         step.scalars |= {f"layer_lost_{body}": lost for body, lost in self._lost.items()}
         step.scalars["layer_error"] = error
 
-    @property
-    def bodies(self) -> Bodies:
-        """Bodies with layers of the thickness that the kernels have."""
-        return self._bodies(self._lost)
-
     def _use(self, lost: Mapping[int, float]) -> None:
-        if lost == self._lost:
-            return
-        self._lost = dict(lost)
-        contact = contact_of(replace(self._model, bodies=self._bodies(lost)))
-        assert contact is not None
-        self._mechanics.take(contact)
+        if lost != self._lost:
+            self._lost, self.bodies = dict(lost), self._bodies(lost)
 
     def _bodies(self, lost: Mapping[int, float]) -> Bodies:
         """Bodies whose surfaces have lost uniform depths."""

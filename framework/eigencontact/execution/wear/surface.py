@@ -7,14 +7,16 @@ left on the way: with a rate k [m/(Pa cycle)] that stays, ``dw/dN = k p(w)`` is 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.step import CyclePlace, Step
+from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.execution.wear.jumps import MOST, Jumps, against_deflection, ahead
 from eigencontact.execution.wear.layers import WornLayers, layers_that_wear
@@ -27,12 +29,7 @@ from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.moving_surface import moved
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from eigencontact.execution.mechanics.mechanics import RunningMechanics
-
-__all__ = ["WornSurface"]
+__all__ = ["MovedContact", "WornSurface"]
 
 FloatArray = NDArray[np.float64]
 
@@ -44,6 +41,21 @@ _HALVINGS = 7
 _LEAST = 0.02
 
 
+class MovedContact(Protocol):
+    """Contact of surfaces that wear has moved; it makes its kernels anew where the bodies have changed."""
+
+    def pressed(
+        self, surface: Surface, control: Control, fields: Mapping[str, FloatArray], springs: FloatArray | None,
+        start: FloatArray | None,
+    ) -> FloatArray:  # fmt: skip
+        """Pressure under moved surfaces; see `eigencontact.execution.blocks.contact.Contact.pressed`."""
+        ...
+
+    def softness(self, bodies: Bodies | None) -> float:
+        """Deflection of the middle of a cell by a unit pressure on it [m/Pa]; `bodies` as in `Surface`."""
+        ...
+
+
 class WornSurface:
     """The surfaces of a scene that wears, from step to step; all that it knows comes from stored records.
 
@@ -51,25 +63,25 @@ class WornSurface:
     ----------
     model : Model
         With a wear law.
-    mechanics : RunningMechanics
-        Whose contact says what pressure moved surfaces have.
+    contact : MovedContact
+        Contact of the scene.
     """
 
-    def __init__(self, model: Model, mechanics: RunningMechanics) -> None:
+    def __init__(self, model: Model, contact: MovedContact) -> None:
         assert model.wear is not None
         assert model.scene.wear is not None
         self._model = model
-        self._layers = WornLayers(model, mechanics) if layers_that_wear(model) else None
+        self._layers = WornLayers(model) if layers_that_wear(model) else None
         self._law, self._friction, self._grid = model.wear, model.friction, model.grid
-        self._mechanics, self._parts = mechanics, model.scene.wear.parts
+        self._contact, self._parts = contact, model.scene.wear.parts
         self._at_once = model.scene.wear.update == "increment"
-        self._jumps = Jumps(model.scene.wear, model.grid, mechanics.softness)
+        self._jumps = Jumps(model.scene.wear, model.grid, contact.softness(self.bodies))
         self._tolerance = _INTEGRATION * (model.scene.wear.error or 1e-2)
         self._by_material = any(isinstance(law, NamesMaterials) for law in (model.wear, model.friction))
         self._opening = model.scene.wear.error or 1e-2
         # Within a cycle surfaces move by increments that move them at once, and by sliding.
         self._within = self._at_once or any(ramp.slides for ramp in model.scene.ramps)
-        self._travels = any(ramp.travel_x is not None or ramp.travel_y is not None for ramp in model.scene.ramps)
+        self._travels = any(ramp.travels for ramp in model.scene.ramps)
 
     @property
     def lost(self) -> dict[int, FloatArray]:
@@ -85,27 +97,32 @@ class WornSurface:
     def _exposed_facts(self) -> dict[str, Any]:
         """What the states of laws say of the material that is exposed now."""
         exposed = self._model.exposed
-        return {} if exposed is None else exposed_facts(self._model, exposed.at(self.lost.get(exposed.body)))
+        return {} if exposed is None else exposed_facts(exposed, exposed.at(self.lost.get(exposed.body)))
 
-    def begin(self, step: Step, separation: FloatArray) -> FloatArray:
-        """Separation of surfaces that nobody has worn to that which the contact of a step meets ``(ny, nx)`` [m].
+    def begin(self, step: Step) -> Surface:
+        """Surfaces that the contact of a step meets, from new ones at the same place.
 
         Cycles that are skipped before the step wear the surfaces, and so does what it slides all over the contact.
         """
         travel = step.travel if self._travels else None
-        self._separation, self._state = separation, recalled(step.previous, self._parts, self._grid, travel)
-        cycle = step.cycle
-        step.moved = self._state.memory.pop("update", None) is not None
+        self._new, self._state = step.surface, recalled(step.previous, self._parts, self._grid, travel)
+        cycle, slide = step.cycle, step.surface.slide
+        moved = self._state.memory.pop("update", None) is not None
         if self._layers is not None:
             self._layers.begin(step, self._state)
         if cycle is not None and cycle.begins:
             if cycle.skipped:
-                step.moved = True
+                moved = True
                 self._skip(step, cycle.skipped)
             self._note_start(step)
-        if step.slide is not None and not (cycle is not None and cycle.settling):
-            self._slide(step, step.slide.distance)
-        return separation + self._state.total
+        if slide is not None and not (cycle is not None and cycle.settling):
+            self._slide(step, slide.distance)
+        return replace(self._worn_by(self._state.total), lost=self.lost, moved=moved)
+
+    def _worn_by(self, depth: FloatArray) -> Surface:
+        """Surfaces that have lost a depth ``(ny, nx)`` [m] together."""
+        assert self._new.separation is not None
+        return replace(self._new, separation=self._new.separation + depth, bodies=self.bodies)
 
     def advance(self, step: Step) -> None:
         """Wear by what a solved step slipped, or by the cycle that it ends; results go into the step."""
@@ -120,7 +137,7 @@ class WornSurface:
         if "start_slip" in memory:
             memory["peak_pressure"] = peak
         slip, energy = (_grown(step, name) for name in ("slip_distance", "dissipated_energy_density"))
-        if step.slide is not None:
+        if step.surface.slide is not None:
             missed = float(np.abs(step.fields["pressure"] - self._expected).sum())
             step.scalars["wear_lag"] = missed / max(float(self._expected.sum()), np.finfo(float).tiny)
             if "start_slip" in memory:  # it has worn already
@@ -183,7 +200,7 @@ class WornSurface:
         """
         assert step.control is not None
         fields = {} if step.previous is None else step.previous.fields
-        pressure = self._mechanics.pressed(step.control, fields, self._separation + self._state.total, None, None)
+        pressure = self._contact.pressed(self._worn_by(self._state.total), step.control, fields, None, None)
         shear = np.zeros_like(pressure)
         if self._friction is not None:
             y, x = self._grid.axes()
@@ -216,7 +233,7 @@ class WornSurface:
         shear = np.hypot(fields.get("shear_x", 0.0 * pressure), fields.get("shear_y", 0.0))
         rate = rate_of(self._law, self._seen(step, pressure, shear, slip, amplitude * slip, energy))
         depth = rate.depth(pressure)
-        rate = replace(rate, steady=np.minimum(rate.steady, self._mechanics.softness * peak))
+        rate = replace(rate, steady=np.minimum(rate.steady, self._contact.softness(self.bodies) * peak))
         assert step.control is not None
         before = self._state.total
         self._move(step.control, fields, rate, 1, depth, energy, pressure)
@@ -284,8 +301,8 @@ class WornSurface:
         self._refuse_too_much(rate, cycles, pressure)
         if rate.any:
             found = moved(
-                lambda worn, springs, start: self._mechanics.pressed(
-                    control, fields, self._separation + worn, springs, start
+                lambda lost, springs, start: self._contact.pressed(
+                    self._worn_by(lost), control, fields, springs, start
                 ),
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
                 least=least,
@@ -298,7 +315,7 @@ class WornSurface:
 
     def _refuse_too_much(self, rate: Rate, cycles: int, pressure: FloatArray) -> None:
         """Refuse wear that numbers cannot hold beside the deflection."""
-        share = cycles * against_deflection(rate, pressure, self._mechanics.softness)
+        share = cycles * against_deflection(rate, pressure, self._contact.softness(self.bodies))
         if share > 10.0 * MOST:
             raise SceneError(
                 f"wear law {self._law.key!r} must wear less than {10.0 * MOST:g} times what the surface deflects in "
