@@ -103,7 +103,7 @@ def plan(scene: Scene | str | Path | Mapping[str, Any], *, registry: Registry | 
 
 
 def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
-    """Say what a scene will model, with which kernels, memory and time, and what is left out and why.
+    """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def explain(scene: Scene | str | Path | Mapping[str, Any]) -> str:
 
 
 def _cautions(warnings: Iterable[Mapping[str, Any]]) -> str:
-    """What makes numbers worth less than they look, in one text."""
+    """Warnings of a run in one text."""
     return "; ".join(str(one["words"]) for one in warnings)
 
 
@@ -347,7 +347,7 @@ def _solve(
 
 
 def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
-    """Numbers of all steps, and what makes them worth less than they look."""
+    """Numbers of all steps, and the warnings about their accuracy."""
     from eigencontact.worth.noticed import noticed
 
     history = store.history(last)

@@ -122,11 +122,11 @@ def run(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results of another run there.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
     verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="A line for each load step: iterations, residuals, times.")
+        bool, typer.Option("--verbose", "-v", help="Print a line for each load step: iterations, residuals, times.")
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Solve a scene: results, summary and pictures in a folder.
+    """Solve a scene and write results, summary and pictures to a folder.
 
     Example: `eigencontact run hertz -o hertz --set steps.normal-load="1 N"`
     """
@@ -205,7 +205,7 @@ def _spent(seconds: dict[str, float]) -> str:
 
 @app.command(cls=HelpfulCommand)
 def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOption = False) -> None:
-    """Say what a scene will model, with which kernels, memory and time; and what is left out and why."""
+    """Describe a scene before the run: model, kernels, memory, time, and effects that it leaves out, with reasons."""
     from eigencontact import app as calls
 
     try:
@@ -219,15 +219,15 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
 def plugins(
     key: Annotated[
         str | None, typer.Argument(
-            help="Show one plugin, or those of a file: parameters and sources.", autocompletion=completion.plugin_keys
+            help="Show parameters and sources of one plugin or file.", autocompletion=completion.plugin_keys
         ),
     ] = None,
     *,
     as_json: JsonOption = False,
 ) -> None:
-    """List installed plugins by kind, the package each comes from, and what failed to load.
+    """List installed plugins by kind, with their packages, and plugins that failed to load.
 
-    Example: `eigencontact plugins torus.py` tries a plugin file of your own.
+    Example: `eigencontact plugins torus.py` tests your plugin file.
     """
     from eigencontact.app import installed_plugins
     from eigencontact.listing import file_data, plugin_data, plugin_text
@@ -248,16 +248,16 @@ def schema(
     ] = None,
     *,
     as_json: Annotated[
-        bool, typer.Option("--json", help="Print JSON: of the whole scene a JSON Schema, which editors read.")
+        bool, typer.Option("--json", help="Print JSON; for the whole scene a JSON Schema for editors.")
     ] = False,
     plugin: Annotated[
         list[Path] | None, typer.Option("--plugin", metavar="FILE", help="A plugin file of your own; repeatable.")
     ] = None,
 ) -> None:
-    """List every key that a scene may hold: meaning, unit, choices, default.
+    """List all keys of a scene with meaning, unit, choices and default.
 
     Example: `eigencontact schema --json > scene.schema.json`, and in the first line of a scene
-    `#:schema ./scene.schema.json` for an editor that completes.
+    `#:schema ./scene.schema.json`, so that an editor completes keys.
     """
     from eigencontact.app import installed_plugins
     from eigencontact.hooks.files import with_files
@@ -270,7 +270,7 @@ def schema(
 
 
 gallery = typer.Typer(
-    help="List the bundled scenes, or print one to start from.", invoke_without_command=True, cls=HelpfulGroup
+    help="List the bundled scenes, or print one of them.", invoke_without_command=True, cls=HelpfulGroup
 )
 app.add_typer(gallery, name="gallery")
 
@@ -320,13 +320,13 @@ def _cache(
     *,
     clear: Annotated[bool, typer.Option("--clear", help="Remove all tables.")] = False,
     limit: Annotated[
-        str | None, typer.Option("--limit", metavar="SIZE", help='Bound the size from now on: `--limit "2 GB"`.')
+        str | None, typer.Option("--limit", metavar="SIZE", help='Limit the size from now on: `--limit "2 GB"`.')
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Show, clear or bound the tables that runs keep on disk for each other; all of them can be computed again.
+    """Show, clear or limit the tables on disk that runs share. Runs compute missing tables again.
 
-    The variable EIGENCONTACT_CACHE names another folder, or turns it off (`EIGENCONTACT_CACHE=off`).
+    The variable EIGENCONTACT_CACHE selects another folder, or switches the tables off (`EIGENCONTACT_CACHE=off`).
     """
     from eigencontact.listing import cache_data, cache_text
 
@@ -355,10 +355,10 @@ def new_plugin(
         typer.Option("-o", "--output", metavar="DIR", help="Folder of the package; by default ./eigencontact-NAME."),
     ] = None,
     file: Annotated[
-        bool, typer.Option("--file", help="Write NAME.py alone, which a scene names; -o is then another file.")
+        bool, typer.Option("--file", help="Write only NAME.py, for the key `plugins` of scenes; -o names another file.")
     ] = False,
 ) -> None:
-    """Write a plugin package of your own, or one file: it registers and passes its tests as it is.
+    """Write a new plugin as a package or as one file. It registers and passes its tests without changes.
 
     Example: `eigencontact new-plugin hollow-ball --file`, then `eigencontact check hollow_ball.py`
     """
@@ -367,7 +367,7 @@ def new_plugin(
     try:
         if file:
             path = write_file(name, kind=kind, path=output)
-            typer.echo(f'{path}: one {kind}; ask `eigencontact check {path}`, name it in a scene: plugins = ["{path}"]')
+            typer.echo(f'{path}: one {kind}; run `eigencontact check {path}`, name it in a scene: plugins = ["{path}"]')
             return
         typer.echo(write_package(name, kind=kind, folder=output).next_steps())
     except EigencontactError as problem:

@@ -27,7 +27,7 @@ def test_help_lists_the_commands_and_exit_codes(command):
     [
         ("run", ("--set", "--output", "--resume", "--overwrite", "--quiet", "--json", "SCENE")),
         ("explain", ("--set", "--json", "SCENE")),
-        ("plugins", ("--json", "Show one plugin")),
+        ("plugins", ("--json", "Show parameters and sources of one plugin")),
         ("gallery", ("show", "--json")),
         ("cache", ("--clear", "--limit", "--json")),
         ("plot", ("--output", "--vtk", "--quiet", "--json", "RESULTS")),

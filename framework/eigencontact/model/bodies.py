@@ -162,8 +162,8 @@ def layers_in_words(bodies: Sequence[Solid | None], *, periodic: bool) -> str:
     if not media:
         return ""
     who = " and ".join(f"body {number} ({medium.key!r})" for number, medium in media.items())
-    how = "wave by wave" if periodic else "turned into coefficients of cells, once"
-    return f"kernels of the half-space replaced by the answer of {who} to traction waves, {how}"
+    how = "for each wave of the window" if periodic else "computed once as influence coefficients of cells"
+    return f"layered kernels of {who} instead of half-space kernels, {how}"
 
 
 def _constants(material: Material) -> str:

@@ -22,18 +22,18 @@ def plot(
     ],
     *,
     field: Annotated[
-        str | None, typer.Option("--field", metavar="NAME", help="One picture, of this field: `stress`, `pressure`.")
+        str | None, typer.Option("--field", metavar="NAME", help="Draw one picture of a field: `stress`, `pressure`.")
     ] = None,
     component: Annotated[
-        str | None, typer.Option("--component", metavar="NAME", help="Of a vector or tensor: `x`, `xz`, `1`.")
+        str | None, typer.Option("--component", metavar="NAME", help="Component of a vector or tensor: `x`, `xz`, `1`.")
     ] = None,
     region: Annotated[
         str | None,
-        typer.Option("--region", metavar="NAME", help="A region of the run by its name, or a new one as a table."),
+        typer.Option("--region", metavar="NAME", help="Name of a region of the run, or the table of a new region."),
     ] = None,
     step: Annotated[int | None, typer.Option("--step", metavar="N", help="Load step to draw, from 1.")] = None,
     zoom: Annotated[
-        str | None, typer.Option("--zoom", metavar="RANGES", help="What is seen: `-6 um:6 um, 0:8 um`.")
+        str | None, typer.Option("--zoom", metavar="RANGES", help="Visible range: `-6 um:6 um, 0:8 um`.")
     ] = None,
     cmap: Annotated[str | None, typer.Option("--cmap", metavar="NAME", help="Colour map of matplotlib.")] = None,
     style: Annotated[
@@ -42,7 +42,7 @@ def plot(
     kind: Annotated[
         str | None, typer.Option("--format", metavar="NAME", help="`png`, `pdf` or `svg`; by default PNG.")
     ] = None,
-    dpi: Annotated[int | None, typer.Option("--dpi", metavar="N", help="Dots per inch of pictures of dots.")] = None,
+    dpi: Annotated[int | None, typer.Option("--dpi", metavar="N", help="Dots per inch of PNG pictures.")] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Folder, or file of one picture; by default the results'."),
@@ -51,7 +51,7 @@ def plot(
     animation: Annotated[
         bool, typer.Option("--animation", help="Also draw the history as an animation (GIF).")
     ] = False,
-    mp4: Annotated[bool, typer.Option("--mp4", help="The animation as MP4, which takes the program ffmpeg.")] = False,
+    mp4: Annotated[bool, typer.Option("--mp4", help="Write the animation as MP4; needs the program ffmpeg.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
 ) -> None:

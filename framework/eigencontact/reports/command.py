@@ -24,7 +24,7 @@ def report(
     *,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="The page; by default report.html beside the results."),
+        typer.Option("-o", "--output", metavar="FILE", help="File of the page; by default report.html in RESULTS."),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:

@@ -33,8 +33,8 @@ def summary_of(
     history : sequence of mapping
         Numbers of every step by name, in order.
     extra : mapping
-        More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``warnings`` (what
-        makes the numbers worth less than they look: code, words, error), ``files`` (names relative
+        More entries, which also replace those here: ``peak_memory_bytes``, ``converged``, ``warnings``
+        (limits of the accuracy: code, words, error), ``files`` (names relative
         to the folder; what ``--overwrite`` later may remove).
 
     Returns

@@ -275,7 +275,7 @@ class Scene(Table):
     friction : table or component, optional
         Friction law of the contact; ``type`` names the plugin. Without it the contact is frictionless.
     wear : Wear, optional
-        What slides wears; ``type`` names the wear law.
+        Wear of sliding surfaces; ``type`` names the wear law.
     inclusions : list of Inclusion
         Regions with a prescribed eigenstrain; ``type`` names the inclusion shape.
     eigenstrain : list of EigenstrainPatch

@@ -37,7 +37,7 @@ class Shares(Table):
 
 
 class Wear(ComponentTable):
-    """What slides loses depth: ``type`` names the wear law, whose fields stand beside it.
+    """Wear of sliding surfaces: ``type`` names the wear law, whose fields are keys of the same table.
 
     The depth is that which both bodies lose together. Each increment of a load step moves the surface; the increments
     of a cycle leave it, and the cycle moves it in the end by what all of them wear: with ``update = "increment"`` they

@@ -48,7 +48,7 @@ class SweepResult:
     failed : dict of str to str
         Variants that failed, by label, and why.
     warnings : dict of str to list of dict
-        What makes numbers worth less than they look, by label of the variant, as in ``summary.json``: ``code``,
+        Warnings about the accuracy, by label of the variant, as in ``summary.json``: ``code``,
         ``words``, ``error``. Variants without any are left out.
     problems : dict of str to str
         Variants whose stored results were damaged and are computed again, by label.

@@ -199,14 +199,14 @@ def judged_points(
     shallow = max(region.mean_above, _SHALLOW * max(stored.window.cell)) if middle.loaded else 0.0
     deep = z >= shallow
     if not deep.all():
-        lost.append(f"above a depth of {shallow:.3g} m the steps of the tractions from cell to cell are felt")
+        lost.append(f"above a depth of {shallow:.3g} m the tractions of single cells disturb the field")
     finite = np.isfinite(region.stress).all(axis=-1)
     smooth = np.ones(z.shape, dtype=bool)
     for part in body.different:
         for cells in range(1, _CUT + 1):
             smooth &= ~_near_boundary(part, x, y, z, tuple(cells * edge for edge in body.cell))
     if not smooth.all():
-        lost.append(f"within {_CUT} cells of an interface, where the steps of its cells are felt")
+        lost.append(f"within {_CUT} cells of an interface, where the steps of its cells disturb the field")
     for inclusion in (one for one in body.loaded.regions if one.contains not in body.different):
         size = max(high - low for low, high in zip(*inclusion.bounds, strict=True))
         clear = ~_near_boundary(inclusion.contains, x, y, z, (_RIM * size,) * 3)

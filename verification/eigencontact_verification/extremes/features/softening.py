@@ -101,7 +101,7 @@ FEATURE = Feature(
             name="symmetry, softening of -1 G",
             error=partial(turned, 1.0),
             bound=1e-3,
-            reason="the tolerance 1e-5, a hundred times: what softens answers a residual with more",
+            reason="the tolerance 1e-5, a hundred times: softening amplifies a residual",
         ),
         Corner(
             name="damage of the effective stress",
