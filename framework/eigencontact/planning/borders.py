@@ -60,22 +60,28 @@ def sections_of(model: Model, sources: Sequence[Source]) -> tuple[Section, ...]:
         for axis, place in sorted(planes):
             segments = _section(source, axis, place, copies)
             if len(segments):
-                made.append(Section(inclusion=number, normal=axis, place=place, segments=segments))
+                origin = _origin(source, axis)
+                made.append(Section(inclusion=number, normal=axis, place=place, origin=origin, segments=segments))
     return tuple(made)
 
 
 def _section(source: Source, axis: str, place: float, copies: dict[tuple[object, ...], FloatArray]) -> FloatArray:
-    """Outline of an inclusion on a plane; copies of one table in the scene share that of the same place in them."""
+    """Outline of an inclusion on a plane, from its origin; copies of one table in the scene share it."""
     low, high = np.array(source.shape.bounds)
     normal = "xyz".index(axis)
     if not low[normal] < place < high[normal]:
         return np.empty((0, 2, 2))
-    origin = np.delete(low, normal)
     share = (place - low[normal]) / (high[normal] - low[normal])
     key = (source.where, axis, round(float(share), 9), *np.round((high - low) / (high - low).max(), 9))
     if key not in copies:
-        copies[key] = section_outline(source, axis, place) - origin
-    return copies[key] + origin
+        copies[key] = section_outline(source, axis, place) - _origin(source, axis)
+    return copies[key]
+
+
+def _origin(source: Source, axis: str) -> tuple[float, float]:
+    """Horizontal and vertical end of the bounds of an inclusion on planes normal to an axis [m]."""
+    first, second = (float(low) for low, name in zip(source.shape.bounds[0], "xyz", strict=True) if name != axis)
+    return first, second
 
 
 def line_borders(model: Model) -> dict[str, LineBorders]:
@@ -102,7 +108,7 @@ def _along(model: Model, body: int, points: FloatArray) -> LineBorders:
 
     def number(at: FloatArray) -> NDArray[np.intp]:
         inside = [n * np.asarray(source.shape.contains(*at)) for n, source in near]
-        return np.sum([np.zeros(at.shape[1], dtype=np.intp), *inside], axis=0)
+        return np.asarray(sum(inside, np.zeros(at.shape[1], dtype=np.intp)))
 
     inclusion = number(points)
     breaks = np.flatnonzero(inclusion[1:] != inclusion[:-1])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,8 @@ class Section:
         Position in `eigencontact.results.records.RunInfo.inclusions`.
     normal, place : str, float
         Axis normal to the plane, and where the plane cuts it [m].
+    origin : (float, float)
+        Horizontal and vertical place [m] from which the segments count.
     segments : (n, 2, 2) array
         Segments [m], places in the order horizontal, vertical of a picture.
     """
@@ -33,6 +34,7 @@ class Section:
     inclusion: int
     normal: str
     place: float
+    origin: tuple[float, float]
     segments: FloatArray
 
 
@@ -56,26 +58,32 @@ class LineBorders:
 
 
 def border_variables(sections: Sequence[Section]) -> Iterator[Variable]:
-    """Variables for all sections: their segments, and inclusion, normal and place of each segment."""
+    """Variables for all sections: a table of them, and the segments, which copies of one inclusion share."""
     if not sections:
         return
-    counts = [len(section.segments) for section in sections]
-    columns: dict[str, tuple[Any, str, str]] = {
-        "inclusion": ([section.inclusion for section in sections], "1", "position among the inclusions"),
-        "normal": (["xyz".index(section.normal) for section in sections], "1", "axis normal to the plane, 0 is x"),
-        "place": ([section.place for section in sections], "m", "place of the plane along its normal"),
-    }
+    first, count, shared = dict[int, int](), 0, list[FloatArray]()
+    for section in sections:
+        if id(section.segments) not in first:
+            first[id(section.segments)] = count
+            shared.append(section.segments)
+            count += len(section.segments)
+    rows = [
+        (s.inclusion, "xyz".index(s.normal), s.place, *s.origin, first[id(s.segments)], len(s.segments))
+        for s in sections
+    ]
+    columns = "inclusion, normal axis, place along it, origin of the segments, first segment, number of segments"
+    yield Variable(
+        name="section_table",
+        dims=("section", "section_column"),
+        values=np.array(rows, dtype=float),
+        attrs={"role": "outline", "units": "1", "long_name": f"borders of inclusions on planes, SI: {columns}"},
+    )
     yield Variable(
         name="section_segments",
         dims=("section_segment", "end", "place"),
-        values=np.concatenate([section.segments for section in sections]),
-        attrs={"role": "outline", "units": "m", "long_name": "borders of inclusions on planes"},
+        values=np.concatenate(shared),
+        attrs={"role": "outline", "units": "m", "long_name": "borders of inclusions on planes, from their origin"},
     )
-    for name, (values, unit, meaning) in columns.items():
-        attrs: dict[str, str | int] = {"role": "outline", "units": unit, "long_name": f"{meaning}, of each segment"}
-        yield Variable(
-            name=f"section_segments_{name}", dims=("section_segment",), values=np.repeat(values, counts), attrs=attrs
-        )
 
 
 def line_variables(lines: Mapping[str, LineBorders]) -> Iterator[Variable]:

@@ -57,15 +57,15 @@ def inclusion_segments(dataset: Results, body: int, normal: str, at: float, numb
     nothing = np.empty((0, 2, 2))
     if "section_segments" not in dataset:
         return nothing
-    inclusion, axis, place = (
-        np.asarray(dataset[f"section_segments_{name}"].values) for name in ("inclusion", "normal", "place")
-    )
+    table = np.asarray(dataset["section_table"].values, dtype=float)
     numbers = [n for n, item in enumerate(_inclusions(dataset)) if item["body"] == body and number in (None, n)]
-    lies = np.isin(inclusion, numbers) & (axis == "xyz".index(normal))
-    away = np.where(lies, np.abs(place - at), np.inf)
-    if away.min() > NEAR * float(np.max(dataset.attrs["cell_size"])):
+    table = table[np.isin(table[:, 0], numbers) & (table[:, 1] == "xyz".index(normal))]
+    away = np.abs(table[:, 2] - at)
+    if not away.size or away.min() > NEAR * float(np.max(dataset.attrs["cell_size"])):
         return nothing
-    return np.asarray(dataset["section_segments"].values, dtype=float)[lies & (place == place[away.argmin()])]
+    segments = np.asarray(dataset["section_segments"].values, dtype=float)
+    sections = table[table[:, 2] == table[away.argmin(), 2]]
+    return np.concatenate([segments[int(row[5]) : int(row[5] + row[6])] + row[3:5] for row in sections])
 
 
 def coatings(dataset: Results) -> tuple[Coating, ...]:
@@ -73,7 +73,7 @@ def coatings(dataset: Results) -> tuple[Coating, ...]:
     if "section_segments" not in dataset:
         return ()
     described = _inclusions(dataset)
-    stored = [(int(n), described[int(n)]) for n in np.unique(dataset["section_segments_inclusion"].values)]
+    stored = [(int(n), described[int(n)]) for n in np.unique(dataset["section_table"].values[:, 0])]
     return tuple(
         Coating(n, item["body"], item["bounds"][1][2]) for n, item in stored if item["bounds"][0][2] <= 0.0
     )
