@@ -137,7 +137,7 @@ def run(
     here = Path.cwd()  # before a plugin can change it
     try:
         loaded = calls.load_scene(scene, changes or [])
-        with painter_of(loaded) as painter:
+        with painter_of(loaded.numerics.threads, pictures=loaded.output.pictures) as painter:
             planned = calls.plan(loaded)
             folder = here / (planned.name if output is None else output)
             with progress(enabled=verbose or not (quiet or as_json), verbose=verbose) as watcher:

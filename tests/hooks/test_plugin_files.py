@@ -14,6 +14,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.app import installed_plugins
 from eigencontact.errors import PluginError, ResultsError
+from eigencontact.reports.report import report
 from eigencontact_verification.campaign import cases
 from eigencontact_verification.campaign.command import _of_files
 from eigencontact_verification.campaign.store import content_hash
@@ -70,6 +71,30 @@ class Bead(InclusionShape):
 @hookimpl
 def eigencontact_register():
     return [Bead]
+'''
+
+#: A second component for a file that has a registration.
+DISC = '''
+from eigencontact.plugin import InclusionShape
+
+@dataclass(frozen=True, kw_only=True)
+class Disc(InclusionShape):
+    """Disc at the surface."""
+
+    key: ClassVar[str] = "disc"
+    radius: Length
+    depth: Length
+
+    @property
+    def bounds(self):
+        return (-self.radius, -self.radius, 0.0), (self.radius, self.radius, self.depth)
+
+    def contains(self, x, y, z):
+        return (x**2 + y**2 <= self.radius**2) & (z >= 0) & (z <= self.depth)
+
+@hookimpl
+def eigencontact_register():
+    return [Bowl, Disc]
 '''
 
 
@@ -253,43 +278,36 @@ def test_processes_of_a_sweep_know_it(bowl, tmp_path):
     assert found.failed == {}
 
 
-def test_pictures_of_stored_results_know_it(tmp_path):
-    """What draws layers builds the medium again from the stored scene, in a process of its own."""
-    from eigencontact.viz.worn import interfaces
-
-    (tmp_path / "stack.py").write_text(
-        dedent(
-            """
-            from dataclasses import dataclass
-            from typing import ClassVar
-            from eigencontact.plugin import hookimpl
-            from eigencontact_plugins.layered.stack import BondedLayers
-
-            @dataclass(frozen=True, kw_only=True)
-            class Stack(BondedLayers):
-                key: ClassVar[str] = "stack"
-
-            @hookimpl
-            def eigencontact_register():
-                return [Stack]
-            """
-        ),
-        encoding="utf-8",
-    )
-    layers = 'layers = [{ thickness = "1 um", young-modulus = "1 GPa", poisson-ratio = 0.3 }]'
-    scene = f"""
-plugins = ["{tmp_path / "stack.py"}"]
-[body1.medium]
-type = "stack"
-{layers}
-substrate = {{ young-modulus = "2 GPa", poisson-ratio = 0.3 }}
-[geometry]
-type = "sphere"
-radius = 1.0
-[steps]
-normal-load = 1.0
-"""
-    assert interfaces(SimpleNamespace(attrs={"scene": scene}), 1) == (1e-6,)
+@pytest.mark.slow
+def test_pictures_and_report_need_results_alone(tmp_path):
+    """A geometry and a worn coating of cells come from one file; without it, all pictures are the same."""
+    file, folder = tmp_path / "own.py", tmp_path / "out"
+    file.write_text(BOWL + DISC, encoding="utf-8")
+    steel = {"young_modulus": 210e9, "poisson_ratio": 0.3}
+    line = {"name": "axis", "shape": "line", "start": [0, 0, 0], "end": [0, 0, 8e-6], "count": 17}
+    coating = {"type": "disc", "radius": 30e-6, "depth": 4e-6, "material": {**steel, "young_modulus": 420e9}}
+    ec.run(
+        {
+            "plugins": [str(file)], "body1": steel, "body2": {"rigid": True},
+            "geometry": {"type": "bowl", "bend": 200e-6}, "inclusions": [{**coating, "name": "hard disc"}],
+            "grid": {"cells": [12, 12], "spacing": [6e-6, 6e-6]},
+            "numerics": {"inclusion_pitch": 4e-6, "allow_coarse": True}, "output": {"pictures": False},
+            "wear": {"type": "archard", "coefficient": 2.5e-16, "shares": {"body1": 0.7, "body2": 0.3}},
+            "steps": [{"normal_load": 5.0}, {"normal_load": 5.0, "sliding_distance": 0.4, "increments": 2}],
+            "stress": [{"name": "cut", "shape": "plane", "depth_max": 8e-6}, line],
+        },
+        folder,
+    ).dataset.close()  # fmt: skip
+    made = []
+    for _ in range(2):
+        installed_plugins.cache_clear()
+        chosen = [ec.plot(folder, "equivalent_eigenstrain_1"), ec.plot(folder, "worn-coating")]
+        page = report(folder).read_text(encoding="utf-8")
+        made.append(([axes.figure.canvas.buffer_rgba().tobytes() for axes in chosen], page))
+        file.unlink(missing_ok=True)
+    assert "Worn surfaces over the interfaces" in page
+    assert "Materials at the surface, by name" in page
+    assert made[0] == made[1]
 
 
 def test_it_is_listed(bowl, tmp_path, command):

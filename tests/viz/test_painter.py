@@ -74,5 +74,6 @@ def test_the_process_ends_with_the_block():
 )
 def test_it_is_started_where_there_are_pictures_and_a_core_for_them(monkeypatch, changes, cores, wanted):
     monkeypatch.setattr(module, "available_threads", lambda: cores)
-    with painter_of(load_scene("hertz", changes)) as painter:
+    scene = load_scene("hertz", changes)
+    with painter_of(scene.numerics.threads, pictures=scene.output.pictures) as painter:
         assert (painter is not None) is wanted

@@ -1,6 +1,7 @@
 """Sections and profiles where the material jumps: each point on its side, nothing joined, no extreme in cut cells."""
 
 import io
+import tomllib
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +9,11 @@ import pytest
 import xarray as xr
 from PIL import Image
 
+import eigencontact as ec
 from close import close
+from eigencontact.model.model import build_model
+from eigencontact.planning.borders import line_borders
+from eigencontact.results.borders import line_variables
 from eigencontact.viz.contact_edge import contact_runs
 from eigencontact.viz.cut import Shown, View
 from eigencontact.viz.line_sides import line_sides
@@ -31,23 +36,27 @@ radius = "105 um"
 [steps]
 normal-load = "0.65 N"
 """
-LAYERED = f"""{CONTACT}
-[body1.medium]
-type = "bonded-layers"
-layers = [{{ thickness = "2 um", young-modulus = "420 GPa", poisson-ratio = 0.3 }}]
-substrate = {{ young-modulus = "210 GPa", poisson-ratio = 0.3 }}
-"""
+LAYERED = {"layers": '{"1": [{"name": "layer 1", "top": 0.0, "bottom": 2e-6}]}'}
 BALL = f"""{CONTACT}
 [body1]
 young-modulus = "210 GPa"
 poisson-ratio = 0.3
 
+[grid]
+cells = [16, 16]
+spacing = ["0.5 um", "0.5 um"]
+
+[numerics]
+inclusion-pitch = "0.5 um"
+allow-coarse = true
+
 [[inclusions]]
 type = "sphere"
 center = [0, 0, "2 um"]
 radius = "1.03 um"
-material = {{ young-modulus = "420 GPa", poisson-ratio = 0.3 }}
 """
+STIFF = 'material = { young-modulus = "420 GPa", poisson-ratio = 0.3 }'
+LINE = '[[stress]]\nname = "axis"\nshape = "line"\nstart = [0, 0, "{} um"]\nend = [0, 0, "{} um"]\ncount = {}'
 H, V = np.linspace(-4e-6, 4e-6, 41), np.linspace(0.0, 4e-6, 41)
 #: Dots per inch at which a band between two of every four points would be some dots high.
 DOTS, FEW = 150, {"cut_x": slice(None, None, 4), "cut_z": slice(None, None, 4)}
@@ -55,13 +64,13 @@ DOTS, FEW = 150, {"cut_x": slice(None, None, 4), "cut_z": slice(None, None, 4)}
 CELLS = {axis: (np.arange(-3, 3) + 0.5) * 0.5e-6 for axis in "xy"} | {"z": (np.arange(2, 8) - 0.5) * 0.5e-6}
 
 
-def section(values, scene, outline=None, **more):
+def section(values, layers, outline=None, **more):
     """Results with one plane region ``cut``."""
     data = xr.Dataset(
         {"cut_von_mises": (("step", "cut_z", "cut_x"), values[None]), **more},
         coords={"step": [1], "cut_x": H, "cut_z": V, "cut_y": 0.0},
         attrs={
-            "scene": scene,
+            **layers,
             "regions": '{"cut": {"shape": "plane", "body": 1, "dims": ["z", "x"], "fields": ["von_mises"]}}',
         },
     )
@@ -93,7 +102,7 @@ def test_no_band_lies_between_the_two_sides_of_an_interface():
     values = np.where(V[:, None] < 2e-6 * (1 - 1e-9), 9e9, 1e9) + 0 * H
     figure = stress_section(section(values, LAYERED).isel(FEW), "cut")
     assert bands(colours_down(figure, figure.axes[0], 1.3)) == 2
-    joined = stress_section(section(values, "").isel(FEW), "cut")  # without layers there are bands between
+    joined = stress_section(section(values, {}).isel(FEW), "cut")  # without layers there are bands between
     assert bands(colours_down(joined, joined.axes[0], 1.3)) > 2
     lines = {float(line.get_ydata()[0]) for line in figure.axes[0].get_lines() if line.get_label() == "_interface"}
     assert [*lines] == close([2.0], rel=1e-12)
@@ -103,20 +112,20 @@ def test_no_band_lies_across_the_border_of_an_inclusion():
     inside = np.hypot(H, V[:, None] - 2e-6) < 1.03e-6
     outline = ring(0.0, 2e-6, 1.03e-6, 200)
     values = np.where(inside, 9e9, 1e9)
-    figure = stress_section(section(values, "", outline).isel(FEW), "cut")
+    figure = stress_section(section(values, {}, outline).isel(FEW), "cut")
     assert bands(colours_down(figure, figure.axes[0], 0.1)) == 3
-    joined = stress_section(section(values, "").isel(FEW), "cut")
+    joined = stress_section(section(values, {}).isel(FEW), "cut")
     assert bands(colours_down(joined, joined.axes[0], 0.1)) > 3
 
 
-@pytest.mark.parametrize("scene", ["", LAYERED])
-def test_points_lie_within_the_outline_or_outside_and_above_the_interface_or_below(scene):
-    data = section(np.ones((41, 41)), scene)
+@pytest.mark.parametrize("layers", [{}, LAYERED])
+def test_points_lie_within_the_outline_or_outside_and_above_the_interface_or_below(layers):
+    data = section(np.ones((41, 41)), layers)
     two = np.concatenate([ring(-1e-6, 2e-6, 1.03e-6, 400), ring(2.2e-6, 1.5e-6, 0.51e-6, 400)])
     sides = sides_of(data, Plane(1, ("z", "x"), V, H), two)
     balls = [np.hypot(H + 1e-6, V[:, None] - 2e-6) < 1.03e-6, np.hypot(H - 2.2e-6, V[:, None] - 1.5e-6) < 0.51e-6]
     owner = balls[0] + 2 * balls[1]
-    deep = (V[:, None] >= 2e-6 * (1 - 1e-12)) & (scene != "") | np.zeros_like(balls[0])
+    deep = (V[:, None] >= 2e-6 * (1 - 1e-12)) & bool(layers) | np.zeros_like(balls[0])
     assert np.array_equal(sum(part.points.astype(int) for part in sides.parts), np.ones((41, 41)))
     for part in sides.parts:
         assert np.unique(owner[part.points]).size == np.unique(deep[part.points]).size == 1
@@ -125,7 +134,7 @@ def test_points_lie_within_the_outline_or_outside_and_above_the_interface_or_bel
 
 def with_cells(values):
     grid = {f"cells_1_{axis}": (f"cells_1_{axis}", places) for axis, places in CELLS.items()}
-    return section(values, BALL, ring(0.0, 2e-6, 1.03e-6, 400)).assign_coords(grid)
+    return section(values, {}, ring(0.0, 2e-6, 1.03e-6, 400)).assign_coords(grid)
 
 
 def cut_cells():
@@ -164,6 +173,13 @@ def test_cells_that_a_border_cuts_are_filled_from_their_side_and_hold_no_extreme
     assert bar.get_ylim()[1] < 7
 
 
+def stored_line(scene, start, end, points):
+    """What results store of the inclusions along a line into the depth."""
+    loaded = ec.load_scene(tomllib.loads(f"{scene}\n{LINE.format(start, end, points)}"))
+    lines = line_borders(build_model(loaded, loaded.known_plugins()))
+    return {variable.name: (variable.dims, variable.values) for variable in line_variables(lines)}
+
+
 def test_curves_along_a_line_break_where_the_material_changes():
     depth = np.linspace(0.0, 4e-6, 33)
     stress = np.where(depth < 2e-6 * (1 - 1e-9), 3e9, 1e9)
@@ -171,7 +187,7 @@ def test_curves_along_a_line_break_where_the_material_changes():
         {"axis_von_mises": (("step", "axis_point"), stress[None])},
         coords={"step": [1], "axis_x": ("axis_point", 0 * depth), "axis_y": 0.0, "axis_z": ("axis_point", depth)},
         attrs={
-            "scene": LAYERED,
+            **LAYERED,
             "regions": '{"axis": {"shape": "line", "body": 1, "dims": ["point"], "fields": ["von_mises"]}}',
         },
     )
@@ -186,8 +202,8 @@ def test_curves_along_a_line_break_where_the_material_changes():
     marked = next(line for line in axes.get_lines() if line.get_label() == "_interface")
     assert marked.get_ydata()[0] == close(2.0, abs=1e-6)
     # Through a ball instead: the border lies where the sphere is, cells that it cuts are left out.
-    grid = {f"cells_1_{axis}": (f"cells_1_{axis}", places) for axis, places in CELLS.items()}
-    ball = data.assign_coords(grid).assign_attrs(scene=BALL)
+    del data.attrs["layers"]
+    ball = data.assign(stored_line(BALL + STIFF, 0.0, 4.0, 33))
     axes = line_profile(ball, "axis", Shown("Von Mises stress", "Pa", stress), -1, View()).axes[0]
     marks = sorted(float(line.get_ydata()[0]) for line in axes.get_lines() if line.get_label() == "_interface")
     assert marks == close([0.97, 3.03], abs=1e-6)
@@ -202,7 +218,7 @@ def contact(pressure, **more):
     return xr.Dataset(
         {"pressure": (names, pressure[None]), **{name: (names, values[None]) for name, values in more.items()}},
         coords={"step": [1], "x": x, "y": x},
-        attrs={"cell_size": [1e-6, 1e-6], "regions": "{}", "scene": ""},
+        attrs={"cell_size": [1e-6, 1e-6], "regions": "{}"},
     )
 
 
@@ -284,14 +300,14 @@ def test_a_point_on_a_border_sets_no_colour_and_no_cross():
     inside = np.hypot(H, V[:, None] - 2e-6) < 1.0e-6
     values = np.where(inside, 1e9, 2e9 + 1e8 * (V[:, None] > 3.5e-6))
     values[10, 20] = 9e9  # at (0, 1 um), on a ball of 1 um
-    figure = stress_section(section(values, "", ring(0.0, 2e-6, 1e-6, 200)), "cut")
+    figure = stress_section(section(values, {}, ring(0.0, 2e-6, 1e-6, 200)), "cut")
     assert "9 GPa" not in figure.axes[0].get_title()
     assert figure.axes[0].collections[0].levels[-1] < 3.0
 
 
 def test_a_plateau_has_no_cross():
     values = np.minimum(1e9, 1e9 * (2e-6 / np.hypot(H, V[:, None] + 1e-9)) ** 2)
-    axes = stress_section(section(values, ""), "cut").axes[0]
+    axes = stress_section(section(values, {}), "cut").axes[0]
     assert axes.get_title().endswith("plateau at 1 GPa")
     assert not [line for line in axes.get_lines() if line.get_marker() == "+"]
 
@@ -299,7 +315,7 @@ def test_a_plateau_has_no_cross():
 def test_a_largest_value_beyond_the_colours_is_written_beside_them():
     values = np.full((41, 41), 1e9) * (1 + V[:, None] / 4e-6)
     values[0, 20] = 7e9
-    axes, bar = stress_section(section(values, ""), "cut").axes
+    axes, bar = stress_section(section(values, {}), "cut").axes
     assert "7 GPa" in axes.get_title()
     assert axes.collections[0].levels[-1] < 4.0
     assert "7" in [text.get_text() for text in bar.texts]
@@ -307,7 +323,7 @@ def test_a_largest_value_beyond_the_colours_is_written_beside_them():
 
 def test_levels_of_a_field_that_is_mostly_small_grow_by_ratios():
     values = 1e9 * np.exp(-np.hypot(H, V[:, None] - 2e-6) / 0.3e-6)
-    axes, bar = stress_section(section(values, ""), "cut", view=View(horizontal=(-4e-6, 4e-6))).axes
+    axes, bar = stress_section(section(values, {}), "cut", view=View(horizontal=(-4e-6, 4e-6))).axes
     levels = axes.collections[0].levels
     assert levels[0] == 0.0
     assert (levels[2:] / levels[1:-1]).min() > 1.3
@@ -316,12 +332,13 @@ def test_levels_of_a_field_that_is_mostly_small_grow_by_ratios():
 
 def test_points_on_a_border_are_left_out_of_a_line():
     z = np.linspace(0.97e-6, 3.03e-6, 5)
-    sides = line_sides(section(np.ones((41, 41)), BALL), 1, np.stack([0 * z, 0 * z, z]), -1)
+    stored = stored_line(BALL + "eigenstrain = 0.001", 0.97, 3.03, 5)
+    sides = line_sides(xr.Dataset(stored, attrs={"layers": "{}"}), "axis", 1, z, -1)
     assert sides.whole.tolist() == [False, True, True, True, False]
 
 
 def test_a_long_title_is_broken_to_stay_inside_the_figure(tmp_path):
-    figure = stress_section(section(np.ones((41, 41)) + V[:, None], ""), "cut")
+    figure = stress_section(section(np.ones((41, 41)) + V[:, None], {}), "cut")
     words = "Von Mises stress in body 1 at 123 mN (step 217 of 1000) beside the words of a long title, and more of them"
     figure.axes[0].set_title(words)
     save(figure, tmp_path / "long.png")
@@ -335,7 +352,7 @@ def test_a_long_title_is_broken_to_stay_inside_the_figure(tmp_path):
 def test_planes_beside_an_interface_say_that_their_colours_are_their_own():
     """Two pictures of one interface must not be compared by colour."""
     attrs = {
-        "scene": LAYERED,
+        **LAYERED,
         "regions": '{"cut": {"shape": "plane", "body": 1, "dims": ["y", "x"], "fields": ["von_mises"]}}',
     }
     labels = []
@@ -350,6 +367,6 @@ def test_planes_beside_an_interface_say_that_their_colours_are_their_own():
 
 
 def test_a_narrow_section_has_room_for_its_title():
-    narrow = section(np.ones((41, 41)) * 1e9 * (1 + V[:, None] / 1e-5), BALL)
+    narrow = section(np.ones((41, 41)) * 1e9 * (1 + V[:, None] / 1e-5), {})
     narrow = narrow.isel(cut_x=slice(18, 23))
     assert stress_section(narrow, "cut").get_figwidth() >= 4.0

@@ -28,11 +28,7 @@ if TYPE_CHECKING:
     from eigencontact.model.sources import Source
     from eigencontact.planning.plan import Plan
 
-__all__ = ["NAMES", "Told", "as_data", "explain", "references", "told"]
-
-
-#: Width of the names before what is said at the top of a plan.
-NAMES = 12
+__all__ = ["Told", "as_data", "explain", "references", "told"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,8 +40,8 @@ class Told:
     title : str
         Name of the scene, and its title where it has one.
     facts : list of str
-        Bodies, geometry, grid ...: a name of `NAMES` characters, empty where a line continues the one before it, then
-        what is said.
+        Bodies, geometry, grid ...: a name of `eigencontact.results.records.FACT_NAME` characters, empty where a line
+        continues the one before it, then what is said.
     cautions : list of str
         Warnings about limited accuracy.
     inclusions, blocks, kernels, predicted : list of str

@@ -6,8 +6,10 @@ import contextlib
 import hashlib
 import json
 import platform
+from collections.abc import Iterator
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,8 @@ from eigencontact.model.sources import Source
 from eigencontact.planning.plan import Plan
 from eigencontact.results.ownership import RESULTS
 from eigencontact.results.records import RunInfo
+from eigencontact.scene.schema import Scene
+from eigencontact.scene.steps import ramps_of, segments_of
 
 __all__ = ["run_info"]
 
@@ -29,6 +33,7 @@ def run_info(plan: Plan) -> RunInfo:
 
     from eigencontact.core.material import contact_modulus
     from eigencontact.model.bodies import layered_bodies, layers_as_data, without_layers
+    from eigencontact.planning.borders import line_borders, sections_of
     from eigencontact.planning.explain import references, told
     from eigencontact.plugin import LayeredMedium
 
@@ -52,11 +57,17 @@ def run_info(plan: Plan) -> RunInfo:
         steps=plan.steps,
         outlines=outlines,
         inclusions=tuple(_inclusion(source) for source in plan.sources[:_MOST]),
+        sections=sections_of(plan, plan.sources[:_MOST]),
+        lines=line_borders(plan),
         layers={
             str(number): layers_as_data(body)
             for number, body in enumerate(plan.bodies, 1)
             if isinstance(body, LayeredMedium)
         },
+        exposed=() if plan.exposed is None else plan.exposed.names,
+        cycles=tuple(_cycles(plan.scene)),
+        sliding=_sliding(plan.scene),
+        prestrained=_prestrained(plan.scene),
         numbers=plan.numbers,
         observed={number.name: number for observer in plan.observers for number in observer.numbers},
         every_history=plan.scene.output.history == "all",
@@ -73,6 +84,27 @@ def _inclusion(source: Source) -> dict[str, Any]:
         "bounds": [[float(at) for at in corner] for corner in source.shape.bounds],
         "material": source.material,
     }
+
+
+def _cycles(scene: Scene) -> Iterator[tuple[float, int, int]]:
+    """Where each table of cycles begins in the load history, its ramps, and how often it is repeated."""
+    begin = 0
+    for segment in segments_of(scene.steps):
+        if segment.cycle:
+            yield float(begin), segment.ramps, segment.repeat
+        begin += segment.ramps * segment.repeat
+
+
+def _sliding(scene: Scene) -> tuple[float, ...]:
+    """Path [m] before the first ramp of the load history and at the end of each."""
+    paths = [ramp.sliding_distance or 0.0 for ramp in ramps_of(scene.steps)]
+    return tuple(accumulate(paths, initial=0.0)) if any(paths) else ()
+
+
+def _prestrained(scene: Scene) -> bool:
+    """Whether a scene has eigenstrain of its own, or of an earlier run."""
+    tables: list[object] = [*scene.eigenstrain, *(item.eigenstrain for item in scene.inclusions)]
+    return any([*tables, scene.body1.initial, scene.body2.initial])
 
 
 def _digest(plan: Plan, resolved: dict[str, Any]) -> str:

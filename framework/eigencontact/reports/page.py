@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from eigencontact import __version__
 from eigencontact.core.units import readable
-from eigencontact.planning.explain import NAMES
+from eigencontact.results.records import FACT_NAME
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -76,7 +76,7 @@ def _facts(lines: Sequence[str]) -> list[tuple[str, list[str]]]:
     """Lines of a plan as names with what is said of each."""
     found: list[tuple[str, list[str]]] = []
     for line in lines:
-        name, words = line[:NAMES].strip(), line[NAMES:]
+        name, words = line[:FACT_NAME].strip(), line[FACT_NAME:]
         if name or not found:
             found.append((name, [words]))
         else:

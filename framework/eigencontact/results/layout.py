@@ -9,7 +9,6 @@ Surface fields are ``<quantity>(step, y, x)``, scalars ``<name>(step)``, sub-sur
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +18,11 @@ from eigencontact.core.numbers import Number
 from eigencontact.core.quantities import QUANTITIES, Quantity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import ResultsError
+from eigencontact.results.borders import border_variables, line_variables
+from eigencontact.results.variable import Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from numpy.typing import NDArray
 
     from eigencontact.results.records import RegionRecord, RunInfo, StepRecord
 
@@ -42,18 +41,10 @@ AXES = {
 }
 #: Dimension of a region's quantity before those of its points.
 _LEADING = {"stress": ("component",), "strain": ("component",), "displacement": ("axis",), "principal": ("principal",)}
+#: Places in the load history closer than this are one.
+SAME_TIME = 1e-6
 #: HDF5 strings of any length, as h5py.string_dtype() builds them.
 TEXT = np.dtype("O", metadata={"vlen": str})
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Variable:
-    """One array of a results file: its dimensions (``step`` first where it changes), values and attributes."""
-
-    name: str
-    dims: tuple[str, ...]
-    values: NDArray[Any]
-    attrs: dict[str, str | int] = field(default_factory=dict)
 
 
 def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
@@ -67,6 +58,7 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
             "dims": list(region.dims),
             "fields": list(region.fields),
             "note": region.note,
+            "mean_above": region.mean_above,
         }
         for name, region in record.regions.items()
     }
@@ -90,6 +82,8 @@ def attributes(info: RunInfo, record: StepRecord) -> dict[str, Any]:
         "regions": json.dumps(described),
         **({"inclusions": json.dumps(info.inclusions)} if info.inclusions else {}),
         **({"layers": json.dumps(info.layers)} if info.layers else {}),
+        **({"exposed_materials": json.dumps(info.exposed)} if info.exposed else {}),
+        "prestrained": int(info.prestrained),
         "history": json.dumps(sorted(record.history)),
         "comment": "SI units; z points into the body; pressure positive in compression, stress positive in tension",
     }
@@ -103,7 +97,11 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
     ResultsError
         When two results would bear one name, a name holds a slash, or a field does not fit its grid.
     """
-    listed = [*_coordinates(info, record), *_outlines(info), *_surface(info, record), *_scalars(info, record)]
+    listed = [*_coordinates(info, record), *_load_history(info, record), *_outlines(info)]
+    listed += [*_surface(info, record), *_scalars(info, record)]
+    if record.index == 1:  # the planes are the same in all steps: joined results take them from the first
+        listed.extend(border_variables(info.sections))
+    listed.extend(line_variables({name: line for name, line in info.lines.items() if name in record.regions}))
     for name, region in record.regions.items():
         listed.extend(_region(name, region))
     seen = set(record.history)
@@ -142,6 +140,22 @@ def _coordinates(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
     if "principal" in fields:
         attrs = {"role": "coordinate", "units": "1", "long_name": "principal stress, 1 is the largest"}
         yield Variable(name="principal", dims=("principal",), values=np.array([1, 2, 3]), attrs=attrs)
+
+
+def _load_history(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
+    """Cycle of a step, and path of sliding at its end, where the load history has some."""
+    cycle, before = 0, 0
+    for begin, ramps, repeat in info.cycles:
+        if begin + SAME_TIME < record.time < begin + ramps * repeat + SAME_TIME:
+            cycle = before + int(np.ceil((record.time - begin) / ramps - SAME_TIME))
+        before += repeat
+    if info.cycles:
+        attrs: dict[str, str | int] = {"role": "coordinate", "units": "1", "long_name": "cycle of the load history"}
+        yield Variable(name="load_cycle", dims=("step",), values=np.array([cycle]), attrs=attrs)
+    if info.sliding:
+        path = np.interp([record.time], np.arange(len(info.sliding)), info.sliding)
+        attrs = {"role": "coordinate", "units": "m", "long_name": "path that the surfaces slid all over the contact"}
+        yield Variable(name="sliding_path", dims=("step",), values=path, attrs=attrs)
 
 
 def _outlines(info: RunInfo) -> Iterator[Variable]:

@@ -11,10 +11,14 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
+from eigencontact.results.borders import LineBorders, Section
 
-__all__ = ["HistoryRecord", "RegionRecord", "RunInfo", "StepRecord"]
+__all__ = ["FACT_NAME", "HistoryRecord", "RegionRecord", "RunInfo", "StepRecord"]
 
 FloatArray = NDArray[np.float64]
+
+#: Characters of the name before each fact of a plan in words; spaces where a line continues the one before it.
+FACT_NAME = 12
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -40,6 +44,8 @@ class RegionRecord:
         those that were asked for.
     note : str
         What must be known of the values, in words, or nothing.
+    mean_above : float
+        Depth [m] above which the stress by tractions is a mean over each cell; 0 where none is.
     """
 
     name: str
@@ -49,6 +55,7 @@ class RegionRecord:
     coords: dict[str, FloatArray | float]
     fields: dict[str, FloatArray]
     note: str = ""
+    mean_above: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -153,6 +160,18 @@ class RunInfo:
         Name, plugin, body, bounds [m] and material of every region with eigenstrain or constants of its own.
     layers : mapping of str to sequence of mapping
         Name, top and bottom [m] of the layers of each layered body, by its number.
+    exposed : tuple of str
+        Names of the materials that can come to the surface, by number; empty where ``exposed_material`` is not stored.
+    sections : tuple of Section
+        Borders of inclusions on the planes that pictures cut.
+    lines : mapping of str to LineBorders
+        Inclusions at the points of line regions, by region.
+    cycles : tuple of (float, int, int)
+        Cycles of the load history: where a table of them begins, in load steps, ramps of a cycle, repetitions.
+    sliding : tuple of float
+        Path [m] that the surfaces slid before the first ramp and at the end of each; empty where they do not.
+    prestrained : bool
+        Whether eigenstrain of the scene moves the surfaces before they are loaded.
     every_history : bool
         Whether what bodies remember is kept after every step, not after the last alone.
     numbers : mapping of str to Number
@@ -177,6 +196,12 @@ class RunInfo:
     outlines: dict[str, FloatArray] = field(default_factory=dict)
     inclusions: tuple[dict[str, Any], ...] = ()
     layers: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
+    exposed: tuple[str, ...] = ()
+    sections: tuple[Section, ...] = ()
+    lines: dict[str, LineBorders] = field(default_factory=dict)
+    cycles: tuple[tuple[float, int, int], ...] = ()
+    sliding: tuple[float, ...] = ()
+    prestrained: bool = False
     every_history: bool = False
     numbers: dict[str, Number] = field(default_factory=dict)
     observed: dict[str, Number] = field(default_factory=dict)

@@ -174,7 +174,8 @@ def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRe
             dims=tuple(region["dims"]),
             coords={axis: v[...] if v.shape else float(v[()]) for axis, v in coords.items()},
             fields={quantity: file[f"{name}_{quantity}"][at] for quantity in region["fields"]},
-            note=region.get("note", ""),
+            note=region["note"],
+            mean_above=region["mean_above"],
         )
     return StepRecord(
         index=index,

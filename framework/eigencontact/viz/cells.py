@@ -8,7 +8,7 @@ import numpy as np
 
 from eigencontact.viz.contact_edge import contact_runs, draw_contact_above
 from eigencontact.viz.cut import Shown, View
-from eigencontact.viz.line_sides import inclusion_segments
+from eigencontact.viz.inclusions import inclusion_segments
 from eigencontact.viz.outline import draw_segments
 from eigencontact.viz.remembered import CellField
 from eigencontact.viz.style import (

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.errors import EigencontactError
 from eigencontact.viz.style import COLOURS, instant, paper_style
 from eigencontact.viz.window import contact_window
 
@@ -42,7 +41,7 @@ def exposed_map(dataset: Results, step: int = -1) -> Figure:
 
     found = np.asarray(dataset["exposed_material"][step].values).astype(int)
     contact = np.asarray(dataset["pressure"][step].values) > 0
-    numbers, names = np.unique(found), _names(dataset.attrs["scene"])
+    numbers, names = np.unique(found), json.loads(dataset.attrs["exposed_materials"])
     pale = [_PALE + (1 - _PALE) * np.array(to_rgb(COLOURS[n % len(COLOURS)])) for n in range(numbers.size)]
     window = contact_window(dataset, contact)
     with paper_style():
@@ -58,20 +57,6 @@ def exposed_map(dataset: Results, step: int = -1) -> Figure:
         window.label(axes)
         window.outline(axes, contact[window.view.slices])
         axes.set_title(f"Exposed materials{instant(dataset, step)}")
-        words = [names.get(int(n), f"material {n}") for n in numbers]
-        entries = [Patch(color=colour, label=word) for colour, word in zip(pale, words, strict=True)]
+        entries = [Patch(color=colour, label=names[n]) for colour, n in zip(pale, numbers, strict=True)]
         figure.legend(handles=entries, loc="outside lower center", ncols=4)
     return figure
-
-
-def _names(scene: str) -> dict[int, str]:
-    """Names of materials by number; empty where the scene cannot be built again."""
-    from eigencontact.model.model import build_model
-    from eigencontact.scene.schema import Scene
-
-    try:
-        stored = Scene(**tomllib.loads(scene))
-        exposed = build_model(stored, stored.known_plugins()).exposed
-    except EigencontactError:
-        return {}
-    return {} if exposed is None else dict(enumerate(exposed.names))

@@ -14,6 +14,7 @@ from eigencontact.viz.exposed import exposed_map, several_exposed
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
 from eigencontact.viz.history import history_panels, history_words, load_history
+from eigencontact.viz.inclusions import coatings
 from eigencontact.viz.informative import vanishes, varies, zones_change
 from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, unloads
 from eigencontact.viz.profile import mean_profile, stress_profile
@@ -24,7 +25,7 @@ from eigencontact.viz.section import drawable, equivalent_of, stress_section
 from eigencontact.viz.style import moment, save
 from eigencontact.viz.surface import homogeneous_words, pressure_map, pressure_profiles
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
-from eigencontact.viz.worn import coatings, interfaces, wears
+from eigencontact.viz.worn import interfaces, wears
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,7 +10,7 @@ import numpy as np
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.informative import area_varies, varies
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
-from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, scene_of, wears
+from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, wears
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -153,9 +153,7 @@ def first_touch(dataset: Results) -> float | None:
 
     Eigenstrain and a tilt move the surfaces before anything is loaded.
     """
-    scene = scene_of(dataset)
-    strained = bool(scene.get("eigenstrain")) or any(table.get("eigenstrain") for table in scene.get("inclusions", []))
-    strained |= any(scene.get(f"body{body}", {}).get("initial") for body in (1, 2))
+    strained = bool(dataset.attrs["prestrained"])
     tilted = any(float(dataset[name][0]) != 0.0 for name in ("tilt_x", "tilt_y") if name in dataset)
     unloaded = float(dataset["normal_load"][0]) == 0.0
     if strained or tilted or unloaded or not {"gap", "displacement_z"} <= set(dataset.data_vars):

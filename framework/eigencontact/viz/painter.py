@@ -24,18 +24,24 @@ from eigencontact.errors import ResultsError
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-    from eigencontact.scene.schema import Scene
-
 __all__ = ["Painter", "painter_of"]
 
 #: Libraries that would start threads, with which a process must not fork.
 _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
 
 
-def painter_of(scene: Scene) -> AbstractContextManager[Painter | None]:
-    """Process for the pictures of a scene; none where it wants none, or would have no core of its own."""
-    alone = available_threads() < 2 or scene.numerics.threads == 1 or not sys.executable
-    return nullcontext() if alone or not scene.output.pictures else Painter()
+def painter_of(threads: int | None, *, pictures: bool) -> AbstractContextManager[Painter | None]:
+    """Process for the pictures of a run; none where the run draws none, or the process has no core of its own.
+
+    Parameters
+    ----------
+    threads : int or None
+        ``numerics.threads`` of the scene.
+    pictures : bool
+        ``output.pictures`` of the scene.
+    """
+    no_core = available_threads() < 2 or threads == 1 or not sys.executable
+    return nullcontext() if no_core or not pictures else Painter()
 
 
 class Painter:

@@ -10,7 +10,7 @@ import numpy as np
 from eigencontact.viz.contours import draw_sides
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.history import first_touch
-from eigencontact.viz.line_sides import inclusion_segments
+from eigencontact.viz.inclusions import inclusion_segments
 from eigencontact.viz.outline import draw_segments
 from eigencontact.viz.remembered import SHARE, CellField, draw_zone, zone_field
 from eigencontact.viz.style import (

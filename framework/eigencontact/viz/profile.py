@@ -64,7 +64,7 @@ class Line:
             moved = np.linalg.norm(np.diff(points), axis=0)
             self.name, self.at = f"distance along {region}", np.concatenate([[0.0], np.cumsum(moved)])
         body = int(json.loads(dataset.attrs["regions"])[region]["body"])
-        sides = line_sides(dataset, body, points, step)
+        sides = line_sides(dataset, region, body, points[2], step)
         self.whole = sides.whole
         self._breaks = np.flatnonzero(sides.number[1:] != sides.number[:-1]) + 1
         first, last = self.at[self._breaks - 1], self.at[self._breaks]

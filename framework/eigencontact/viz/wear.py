@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.model.outlines import section_outline
 from eigencontact.viz.friction_history import cycles_with_loops, strands_of
 from eigencontact.viz.friction_words import MODES, driven
+from eigencontact.viz.inclusions import coatings, inclusion_segments
 from eigencontact.viz.outline import paths_of
 from eigencontact.viz.rolling import rolls
 from eigencontact.viz.strands import draw_strands
 from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import alike, contact_window, masked_map, middle
-from eigencontact.viz.worn import coatings, course, ends_of_cycles, initial_separation, interfaces
+from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from eigencontact.model.sources import Source
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
+    from eigencontact.viz.inclusions import Coating
     from eigencontact.viz.worn import SolvedCycle
 
 __all__ = ["loop_cycles", "wear_history", "worn_coating", "worn_loops", "worn_map", "worn_profiles"]
@@ -180,7 +180,7 @@ class _Line:
 class _Section:
     """Both surfaces of one step, on lines along x and y through the wear."""
 
-    def __init__(self, dataset: Results, step: int, on: Frame | None, coats: tuple[Source, ...] = ()) -> None:
+    def __init__(self, dataset: Results, step: int, on: Frame | None, coats: tuple[Coating, ...] = ()) -> None:
         last = np.asarray(dataset["worn_depth"][-1].values, dtype=float)
         touched = dataset["pressure"][-1].values != 0 if on is None else on.film.touched("pressure")
         window = contact_window(dataset, touched | (last > SHARE * last.max(initial=0.0)))
@@ -207,7 +207,7 @@ class _Section:
         self._same = not coats and alike(dataset, [*self._worn.values(), self._first], where)
         self.lines = self.lines[:1] if self._same else self.lines
         self._interfaces = {body: interfaces(dataset, body) for body in (1, 2)}
-        self._coats = coats
+        self._dataset, self._coats = dataset, coats
 
     def worn(self, line: _Line) -> dict[int, NDArray[np.float64]]:
         """Depth that each body that wears has lost on a line [m]."""
@@ -218,23 +218,22 @@ class _Section:
         high = self._height + self.most.get(2, 0.0)
         deep = self.most.get(1, 0.0)
         if layers:
-            under = {body: [*self._interfaces[body], *self._bottoms(body)] for body in (1, 2)}
+            under = {body: list(depths) for body, depths in self._interfaces.items()}
+            for coat in self._coats:
+                under[coat.body].append(coat.bottom)
             high, deep = max(high, *under[2], 0.0), max(deep, *under[1], 0.0)
         room = ROOM * (high + deep)
         return -high, max(deep + room, 2 * room)
 
-    def _bottoms(self, body: int) -> list[float]:
-        """Largest depths of the coatings of a body [m]."""
-        return [one.shape.bounds[1][2] for one in self._coats if one.body == body]
-
     def _under(self, body: int, line: _Line) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Places on a line and depths [m] of the interfaces in a body."""
         found = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
-        for one in self._coats:
-            if one.body == body:
-                segments = section_outline(one, line.normal, line.across)
-                inner = segments[(segments[:, :, 1] > 0.0).any(axis=1)]  # without the face at the surface
-                found += [_between(path) for path in paths_of(inner)]
+        for coat in self._coats:
+            if coat.body != body:
+                continue
+            segments = inclusion_segments(self._dataset, body, line.normal, line.across, coat.number)
+            inner = segments[(segments[:, :, 1] > 0.0).any(axis=1)]  # without the face at the surface
+            found += [_between(path) for path in paths_of(inner)]
         return found
 
     def draw(self, axes: Axes, line: _Line, ends: tuple[float, float]) -> None:

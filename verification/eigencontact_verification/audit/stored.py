@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import tomllib
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,8 +19,6 @@ __all__ = ["Place", "StoredRegion", "StoredStep", "plugin_files", "read_step"]
 
 FloatArray = NDArray[np.float64]
 
-#: Depth that a region's note gives, above which its stress is a mean over the cells of the surface.
-_MEAN_ABOVE = re.compile(r"above a depth of ([0-9.eE+-]+) m is a mean")
 _COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
@@ -217,13 +214,12 @@ def _regions(data: Any, at: int) -> list[StoredRegion]:
                 shaped.append(line.reshape(shape))
             points = np.stack(np.broadcast_arrays(*shaped), axis=-1)
             points = np.broadcast_to(points, (*stress.shape[:-1], 3))
-        noted = _MEAN_ABOVE.search(told["note"])
         order = [str(value) for value in data["component"].values]
         stress = stress[..., [order.index(name) for name in _COMPONENTS]]
         found.append(
             StoredRegion(
                 name=name, shape=told["shape"], body=int(told["body"]), axes=axes, points=np.array(points),
-                stress=stress, mean_above=float(noted.group(1)) if noted else 0.0,
+                stress=stress, mean_above=float(told["mean_above"]),
             )
         )  # fmt: skip
     return found

@@ -51,7 +51,7 @@ class EigenstrainField:
         self._cells = places_solved(model, body) if solved else {}
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
-        self.note = ""
+        self.note, self.mean_above = "", 0.0
         self.precisions: list[Precision] = []
         for quantity in request.fields:
             if prescribed:

@@ -81,23 +81,21 @@ class Region(Block):
             )
         self.requires = frozenset().union(*(cause.requires for cause in causes))
         self.kernels = [kernel for cause in causes for kernel in cause.kernels]
-        self._note = "; ".join(cause.note for cause in causes if cause.note)
-        self.why += f"; {self._note}" if self._note else ""
+        note = "; ".join(cause.note for cause in causes if cause.note)
+        self.why += f"; {note}" if note else ""
         self.cost = sum((cause.cost for cause in causes), Cost())
         self.precisions = [precision for cause in causes for precision in cause.precisions]
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return RunningRegion(self._model, self._request, self._lattice, self._note, stored=self._stored)
+        return RunningRegion(self._model, self._request, self._lattice, stored=self._stored)
 
 
 class RunningRegion:
     """Fields of a region in one run, with causes that hold operators."""
 
-    def __init__(
-        self, model: Model, request: StressRequest, lattice: RegionLattice, note: str, *, stored: bool
-    ) -> None:
-        self._model, self._request, self._lattice, self._note, self._stored = model, request, lattice, note, stored
+    def __init__(self, model: Model, request: StressRequest, lattice: RegionLattice, *, stored: bool) -> None:
+        self._model, self._request, self._lattice, self._stored = model, request, lattice, stored
         self._bodies, self._causes = model.bodies, list(_causes(model, request, lattice))
 
     def advance(self, step: Step) -> None:
@@ -112,7 +110,12 @@ class RunningRegion:
                 fields[quantity] = fields[quantity] + values if quantity in fields else values
         for cause in self._causes:
             cause.amend(fields, step)
-        record, stress = region_record(self._request, self._lattice, fields, self._note)
+        record, stress = region_record(self._request, self._lattice, fields)
+        record = replace(
+            record,
+            note="; ".join(cause.note for cause in self._causes if cause.note),
+            mean_above=max(cause.mean_above for cause in self._causes),
+        )
         (step.regions if self._stored else step.looks)[record.name] = record
         if self._stored and stress is not None:
             note_largest(step, record, stress)
@@ -146,6 +149,11 @@ class Cause(Protocol):
         """What must be known of its values, in words, or nothing."""
         ...
 
+    @property
+    def mean_above(self) -> float:
+        """Depth [m] above which its stress is a mean over each cell; 0 where none is."""
+        ...
+
     def fields(self, step: Step) -> dict[str, FloatArray]:
         """Its fields by quantity, ``(3 or 6, *lattice.shape)``."""
         ...
@@ -172,7 +180,7 @@ def regions_of(model: Model) -> Iterator[Region]:
 
 
 def region_record(
-    request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray], note: str = ""
+    request: StressRequest, lattice: RegionLattice, fields: Mapping[str, FloatArray]
 ) -> tuple[RegionRecord, FloatArray | None]:
     """Region as it is stored: the fields asked for, and with the stress the numbers read off it; and that stress.
 
@@ -180,8 +188,6 @@ def region_record(
     ----------
     fields : mapping of str to array
         ``stress`` and ``strain`` as Mandel vectors ``(6, ...)``, ``displacement (3, ...)``, on the points of `lattice`.
-    note : str
-        What must be known of the values.
     """
     stress: FloatArray | None = None
     stored: dict[str, FloatArray] = {}
@@ -191,7 +197,7 @@ def region_record(
     if "stress" in request.fields:
         stress = _cut(fields["stress"], request)
         stored |= {name: _SCALARS[name](stress) for name in request.quantities}
-    return _record(request, lattice, stored, note), stress
+    return _record(request, lattice, stored), stress
 
 
 def note_largest(step: Step, record: RegionRecord, stress: FloatArray) -> None:
@@ -211,7 +217,7 @@ def _cut(values: FloatArray, request: StressRequest) -> FloatArray:
     return np.squeeze(values, axis={"z": 1, "y": 2, "x": 3}[request.normal])
 
 
-def _record(request: StressRequest, lattice: RegionLattice, fields: dict[str, FloatArray], note: str) -> RegionRecord:
+def _record(request: StressRequest, lattice: RegionLattice, fields: dict[str, FloatArray]) -> RegionRecord:
     coords: dict[str, FloatArray | float]
     if lattice.points is not None:
         dims: tuple[str, ...] = ("point",)
@@ -222,7 +228,7 @@ def _record(request: StressRequest, lattice: RegionLattice, fields: dict[str, Fl
         dims = tuple(name for name in "zyx" if name != flat)
         coords = {name: float(axis[0]) if name == flat else axis for name, axis in axes.items()}
     return RegionRecord(
-        name=request.label, shape=request.shape, body=request.body, dims=dims, coords=coords, fields=fields, note=note
+        name=request.label, shape=request.shape, body=request.body, dims=dims, coords=coords, fields=fields
     )
 
 

@@ -69,7 +69,8 @@ class TractionField:
         far = np.zeros(depths.shape, dtype=bool)
         near = far if model.periodic else depths < depth_of_means(model.grid)
         self._near = {"stress": near, "displacement": far}  # no displacement is infinite
-        self.note = _NOTE.format(depth_of_means(model.grid)) if stress and near.any() else ""
+        self.mean_above = depth_of_means(model.grid) if stress and near.any() else 0.0
+        self.note = _NOTE.format(self.mean_above) if self.mean_above else ""
         self._operators: dict[tuple[str, bool], Any] = {}
         self.cost, self.kernels = Cost(), tuple[KernelUse, ...]()
         for quantity in self._quantities:
