@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.reports.answer import cards
 from eigencontact.reports.columns import columns, telling
@@ -22,7 +23,6 @@ from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, in
 from viz.test_figures import overlaps
 
 RADIUS = 200e-6
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 #: Increments of a cycle.
 CYCLE = [{"shift_x": 0.5e-6, "increments": 2}, {"shift_x": -0.5e-6, "increments": 3}, {"shift_x": 0.0, "increments": 1}]
 CYCLE_STEPS = sum(ramp["increments"] for ramp in CYCLE)
