@@ -1,10 +1,14 @@
-"""Shared fixtures: the command line called in process, and plugin packages installed into a folder of the test."""
+"""Shared fixtures: finished runs, the command line called in process, plugin packages in a folder of the test."""
 
 import gc
+import json
 import os
+import pickle
 import shutil
 import sys
+from contextlib import contextmanager
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from textwrap import dedent
 
@@ -20,13 +24,66 @@ os.environ["EIGENCONTACT_CACHE"] = "off"
 collect_ignore = ["sample_package"]
 
 
-def pytest_collection_finish():
-    """Leave what was collected out of the searches for garbage: thousands of tests, and all that they import.
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """Leave collected tests and imported modules out of searches for garbage: at each test file, and after imports.
 
-    Measurements of memory collect garbage first, which took a fifth of a second each with all of it in the search.
+    Drawing and measurements of memory collect garbage, which takes a third of a second with all of them in the search.
     """
-    gc.collect()
-    gc.freeze()
+    state = item.path, len(sys.modules) // 50
+    if _searched[:] != [state]:
+        _searched[:] = [state]
+        gc.collect()
+        gc.freeze()
+
+
+#: Test file and rough number of modules at the last search for garbage.
+_searched = []
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """Run each scene once for all tests and test processes: ``finished(scene, *changes)`` gives its `RunResult`.
+
+    With ``stored=True`` the run has a folder of its own, with the pictures and files that the scene asks for.
+    """
+    import eigencontact as ec
+
+    shared = tmp_path_factory.getbasetemp()
+    shared = (shared.parent if "PYTEST_XDIST_WORKER" in os.environ else shared) / "finished"
+    shared.mkdir(exist_ok=True)
+    results = {}
+
+    def run(scene, *changes, stored=False):
+        # A scene counts as what it holds: another one at the same place in memory has another text.
+        text = scene if isinstance(scene, str) else json.dumps(scene.resolved(), default=str)
+        key = sha256(repr((text, changes, stored)).encode()).hexdigest()[:24]
+        if key not in results:
+            file = shared / f"{key}.pickle"
+            with only_process(shared / f"{key}.lock"):
+                if not file.exists():
+                    result = ec.run(ec.load_scene(scene, list(changes)), shared / key if stored else None)
+                    assert result.summary["converged"] is True
+                    file.write_bytes(pickle.dumps(result))
+            while len(results) >= 8:  # their arrays need not stay in memory
+                results.pop(next(iter(results)))
+            results[key] = pickle.loads(file.read_bytes())
+        return results[key]
+
+    return run
+
+
+@contextmanager
+def only_process(lock):
+    """Hold a lock among processes, which the system takes back from one that dies; none where there is no such lock."""
+    with lock.open("w") as file:
+        try:
+            import fcntl
+        except ImportError:  # Windows: two processes may then run the same scene
+            pass
+        else:
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact_verification.oracles import hertz
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 CASES = {
     # case: radius [m], load [N], Young's modulus [Pa]; radius of contact [m], peak pressure [Pa], approach [m]
     "HZ-1": (105e-6, 0.65, 210e9, 6.0533e-6, 8469.6e6, 348.98e-9),

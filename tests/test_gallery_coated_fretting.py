@@ -16,22 +16,18 @@ BARE = (3.378, 15.340e-6, 2.942e-7)
 FEW = (2, 4, 4)
 
 
-@pytest.fixture(scope="module")
-def finished():
-    """Run the scene once with each coating and coupling for all tests of this module."""
-    known = {}
+@pytest.fixture
+def finished(finished):
+    """Run the scene with a coating and a coupling."""
 
     def run(coating, coupling="none", increments=FEW):
-        key = coating, coupling, increments
-        if key not in known:
-            table = ec.load_scene("coated-fretting", ["output.pictures=false"]).resolved()
-            table["body1"]["medium"]["layers"][0]["young-modulus"] = COATINGS[coating]
-            table["numerics"]["coupling"] = coupling
-            table["grid"] = GRID
-            for step, count in zip(table["steps"][1:], increments, strict=True):
-                step["increments"] = count
-            known[key] = ec.run(ec.Scene(**table))
-        return known[key]
+        table = ec.load_scene("coated-fretting").resolved()
+        table["body1"]["medium"]["layers"][0]["young-modulus"] = COATINGS[coating]
+        table["numerics"]["coupling"] = coupling
+        table["grid"] = GRID
+        for step, count in zip(table["steps"][1:], increments, strict=True):
+            step["increments"] = count
+        return finished(ec.Scene(**table))
 
     return run
 

@@ -26,19 +26,10 @@ CHANGES = {
 }
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    """Run a bundled scene once for all tests of this module; gives its folder."""
-    folders = {}
-
-    def run(name):
-        if name not in folders:
-            folder = tmp_path_factory.mktemp("gallery") / name
-            ec.run(ec.load_scene(name, CHANGES[name]), folder)
-            folders[name] = folder
-        return folders[name]
-
-    return run
+@pytest.fixture
+def finished(finished):
+    """Give the folder of a bundled scene on coarser cells."""
+    return lambda name: finished(name, *CHANGES[name], stored=True).folder
 
 
 def read(folder):

@@ -22,17 +22,10 @@ COARSER = {
 A, CARRIED = 20.0e-6, 0.5 * 12.307
 
 
-@pytest.fixture(scope="module")
-def finished():
-    """Run a bundled scene once for all tests of this module."""
-    known = {}
-
-    def run(name):
-        if name not in known:
-            known[name] = ec.run(ec.load_scene(name, [*COARSER[name], "output.pictures=false"]))
-        return known[name]
-
-    return run
+@pytest.fixture
+def finished(finished):
+    """Run a bundled scene on coarser cells."""
+    return lambda name: finished(name, *COARSER[name])
 
 
 def test_every_bundled_scene_with_friction_is_tested():

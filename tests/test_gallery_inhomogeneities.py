@@ -47,18 +47,10 @@ def coarse(name, *changes):
     return {**table, "stress": regions}
 
 
-@pytest.fixture(scope="module")
-def finished():
-    """Run a bundled scene once for all tests of this module."""
-    known = {}
-
-    def run(name):
-        if name not in known:
-            known[name] = ec.run(ec.Scene(**coarse(name)))
-            assert known[name].summary["converged"] is True
-        return known[name]
-
-    return run
+@pytest.fixture
+def finished(finished):
+    """Run a bundled scene on coarser cells."""
+    return lambda name: finished(ec.Scene(**coarse(name)))
 
 
 def last(result):

@@ -25,19 +25,16 @@ CO = {
 SLIDING = {0.25: (0.916, 0.48, 0.38, 0.511), 0.5: (1.273, -0.73, 0.01, 0.526)}
 
 
-@pytest.fixture(scope="module")
-def finished():
-    """Run a bundled scene once for all tests of this module, its section at few depths."""
-    known = {}
+@pytest.fixture
+def finished(finished):
+    """Run a bundled scene, its section at few depths."""
 
     def run(name, *changes):
-        if (name, changes) not in known:
-            table = ec.load_scene(name, [*COARSER, *changes]).resolved()
-            section = table["stress"][0]
-            del section["depth-max"]
-            section["depths"] = [share * H for share in DEPTHS]
-            known[name, changes] = ec.run(ec.Scene(**table))
-        return known[name, changes]
+        table = ec.load_scene(name, [*COARSER, *changes]).resolved()
+        section = table["stress"][0]
+        del section["depth-max"]
+        section["depths"] = [share * H for share in DEPTHS]
+        return finished(ec.Scene(**table))
 
     return run
 

@@ -62,20 +62,10 @@ def test_every_bundled_body_that_yields_is_tested():
     assert sorted(COARSER) == [name for name, scene in scenes.items() if yields(scene) and scene.wear is None]
 
 
-@pytest.fixture(scope="module")
-def finished():
-    """Run a bundled scene once for all tests of this module, coarser or as it is bundled."""
-    known = {}
-
-    def run(name, *, coarser=True):
-        if (name, coarser) not in known:
-            changes = [*COARSER[name], PLAIN] if coarser else [PLAIN]
-            known[name, coarser] = ec.run(ec.load_scene(name, changes))
-        result = known[name, coarser]
-        assert result.summary["converged"] is True
-        return result
-
-    return run
+@pytest.fixture
+def finished(finished):
+    """Run a bundled scene on coarser cells, or as it is bundled."""
+    return lambda name, *, coarser=True: finished(name, *(COARSER[name] if coarser else []))
 
 
 def test_the_indentation_leaves_what_the_finite_elements_found(finished):

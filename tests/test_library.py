@@ -11,10 +11,10 @@ import pytest
 
 import eigencontact as ec
 import eigencontact.plugin
+from bodies import STEEL
 from close import close
 from eigencontact_verification.oracles import hertz
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 QUICK = ["stress=[]", "grid.cells-per-contact-radius=8"]
 
 

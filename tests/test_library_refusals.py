@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from eigencontact.plugin import Grid, Material, real_array
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 BALL = ec.make("sphere", center=(0.0, 0.0, 2.0), radius=1.0)
 SWELLING = 1e-3 * np.eye(3)
 POINT = [[0.0, 0.0, 1.0]]

@@ -5,6 +5,7 @@ import pytest
 from typer.testing import CliRunner
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from eigencontact.cli import app
 from eigencontact.errors import ResultsError, SceneError
 from eigencontact.execution.mechanics.mechanics import Mechanics
@@ -12,7 +13,6 @@ from stopping import Stop, Stopper
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 A = (0.75 * LOAD * RADIUS / (E / (1 - NU**2))) ** (1 / 3)
-STEEL = {"young-modulus": E, "poisson-ratio": NU}
 CONTACT = {
     "body1": STEEL,
     "geometry": {"type": "sphere", "radius": RADIUS},

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.errors import SceneError
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 UM = 1e-6
 BALL = {
     "name": "ball",

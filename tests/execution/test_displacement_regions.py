@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 
 E, NU, R = 210e9, 0.3, 105e-6
-STEEL = {"young-modulus": E, "poisson-ratio": NU}
 BALL = {
     "body1": STEEL,
     "geometry": {"type": "sphere", "radius": R},

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from eigencontact.execution.routes import cells as cells_route
 
 E, NU = 210e9, 0.3
-STEEL = {"young-modulus": E, "poisson-ratio": NU}
 CUBOID = {"type": "cuboid", "center": [0.5e-6, 0.0, 2e-6], "edges": [4e-6, 3e-6, 2e-6]}
 STRAIN = np.array([[1e-3, 2e-4, 3e-4], [2e-4, -3e-4, 1e-4], [3e-4, 1e-4, 5e-4]])
 BOTH = ["stress", "displacement"]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 
 E, NU = 210e9, 0.3
-STEEL = {"young-modulus": E, "poisson-ratio": NU}
 BALL = {"type": "sphere", "center": [0.0, 0.0, 2e-6], "radius": 1e-6, "eigenstrain": 1e-3}
 GRID = {"cells": 15, "size": [7.5e-6, 7.5e-6]}
 CONTACT = {

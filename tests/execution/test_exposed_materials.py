@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.run.driver import drive
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 COATED = {
     "medium": {
         "type": "bonded-layers",

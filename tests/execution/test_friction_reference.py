@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
@@ -13,7 +14,6 @@ from eigencontact.results.cycles import last_cycle
 from eigencontact.results.records import StepRecord
 from eigencontact_plugins.geometries.sphere import Sphere
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 MU, LOAD = 0.5, 12.307
 #: Hertz: radius of the contact [m] and largest pressure [Pa] of the ball of 200 um on steel.
 A = (0.75 * LOAD * 200e-6 * (1 - 0.3**2) / 210e9) ** (1 / 3)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.core.quantities import QUANTITIES
 from eigencontact.errors import NotConverged, ResultsError
@@ -17,7 +18,6 @@ from eigencontact.solvers.tangential.contact import FrictionalContact
 from eigencontact_plugins.friction.coulomb import Coulomb
 from stopping import Stop, Stopper
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 RADIUS, LOAD, MU = 200e-6, 12.307, 0.5
 #: Hertz, HZ-2 of the case catalogue: contact radius [m], peak pressure [Pa].
 A, P0 = 20.0e-6, 14.691e9

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import DomainTooSmall, NotConverged
 from eigencontact.execution.mechanics.coupled import Coupled
@@ -12,7 +13,6 @@ E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 MODULUS = E / (1 - NU**2)
 A = (0.75 * LOAD * RADIUS / MODULUS) ** (1 / 3)
 P0 = 1.5 * LOAD / (np.pi * A**2)
-STEEL = {"young-modulus": E, "poisson-ratio": NU}
 FRICTION = {
     "friction": {"type": "coulomb", "coefficient": 0.3},
     "steps": [{"normal-load": LOAD}, {"tangential-load-x": 0.2 * LOAD}],

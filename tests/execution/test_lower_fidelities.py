@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from eigencontact.errors import EigencontactError, SceneError
 
-STEEL = {"young-modulus": 210e9, "poisson-ratio": 0.3}
 CUBE = {
     "name": "cube",
     "type": "cuboid",

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from eigencontact.viz import figures
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 SECTION = [{"name": "section", "shape": "plane", "normal": "y", "depth-max": "6 um"}]
 BALL = {
     "geometry": {"type": "sphere", "radius": "105 um"}, "grid": {"cells": [10, 10], "size": ["22 um", "22 um"]},

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact_verification.oracles import hertz, sliding_stress
 from eigencontact_verification.oracles.boussinesq import point_force
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 200e-6, 12.307
 A, P0, _ = hertz.hertz_sphere(LOAD, RADIUS, E / (1 - NU**2))
-STEEL = {"young-modulus": E, "poisson-ratio": NU}
 MU = 0.5
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.cli import app
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.worth.noticed import noticed
 
-STEEL = {"young-modulus": 210e9, "poisson-ratio": 0.3}
 A, CARRIED = 20e-6, 12.307 * 0.5  # contact radius, and what friction carries
 
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.core.borders import border
 from eigencontact.model.boxes import boxes_of
 from eigencontact.model.sources import Lattice
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um", "eigenstrain": 1e-3}
 SCENE = {"body1": STEEL, "inclusions": [BALL], "grid": {"cells": 9, "size": [9e-6, 9e-6]}}
 REGION = {"name": "cut", "shape": "plane", "depth-max": "4 um", "depth-cells": 4}

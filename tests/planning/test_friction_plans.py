@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from eigencontact.core.material import Material
 from eigencontact.execution.mechanics.friction_contact import friction_cost
 from eigencontact.model.coupling import Coupling
 from eigencontact.scene.schema import Numerics
 from eigencontact_plugins.surface_loads import PressureLoad, ShearLoadX, ShearLoadY
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 PULL = {"normal_load": 1.0, "tangential_load_x": 0.1}
 #: Displacement and traction of the kernels that each coupling adds to the one before it.
 NORMAL, ALONG = {("z", "z")}, {("x", "x"), ("y", "y")}

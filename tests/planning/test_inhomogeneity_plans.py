@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.model.boxes import box_of_inhomogeneities
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.3}
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um", "material": HARD}
 GRID = {"cells": 16, "size": [8e-6, 8e-6]}

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.model.resolution import pressure_error
 from eigencontact_verification.oracles.hertz import hertz_sphere
 
 BALL = {"type": "sphere", "radius": 105e-6}
-STEEL = {"young-modulus": 210e9, "poisson-ratio": 0.3}
 A, P0, _ = hertz_sphere(0.65, 105e-6, 210e9 / (1 - 0.3**2))
 COARSE = "numerics.allow-coarse=true"
 

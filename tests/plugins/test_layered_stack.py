@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from bodies import STEEL
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.hooks.manager import load_plugins
@@ -287,7 +288,6 @@ def test_the_zero_wave_carries_the_load_and_nothing_else():
 
 # --- table and messages -------------------------------------------------------------------------------------------
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 
 
 def test_bonded_layers_are_registered():

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import tomli_w
 
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact import EigencontactError, load_scene, make, plan
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um", "eigenstrain": 1e-3}
 GRID = {"cells": 8, "size": ["8 um", "8 um"]}
 

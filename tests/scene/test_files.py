@@ -5,11 +5,11 @@ import pytest
 import tomli_w
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from eigencontact.app import installed_plugins
 from eigencontact.scene.files import anchored
 from stopping import Stop, Stopper
 
-STEEL = {"young-modulus": 210e9, "poisson-ratio": 0.3}
 SPHERE = {"type": "sphere", "radius": 105e-6}
 QUIET = {"pictures": False}
 CHARTED = '''

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from eigencontact.errors import EigencontactError
 from eigencontact.scene.schema import Scene
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 BALL = {"type": "sphere", "center": [0.0, 0.0, "2 um"], "radius": "1 um"}
 GRID = {"cells": 8, "size": [4e-6, 4e-6]}
 HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.25}

@@ -5,10 +5,10 @@ import json
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.scene.labels import labelled, ordinal
 
-STEEL = {"young-modulus": "210 GPa", "poisson-ratio": 0.3}
 BALL = {"type": "sphere", "radius": "1 um", "center": [0, 0, "3 um"], "eigenstrain": 1e-3}
 LAYERS = [{"name": "TiN", "thickness": "1 um", **STEEL}, {"thickness": "2 um", **STEEL}]
 

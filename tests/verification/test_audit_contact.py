@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact_verification.audit import contact_cases_of
 from eigencontact_verification.audit.contact_model import contact_model, pliancy
@@ -21,7 +22,6 @@ from eigencontact_verification.campaign.worker import Outcome
 from eigencontact_verification.fem.yielding import solve_indentation
 from eigencontact_verification.oracles.coated_contact import coated_contact
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 MODULUS = 210e9 / (1 - 0.3**2)
 
 

@@ -469,6 +469,7 @@ def test_stress_in_layers_is_measured_beside_that_in_the_bare_body(case):
     assert min(row[name] for name in ("coated_step_s", "bare_step_s", "first", "again")) > 0
 
 
+@pytest.mark.slow
 def test_load_steps_of_a_body_that_yields_are_counted_and_timed():
     asked = Task(benchmark="plasticity", code="eigencontact", n=4, case="EP-2")
     sample = perform(asked)
@@ -494,6 +495,7 @@ def test_a_surface_that_wears_is_timed():
     assert 0 < row["stored"] < 1
 
 
+@pytest.mark.slow
 def test_a_command_is_timed_in_turn_with_bare_imports():
     asked = Task(benchmark="start", code="eigencontact", n=1, case="help", warm=0)
     sample = perform(asked)

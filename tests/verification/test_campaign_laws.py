@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact_verification.campaign.case import own_error
@@ -14,8 +15,6 @@ from eigencontact_verification.campaign.laws import LawOfPlugin, law_cases
 from eigencontact_verification.campaign.run import Solved, tasks_of
 from eigencontact_verification.campaign.worker import Outcome, perform
 from eigencontact_verification.fem.yielding_law import YieldingLaw, linear
-
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 
 MY_DAMAGE = """
 from dataclasses import dataclass

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.interiors.cells import Cells
@@ -23,7 +24,6 @@ from eigencontact_verification.conformance import ConformanceError, checks_for
 from eigencontact_verification.fem.yielding_law import tabulated
 
 CASES = {case.name: case for case in plastic_cases.plastic_cases()}
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 
 
 def coarser(case, **changes):

@@ -7,13 +7,13 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact_verification.fem.axisymmetric_mesh import Fit, build
 from eigencontact_verification.fem.yielding import Indentation, YieldingRegion, solve_indentation
 from eigencontact_verification.fem.yielding_body import YieldingBody
 from eigencontact_verification.fem.yielding_law import YieldingLaw, fading_damage, linear, perfect, swift, voce
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 R, LOAD = 105e-6, 0.65
 A = (3 * LOAD * R * (1 - 0.09) / (4 * 210e9)) ** (1 / 3)
 P0 = 1.5 * LOAD / (np.pi * A**2)

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import eigencontact as ec
+from bodies import STEEL
 from close import close
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.history import first_touch, history_panels, history_words, load_history
@@ -15,7 +16,6 @@ from eigencontact.viz.strands import Strand, draw_strands
 from eigencontact.viz.style import new_figure
 from viz.test_figures import overlaps
 
-STEEL = {"young_modulus": 210e9, "poisson_ratio": 0.3}
 RADIUS = 200e-6
 
 

@@ -1,0 +1,98 @@
+"""Rates of wear by place: linear laws as they are, others by their derivative, cells out of contact by the nearest."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from close import close
+from eigencontact.execution.wear.rate import energy_of, rate_of
+from eigencontact.plugin import WearLaw, WearState
+
+PRESSURE = np.array([[0.0, 0.0, 1e8, 4e8, 9e8]])
+NONE = np.zeros_like(PRESSURE)
+STATE = WearState(
+    pressure=PRESSURE, shear=0.3 * PRESSURE, slip=np.full_like(PRESSURE, 1e-5), slip_amplitude=NONE,
+    energy=3e-6 * PRESSURE, worn_depth=NONE, total_energy=NONE, material=NONE.astype(int),
+    x=np.arange(5.0)[None], y=np.zeros((1, 1)), time=1.0,
+)  # fmt: skip
+
+
+class Archard(WearLaw):
+    key, linear_in_pressure = "proportion", True
+
+    def depth(self, state):
+        return 1e-13 * state.pressure * state.slip
+
+
+class Power(WearLaw):
+    key = "power"
+
+    def __init__(self, exponent):
+        self.exponent = exponent
+
+    def depth(self, state):
+        return 1e-9 * (state.pressure / 1e8) ** self.exponent
+
+
+class Offset(WearLaw):
+    key = "offset"
+
+    def depth(self, state):
+        return 1e-18 * state.pressure + 2e-9
+
+
+def test_a_proportion_wears_by_pressure_alone():
+    """Cells that do not touch take the rate of the nearest in contact."""
+    rate = rate_of(Archard(), STATE)
+    np.testing.assert_allclose(rate.pressed, np.full_like(PRESSURE, 1e-18), rtol=1e-14)
+    assert not rate.steady.any()
+    assert rate.any
+    np.testing.assert_allclose(rate.depth(2 * PRESSURE), 2e-18 * PRESSURE, rtol=1e-14)
+
+
+def test_what_wears_at_the_end_of_no_pressure_is_steady():
+    """A cell that slid under pressure and has left contact since."""
+
+    class Left(Archard):
+        def depth(self, state):
+            return 1e-9 * np.ones_like(state.pressure)
+
+    rate = rate_of(Left(), STATE)
+    np.testing.assert_allclose(rate.depth(PRESSURE), 1e-9, rtol=1e-14)
+    np.testing.assert_array_equal(rate.steady, [[1e-9, 1e-9, 0, 0, 0]])
+
+
+@pytest.mark.parametrize("exponent", [0.5, 1.0])
+def test_the_derivative_of_a_law_that_grows_slower(exponent):
+    """Of a power n the derivative is n depth / pressure, and the rest whatever the pressure."""
+    law, loaded = Power(exponent), PRESSURE > 0
+    rate, depth = rate_of(law, STATE), law.depth(STATE)
+    np.testing.assert_allclose((rate.pressed * PRESSURE)[loaded], exponent * depth[loaded], rtol=1e-4)
+    np.testing.assert_allclose(rate.depth(PRESSURE)[loaded], depth[loaded], rtol=1e-14)
+
+
+def test_a_law_that_grows_faster_is_a_proportion():
+    """Otherwise a lower pressure would make the surface grow."""
+    law, loaded = Power(3.0), PRESSURE > 0
+    rate = rate_of(law, STATE)
+    np.testing.assert_allclose((rate.pressed * PRESSURE)[loaded], law.depth(STATE)[loaded], rtol=1e-14)
+    assert rate.steady[loaded] == close(0.0, abs=1e-24)
+
+
+def test_an_offset_is_steady():
+    rate = rate_of(Offset(), STATE)
+    np.testing.assert_allclose(rate.pressed, 1e-18, rtol=1e-6)
+    np.testing.assert_allclose(rate.steady, 2e-9, rtol=1e-6)
+
+
+def test_without_contact_nothing_wears():
+    away = replace(STATE, pressure=NONE, shear=NONE, energy=NONE)
+    assert not rate_of(Archard(), away).any
+
+
+def test_energy_goes_with_the_depth():
+    """By the ratio of the solved cycle, that of the nearest worn cell elsewhere; by the cycles where nothing wore."""
+    depth, energy = np.array([[0.0, 0.0, 2e-9, 1e-9]]), np.array([[5.0, 0.0, 8.0, 3.0]])
+    added = np.array([[0.0, 1e-9, 4e-9, 2e-9]])
+    np.testing.assert_allclose(energy_of(added, depth, energy, 7.0), [[35.0, 4.0, 16.0, 6.0]], rtol=1e-14)
