@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Gap, Profile
+from eigencontact_verification.crosscheck.case import Case, Gap, Profile
 
 LINE = np.linspace(0.0, 2.0, 15)
 POINTS = np.stack([LINE, 0.0 * LINE, 0.0 * LINE], axis=-1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eigencontact_verification.audit.table import SceneAudit, line_of, markdown_of
-from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.crosscheck.case import Gap
 
 SHALLOW = Gap(kernel="a", what="stress in 'section'", reason="above a depth of 1 m the steps are felt")
 UNSOLVED = Gap(kernel="a", what="step-1", reason="not solved: budget must be at least 2 unknowns")

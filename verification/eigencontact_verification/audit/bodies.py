@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.shapes import NotJudged, Part, moduli_of
-from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.model import Layer, Region
 

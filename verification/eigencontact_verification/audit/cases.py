@@ -20,7 +20,7 @@ from eigencontact_verification.audit.lines import Line, middle_of, stress_lines,
 from eigencontact_verification.audit.loads import CAUSES, alone, effects
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
-from eigencontact_verification.campaign.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.loaded_body import LoadedBody
 
 if TYPE_CHECKING:
@@ -65,8 +65,8 @@ class AuditCase(Case):
         Planes of stress for pictures.
     """
 
-    #: Of a whole scene the field is judged, and a kernel's campaign its components: a displacement across the motion of
-    #: two hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
+    #: A whole scene is judged by its field, a kernel by each component: a displacement across the motion of two
+    #: hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
         *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous", "loads")),

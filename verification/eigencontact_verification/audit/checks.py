@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer
-from eigencontact_verification.campaign.judge import JudgedCase, Row
+from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer
+from eigencontact_verification.crosscheck.judge import JudgedCase, Row
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

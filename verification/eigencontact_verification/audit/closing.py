@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from eigencontact_verification.audit.stored import StoredStep
-    from eigencontact_verification.campaign.judge import JudgedCase
+    from eigencontact_verification.crosscheck.judge import JudgedCase
 
 __all__ = ["gap_in_words"]
 

@@ -9,7 +9,7 @@ from eigencontact_verification.audit.contact_lines import contact_lines, read_co
 from eigencontact_verification.audit.contact_model import junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.shapes import NotJudged
-from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.crosscheck.case import Gap
 
 __all__ = ["contact_cases_of"]
 

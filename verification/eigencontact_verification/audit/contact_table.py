@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eigencontact_verification.campaign.judge import JudgedCase
+    from eigencontact_verification.crosscheck.judge import JudgedCase
 
 __all__ = ["main", "row_of"]
 
@@ -43,7 +43,7 @@ def row_of(one: JudgedCase) -> dict[str, Any]:
 
 
 def _rank(row: Any) -> int:
-    from eigencontact_verification.campaign.judge import WORDS
+    from eigencontact_verification.crosscheck.judge import WORDS
 
     return WORDS.index(row.word)
 
@@ -53,10 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.benchmarks.machine import describe, facts
     from eigencontact_verification.benchmarks.table import Column, check_section, replace_section, table
-    from eigencontact_verification.campaign.judge import judge
-    from eigencontact_verification.campaign.progress import Bar
-    from eigencontact_verification.campaign.run import in_processes, run_campaign
-    from eigencontact_verification.campaign.store import Store
+    from eigencontact_verification.crosscheck.judge import judge
+    from eigencontact_verification.crosscheck.progress import Bar
+    from eigencontact_verification.crosscheck.run import in_processes, run_cases
+    from eigencontact_verification.crosscheck.store import Store
 
     parser = argparse.ArgumentParser(
         prog="python -m eigencontact_verification.audit.contact_table", description=__doc__
@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     cases = [case for cases, _ in found for case in cases]
     with Bar(show=sys.stderr.isatty()) as bar:
         store = Store(given.output / "solutions")
-        solved = run_campaign(cases, store, executor=partial(in_processes, workers=given.workers), progress=bar)
+        solved = run_cases(cases, store, executor=partial(in_processes, workers=given.workers), progress=bar)
     judged = [judge(one) for one in solved]
     columns = [
         Column("scene", "scene"),

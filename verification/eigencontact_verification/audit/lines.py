@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.bodies import AuditedBody
 from eigencontact_verification.audit.stored import StoredRegion, StoredStep
-from eigencontact_verification.campaign.case import Gap, Profile
+from eigencontact_verification.crosscheck.case import Gap, Profile
 
 __all__ = ["Line", "Middle", "judged_points", "middle_of", "stress_lines", "surface_lines"]
 

@@ -9,8 +9,8 @@ from datetime import UTC, datetime
 from typing import Any
 
 from eigencontact_verification.audit.cases import AuditCase
-from eigencontact_verification.campaign.case import Gap
-from eigencontact_verification.campaign.judge import WORDS, JudgedCase, Row
+from eigencontact_verification.crosscheck.case import Gap
+from eigencontact_verification.crosscheck.judge import WORDS, JudgedCase, Row
 
 __all__ = ["ENOUGH", "SceneAudit", "line_of", "markdown_of"]
 

@@ -95,7 +95,7 @@ def _example(entry: Entry, parameters: list[str]) -> Any:
 
     from eigencontact.library import make
     from eigencontact.scene.loader import apply_changes
-    from eigencontact_verification.campaign.strangers import example_of
+    from eigencontact_verification.crosscheck.strangers import example_of
 
     declared = getattr(entry.component, "example", None)
     if not isinstance(declared, Mapping) and entry.kind == "inclusion-shape" and not parameters:
