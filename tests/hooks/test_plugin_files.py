@@ -14,9 +14,9 @@ import eigencontact as ec
 from close import close
 from eigencontact.app import installed_plugins
 from eigencontact.errors import PluginError, ResultsError
-from eigencontact_verification.conformance.command import _example
+from eigencontact_verification.commands.check import _example
+from eigencontact_verification.commands.verify import _of_files
 from eigencontact_verification.crosscheck import cases
-from eigencontact_verification.crosscheck.command import _of_files
 from eigencontact_verification.crosscheck.store import content_hash
 from eigencontact_verification.crosscheck.worker import serve
 

@@ -18,7 +18,6 @@ from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import SceneError
 from eigencontact_verification.campaign.answer import answers, totals
 from eigencontact_verification.campaign.campaign import find, names, read_campaign
-from eigencontact_verification.campaign.command import campaign as command
 from eigencontact_verification.campaign.elements import judge_by_elements
 from eigencontact_verification.campaign.figure import axes_of_map, draw_map
 from eigencontact_verification.campaign.finding import Finding, Judged, word_of, worst
@@ -26,6 +25,7 @@ from eigencontact_verification.campaign.form import FORM
 from eigencontact_verification.campaign.perform import perform
 from eigencontact_verification.campaign.report import MapReport, as_section, write_map
 from eigencontact_verification.campaign.runs import perform_runs, points_of
+from eigencontact_verification.commands.campaign import campaign as command
 from eigencontact_verification.crosscheck.case import Case, Gap, Profile, own_error
 from eigencontact_verification.crosscheck.worker import perform as perform_task
 from hooks.test_plugin_files import BOWL

@@ -120,7 +120,7 @@ def test_a_scheduler_that_dies_and_one_that_goes_on(verify, after):
 @pytest.mark.slow
 def test_plugin_files_reach_workers(command, tmp_path, monkeypatch):
     """A ball of one file, beside the bundled one: its file is gone before a worker is asked for anything."""
-    from eigencontact_verification.crosscheck import command as module
+    from eigencontact_verification.commands import verify as module
 
     pytest.importorskip("distributed")
     monkeypatch.chdir(tmp_path)

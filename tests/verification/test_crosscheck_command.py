@@ -11,8 +11,8 @@ import pytest
 import analytic_cases
 import eigencontact.cli
 import eigencontact_verification.crosscheck as package
+from eigencontact_verification.commands.verify import _chosen
 from eigencontact_verification.crosscheck import cases
-from eigencontact_verification.crosscheck.command import _chosen
 from eigencontact_verification.crosscheck.progress import Bar
 from eigencontact_verification.crosscheck.run import tasks_of
 from eigencontact_verification.crosscheck.whole import crosscheck
@@ -198,7 +198,7 @@ def test_a_command_that_cannot_be_imported_says_so_and_stops_nothing_else(comman
     plant(
         monkeypatch,
         point("broken", "no_such_module:command"),
-        point("verify", "eigencontact_verification.crosscheck.command:verify"),
+        point("verify", "eigencontact_verification.commands.verify:verify"),
     )
     outcome = command("--help")
     assert outcome.code == 0

@@ -28,7 +28,7 @@ COARSE = [*SMALL[:1], "grid.cells-per-contact-radius=4", "numerics.inclusion-pit
 @pytest.fixture
 def tradeoff(command, monkeypatch, tmp_path):
     """Run the command in a folder of its own, whatever is installed."""
-    entry = EntryPoint("tradeoff", "eigencontact_verification.tradeoff.command:tradeoff", eigencontact.cli.COMMANDS)
+    entry = EntryPoint("tradeoff", "eigencontact_verification.commands.tradeoff:tradeoff", eigencontact.cli.COMMANDS)
 
     def found(group, name=None):
         return [entry] if group == eigencontact.cli.COMMANDS and name in (None, "tradeoff") else []

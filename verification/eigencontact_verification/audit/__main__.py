@@ -35,7 +35,7 @@ def main(
 ) -> None:
     """Solve scenes that are not solved yet, audit each, write the table; finished solutions are found again."""
     from eigencontact.scene.loader import bundled_names
-    from eigencontact_verification.benchmarks.table import check_section, replace_section
+    from eigencontact_verification.reporting.table import check_section, replace_section
 
     if markdown is not None:
         check_section(markdown, section, family="audit")

@@ -51,12 +51,12 @@ def _rank(row: Any) -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 1 where something disagrees or failed."""
     from eigencontact_verification.audit.contact_cases import contact_cases_of
-    from eigencontact_verification.benchmarks.machine import describe, facts
-    from eigencontact_verification.benchmarks.table import Column, check_section, replace_section, table
     from eigencontact_verification.crosscheck.judge import judge
     from eigencontact_verification.crosscheck.progress import Bar
     from eigencontact_verification.crosscheck.run import in_processes, run_cases
     from eigencontact_verification.crosscheck.store import Store
+    from eigencontact_verification.reporting.machine import describe, facts
+    from eigencontact_verification.reporting.table import Column, check_section, replace_section, table
 
     parser = argparse.ArgumentParser(
         prog="python -m eigencontact_verification.audit.contact_table", description=__doc__

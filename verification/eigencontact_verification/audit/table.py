@@ -132,7 +132,7 @@ def line_of(one: SceneAudit) -> dict[str, Any]:
 
 def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
     """Sentences and two tables, for a page, of what `line_of` says of runs."""
-    from eigencontact_verification.benchmarks.machine import describe, facts
+    from eigencontact_verification.reporting.machine import describe, facts
 
     words = Counter(line["word"] for line in lines)
     verdicts: Counter[str] = Counter()

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from eigencontact.errors import SceneError, nearest, shown
-from eigencontact_verification.bundled import bundled_names, find_file, read_toml
 from eigencontact_verification.campaign.form import FORM, JUDGES, SHARED
+from eigencontact_verification.reporting.bundled import bundled_names, find_file, read_toml
 from eigencontact_verification.studies.form import checked
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.study import Study, study_of

@@ -11,8 +11,8 @@ import numpy as np
 from eigencontact.viz.style import COLOURS, new_figure
 from eigencontact_verification.campaign.finding import Finding, Judged
 from eigencontact_verification.crosscheck.brief import MARKS
+from eigencontact_verification.reporting.typeset import subscripts
 from eigencontact_verification.studies.study import number_of, plain
-from eigencontact_verification.typeset import subscripts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -72,7 +72,7 @@ class MapReport:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.benchmarks.machine import facts
+        from eigencontact_verification.reporting.machine import facts
 
         return {
             "campaign": self.campaign.name, "title": self.campaign.title, "judge": self.campaign.judge,
@@ -172,7 +172,7 @@ def _told(report: MapReport) -> list[str]:
 
 
 def _made() -> str:
-    from eigencontact_verification.benchmarks.machine import describe, facts
+    from eigencontact_verification.reporting.machine import describe, facts
 
     return f"Computed {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."
 

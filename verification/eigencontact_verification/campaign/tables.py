@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from eigencontact_verification.campaign.figure import label_of, percent, quantities_of
+from eigencontact_verification.reporting.typeset import subscripts
 from eigencontact_verification.studies.study import plain
-from eigencontact_verification.typeset import subscripts
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign

@@ -52,8 +52,8 @@ def totals(report: Report) -> str:
 
 def brief(report: Report) -> str:
     """Markdown that stands between the markers of a README: sentences, the table, what is not covered."""
-    from eigencontact_verification.benchmarks.machine import describe, facts
-    from eigencontact_verification.benchmarks.machine import installed as version
+    from eigencontact_verification.reporting.machine import describe, facts
+    from eigencontact_verification.reporting.machine import installed as version
 
     found = coverage(report.rows)
     names = {one.component for one in found}

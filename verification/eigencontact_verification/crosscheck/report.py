@@ -100,7 +100,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the curves, for JSON."""
-        from eigencontact_verification.benchmarks.machine import facts
+        from eigencontact_verification.reporting.machine import facts
 
         return {
             "made": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -87,7 +87,7 @@ class Outcome:
 
 def perform(task: Task) -> Outcome:
     """Solve, measure, and turn every failure into words."""
-    from eigencontact_verification.benchmarks.memory import PeakMemory
+    from eigencontact_verification.reporting.memory import PeakMemory
 
     memory, start = PeakMemory(), time.perf_counter()
 

@@ -64,7 +64,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.benchmarks.machine import facts
+        from eigencontact_verification.reporting.machine import facts
 
         return {
             "made": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -136,7 +136,7 @@ def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def as_markdown(report: Report) -> str:
     """The whole report as one page."""
-    from eigencontact_verification.benchmarks.machine import describe, facts
+    from eigencontact_verification.reporting.machine import describe, facts
 
     parts = ["# Extremes", report.summary, METHOD]
     parts.append("Written by `eigencontact extremes --markdown FILE`; errors are parts of the largest value.")

@@ -95,7 +95,7 @@ def _print_form() -> None:
 
 
 def _show(name: str) -> None:
-    from eigencontact_verification.bundled import text_of
+    from eigencontact_verification.reporting.bundled import text_of
     from eigencontact_verification.studies.catalogue import FOLDER, find
 
     find(name)  # refuses what is none
@@ -114,7 +114,7 @@ def _run(
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
     from eigencontact.results.atomic import writable_folder
-    from eigencontact_verification.counting import counted
+    from eigencontact_verification.reporting.progress import counted
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
 

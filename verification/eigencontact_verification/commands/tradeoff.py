@@ -135,7 +135,7 @@ def _leave(problem: str, code: int) -> NoReturn:
 
 def _write(found: Study, folder: Path) -> dict[str, Path]:
     """Table, data and picture of a study."""
-    from eigencontact_verification.benchmarks.machine import facts
+    from eigencontact_verification.reporting.machine import facts
     from eigencontact_verification.tradeoff.figure import draw
     from eigencontact_verification.tradeoff.report import as_data, as_markdown
 

@@ -108,8 +108,8 @@ def _print_form() -> None:
 
 
 def _show(name: str) -> None:
-    from eigencontact_verification.bundled import text_of
     from eigencontact_verification.campaign.campaign import FOLDER, find
+    from eigencontact_verification.reporting.bundled import text_of
 
     find(name)  # refuses what is none
     typer.echo(text_of(name, "campaign", FOLDER), nl=False)
@@ -122,11 +122,11 @@ def _run(
     from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
     from eigencontact.results.atomic import writable_folder
-    from eigencontact_verification.benchmarks.table import check_section, replace_section
     from eigencontact_verification.campaign.campaign import find
     from eigencontact_verification.campaign.perform import perform
     from eigencontact_verification.campaign.report import as_section, write_map
-    from eigencontact_verification.counting import counted
+    from eigencontact_verification.reporting.progress import counted
+    from eigencontact_verification.reporting.table import check_section, replace_section
 
     item = find(name)
     address, gigabytes, threads = on

@@ -142,7 +142,7 @@ def verify(
     """
     from eigencontact.errors import EigencontactError
     from eigencontact.results.atomic import writable_folder
-    from eigencontact_verification.benchmarks.table import check_section
+    from eigencontact_verification.reporting.table import check_section
 
     names, laws = [*(kernels or []), *(kernel or [])], law or []
     files_given = [*(plugin or []), *(name for name in names if name.endswith(".py"))]
@@ -321,8 +321,8 @@ def _written(
     report: Report, files: dict[str, Path], markdown: Path | None, section: str, copies: dict[str, Path]
 ) -> str:
     """Write what is wanted outside the folder of the report; the first problem in words, or nothing."""
-    from eigencontact_verification.benchmarks.table import replace_section
     from eigencontact_verification.crosscheck.brief import brief
+    from eigencontact_verification.reporting.table import replace_section
 
     try:
         if markdown is not None:
