@@ -20,7 +20,7 @@ from eigencontact_verification.campaign.answer import answers, totals
 from eigencontact_verification.campaign.campaign import find, names, read_campaign
 from eigencontact_verification.campaign.elements import judge_by_elements
 from eigencontact_verification.campaign.figure import axes_of_map, draw_map
-from eigencontact_verification.campaign.finding import Finding, Judged, word_of, worst
+from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.campaign.form import FORM
 from eigencontact_verification.campaign.perform import perform
 from eigencontact_verification.campaign.report import MapReport, as_section, write_map
@@ -28,6 +28,7 @@ from eigencontact_verification.campaign.runs import perform_runs, points_of
 from eigencontact_verification.commands.campaign import campaign as command
 from eigencontact_verification.crosscheck.case import Case, Gap, Profile, own_error
 from eigencontact_verification.crosscheck.worker import perform as perform_task
+from eigencontact_verification.reporting.verdict import word_of, worst
 from hooks.test_plugin_files import BOWL
 
 #: A stack of two equal layers is one body: the model is right but for what `softer` takes off.
@@ -206,7 +207,8 @@ def test_the_answer_says_from_where_on(found):
 def test_an_island_is_no_answer(found):
     def point(at, word):
         source = found.found[0]
-        finding = Finding(quantity="q", word=word, reason="", tolerance=0.1, claimed=True, error=0.0, uncertainty=0.0)
+        numbers = {"tolerance": 0.1, "error": 0.0, "uncertainty": 0.0}
+        finding = MapFinding(quantity="q", word=word, reason="", claimed=True, **numbers)
         values = {"softer": at, "load": 0.4}
         return Judged(point=replace(source.point, values=values), findings=(finding,))
 

@@ -43,7 +43,7 @@ def row_of(one: JudgedCase) -> dict[str, Any]:
 
 
 def _rank(row: Any) -> int:
-    from eigencontact_verification.crosscheck.judge import WORDS
+    from eigencontact_verification.reporting.verdict import WORDS
 
     return WORDS.index(row.word)
 

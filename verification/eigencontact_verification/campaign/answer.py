@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from eigencontact_verification.campaign.figure import axes_of_map, percent, quantities_of
-from eigencontact_verification.crosscheck.judge import WORDS
+from eigencontact_verification.campaign.figure import axes_of_map, quantities_of
+from eigencontact_verification.reporting.verdict import WORDS, percent
 from eigencontact_verification.studies.study import number_of, plain
 
 if TYPE_CHECKING:

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.errors import EigencontactError
-from eigencontact_verification.campaign.finding import Finding, Judged, word_of
+from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.crosscheck.judge import JudgedCase, judge
 from eigencontact_verification.crosscheck.run import Limits, in_processes, run_cases
 from eigencontact_verification.crosscheck.store import Store
+from eigencontact_verification.reporting.verdict import largest, word_of
 
 if TYPE_CHECKING:
     from eigencontact.engines.cluster import Cluster
@@ -112,7 +113,7 @@ def judge_by_elements(
 def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> Judged:
     tolerance, claimed = campaign.tolerance, campaign.claimed(asked.point.model.names)
     if asked.failed:
-        nothing = Finding(quantity="all", word="failed", reason=asked.failed, tolerance=tolerance, claimed=claimed)
+        nothing = MapFinding(quantity="all", word="failed", reason=asked.failed, tolerance=tolerance, claimed=claimed)
         return Judged(point=asked.point, findings=(nothing,), gaps=tuple(asked.gaps))
     groups: dict[str, list[tuple[JudgedCase, Profile]]] = {}
     for case in cases:
@@ -122,32 +123,32 @@ def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> J
     findings = tuple(_found(name, group, tolerance, claimed=claimed) for name, group in groups.items())
     solves = [(task, outcome) for case in cases for task, outcome in case.outcomes if task.level is not None]
     finest = _sum(outcome.seconds for task, outcome in solves if task.level == 2 and task.outer == "fixed")
-    memory = [outcome.memory for _, outcome in solves if outcome.memory is not None]
     return Judged(
         point=asked.point, findings=findings, gaps=tuple(asked.gaps), reference_seconds=finest,
-        all_seconds=_sum(outcome.seconds for _, outcome in solves), reference_memory=max(memory) if memory else None,
+        all_seconds=_sum(outcome.seconds for _, outcome in solves),
+        reference_memory=largest(outcome.memory for _, outcome in solves),
     )  # fmt: skip
 
 
-def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: float, *, claimed: bool) -> Finding:
+def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: float, *, claimed: bool) -> MapFinding:
     """Worst of all profiles of a name; errors are parts of the largest value of all."""
     known = [(case, profile) for case, profile in group if profile.name in case.estimates]
     if len(known) < len(group):
         reasons = {row.reason for case, _ in group for row in case.rows if row.word == "failed"}
-        return Finding(
+        return MapFinding(
             quantity=name, word="failed", reason="; ".join(sorted(reasons)), tolerance=tolerance, claimed=claimed
         )
     values = [(case.judged[profile.name], case.estimates[profile.name]) for case, profile in known]
     scale = max(float(np.abs(reference.value).max()) for _, reference in values)
     if not scale > 0.0:
-        return Finding(quantity=name, word="failed", reason="zero everywhere", tolerance=tolerance, claimed=claimed)
+        return MapFinding(quantity=name, word="failed", reason="zero everywhere", tolerance=tolerance, claimed=claimed)
     error, uncertainty = 0.0, 0.0
     for judged, reference in values:
         own: Any = reference.parts.get("judged", 0.0)
         error = _larger(error, float(np.abs(judged - reference.value).max()) / scale)
         uncertainty = _larger(uncertainty, float((reference.uncertainty - own).max()) / scale)
     word, reason = word_of(error, uncertainty, tolerance)
-    return Finding(
+    return MapFinding(
         quantity=name, word=word, reason=reason, tolerance=tolerance, claimed=claimed, error=error,
         uncertainty=uncertainty, scale=scale,
     )  # fmt: skip

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.viz.style import COLOURS, new_figure
-from eigencontact_verification.campaign.finding import Finding, Judged
-from eigencontact_verification.crosscheck.brief import MARKS
+from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.reporting.typeset import subscripts
+from eigencontact_verification.reporting.verdict import MARKS, percent
 from eigencontact_verification.studies.study import number_of, plain
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.campaign.campaign import Campaign
 
-__all__ = ["axes_of_map", "draw_map", "label_of", "levels_of", "percent", "quantities_of"]
+__all__ = ["axes_of_map", "draw_map", "label_of", "levels_of", "quantities_of"]
 
 #: Light tints that differ in brightness as well: blue, yellow, vermilion, grey.
 _TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a", "failed": "#d0d0d0"}
@@ -81,22 +81,6 @@ def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
     return figure
 
 
-def percent(value: float | None) -> str:
-    """Part in per cent, two digits.
-
-    Examples
-    --------
-    >>> percent(0.01234), percent(1.5), percent(None)
-    ('1.2 %', '150 %', '–')
-    """
-    if value is None:
-        return "–"
-    number = float(f"{100 * value:.2g}")
-    if 0.0 < number < 0.01:
-        return "<0.01 %"
-    return f"{number:g} %"
-
-
 def _parameters(campaign: Campaign) -> list[str]:
     return list(dict.fromkeys(one.name for model in campaign.models for one in model.study.parameters))
 
@@ -113,7 +97,7 @@ def levels_of(found: Sequence[Judged], name: str) -> list[Any]:
     return sorted(levels, key=number_of) if numbers else levels
 
 
-def _of(one: Judged, name: str) -> Finding | None:
+def _of(one: Judged, name: str) -> MapFinding | None:
     return next((finding for finding in one.findings if finding.quantity == name), None)
 
 

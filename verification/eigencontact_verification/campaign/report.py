@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -13,9 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.core.units import time_in_words
 from eigencontact_verification.campaign.answer import answers, totals
-from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_of, levels_of, percent, quantities_of
+from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_of, levels_of, quantities_of
 from eigencontact_verification.campaign.tables import csv_table, latex_table
-from eigencontact_verification.crosscheck.brief import MARKS
+from eigencontact_verification.reporting.files import report_names, write_report_files, write_text
+from eigencontact_verification.reporting.page import (
+    gigabytes,
+    html_items,
+    html_page,
+    html_picture,
+    html_table,
+    markdown_table,
+    measured,
+)
+from eigencontact_verification.reporting.verdict import MARKS, percent
 from eigencontact_verification.studies.run import source_in_words
 from eigencontact_verification.studies.study import plain
 
@@ -23,7 +31,7 @@ if TYPE_CHECKING:
     from eigencontact_verification.campaign.campaign import Campaign
     from eigencontact_verification.campaign.finding import Judged
 
-__all__ = ["MapReport", "as_section", "write_map"]
+__all__ = ["FILES", "MapReport", "as_section", "write_map"]
 
 _METHOD = (
     "Errors are largest differences on what is compared, as parts of the scale of the quantity; after ± stands the "
@@ -35,16 +43,6 @@ _TRADE_METHOD = (
     "Times are wall times when each was computed, those of the reference of its finest solution and of all solutions "
     "that its own error needs; memory is the peak of the process, which of several runs in one is that of the largest."
 )
-_STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; }
-table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }
-th { border-bottom: 2px solid #888; }
-.agrees { color: #005a8c; } .inconclusive { color: #7a5200; } .failed, .disagrees { color: #b33c00; font-weight: 600; }
-img { max-width: 100%; }
-"""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MapReport:
     """What a campaign found.
@@ -116,23 +114,12 @@ def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
         model = one.point.model
         yield (
             one.point.label, percent(one.error), _time(model.seconds), _time(one.reference_seconds),
-            _time(one.all_seconds), _memory(model.memory), _memory(one.reference_memory),
+            _time(one.all_seconds), gigabytes(model.memory), gigabytes(one.reference_memory),
         )  # fmt: skip
 
 
 def _time(value: float | None) -> str:
     return "–" if value is None else time_in_words(value)
-
-
-def _memory(value: float | None) -> str:
-    return "–" if value is None else f"{value / 1e9:.2f} GB"
-
-
-def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = (
-        [cell.replace("|", "\\|").replace("\n", " ") for cell in line] for line in (head, ["---"] * len(head), *rows)
-    )
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def _maps(report: MapReport) -> list[str]:
@@ -152,7 +139,7 @@ def _maps(report: MapReport) -> list[str]:
                     key = one.point.values[y], one.point.values[x]
                     cells[key] = words if finding.claimed else f"({words})"
         rows = [[plain(row), *(cells.get((row, column), "–") for column in across)] for row in reversed(up)]
-        parts.append(_markdown_table([name, *map(plain, across)], rows))
+        parts.append(markdown_table([name, *map(plain, across)], rows))
     return parts
 
 
@@ -171,12 +158,6 @@ def _told(report: MapReport) -> list[str]:
     return words
 
 
-def _made() -> str:
-    from eigencontact_verification.reporting.machine import describe, facts
-
-    return f"Computed {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."
-
-
 def as_section(report: MapReport, *, trade: bool = False) -> str:
     """Markdown between the markers of a page: sentences, what agrees from where on, one table; not the whole report."""
     campaign = report.campaign
@@ -186,10 +167,10 @@ def as_section(report: MapReport, *, trade: bool = False) -> str:
     if said:
         parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
     if trade:
-        parts += [_markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
+        parts += [markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
     else:
-        parts += _maps(report) or [_markdown_table(_HEAD[:-1], (row[:-1] for row in _rows(report.found)))]
-    return "\n\n".join([*parts, _made()]) + "\n"
+        parts += _maps(report) or [markdown_table(_HEAD[:-1], (row[:-1] for row in _rows(report.found)))]
+    return "\n\n".join([*parts, measured("Computed")]) + "\n"
 
 
 def _markdown(report: MapReport) -> str:
@@ -197,43 +178,30 @@ def _markdown(report: MapReport) -> str:
     said = answers(report.campaign, report.found)
     if said:
         parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
-    parts += ["## Verdicts", _markdown_table(_HEAD, _rows(report.found))]
+    parts += ["## Verdicts", markdown_table(_HEAD, _rows(report.found))]
     if gaps := _gaps(report):
         parts += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
-    parts += ["## What both cost", _markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD, _made()]
+    parts += ["## What both cost", markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
+    parts.append(measured("Computed"))
     return "\n\n".join(parts) + "\n"
 
 
-def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    def cell(text: str) -> str:
-        word = text.partition(" ")[2]
-        return f"<td{f' class={word!r}' if word in MARKS else ''}>{html.escape(text)}</td>"
-
-    top = "".join(f"<th>{html.escape(text)}</th>" for text in head)
-    body = "".join("<tr>" + "".join(map(cell, row)) + "</tr>\n" for row in rows)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>\n{body}</tbody></table>\n"
-
-
-def _html(report: MapReport, picture: Path | None) -> str:
-    title = html.escape(report.campaign.title)
-    parts = [
-        f"<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>{title}</title>",
-        f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body><h1>{title}</h1>",
-        *(f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)),
-    ]
-    if picture is not None:
-        data = base64.b64encode(picture.read_bytes()).decode("ascii")
-        parts.append(f"<img alt='map of {title}' src='data:image/png;base64,{data}'>")
+def _html(report: MapReport, picture: Path) -> str:
+    parts = [f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)]
+    parts.append(html_picture(picture, f"map of {report.campaign.title}"))
     said = answers(report.campaign, report.found)
     if said:
-        items = "".join(f"<li>{html.escape(line)}</li>" for line in said[1:])
-        parts.append(f"<p>{html.escape(said[0])}</p><ul>{items}</ul>")
-    parts.append(f"<h2>Verdicts</h2>{_html_table(_HEAD, _rows(report.found))}")
+        parts.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
+    parts.append(f"<h2>Verdicts</h2>{html_table(_HEAD, _rows(report.found))}")
     if gaps := _gaps(report):
-        parts.append(f"<h2>Not judged</h2><ul>{''.join(f'<li>{html.escape(gap)}</li>' for gap in gaps)}</ul>")
-    parts += [              f"<h2>What both cost</h2>{_html_table(_TRADE, _trade_rows(report.found))}",
-              f"<p>{html.escape(_TRADE_METHOD)}</p><p>{html.escape(_made())}</p></body></html>\n"]  # fmt: skip
-    return "".join(parts)
+        parts.append(f"<h2>Not judged</h2>{html_items(gaps)}")
+    parts.append(f"<h2>What both cost</h2>{html_table(_TRADE, _trade_rows(report.found))}")
+    parts.append(f"<p>{html.escape(_TRADE_METHOD)}</p><p>{html.escape(measured('Computed'))}</p>")
+    return html_page(report.campaign.title, parts)
+
+
+#: Names of the files of a campaign by format.
+FILES = {"map": "map.png", **report_names(), "csv": "table.csv", "latex": "table.tex"}
 
 
 def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
@@ -241,16 +209,11 @@ def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
     from eigencontact.viz.style import paper_style, save
 
     folder.mkdir(parents=True, exist_ok=True)
-    files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
-    picture = folder / "map.png"
+    files = {form: folder / name for form, name in FILES.items()}
     with paper_style():
-        save(draw_map(report.campaign, report.found), picture)
-    files["json"].write_text(
-        json.dumps(report.to_dict(), indent=2, ensure_ascii=False, default=plain) + "\n", encoding="utf-8"
-    )
-    files["markdown"].write_text(_markdown(report), encoding="utf-8")
-    files["html"].write_text(_html(report, picture), encoding="utf-8")
-    tables = {"csv": folder / "table.csv", "latex": folder / "table.tex"}
-    tables["csv"].write_text(csv_table(report.found), encoding="utf-8")
-    tables["latex"].write_text(latex_table(report.campaign, report.found), encoding="utf-8")
-    return {"map": picture, **files, **tables}
+        save(draw_map(report.campaign, report.found), files["map"])
+    page = _html(report, files["map"])
+    write_report_files(folder, report.to_dict(), markdown=_markdown(report), html=page, default=plain)
+    write_text(files["csv"], csv_table(report.found))
+    write_text(files["latex"], latex_table(report.campaign, report.found))
+    return files

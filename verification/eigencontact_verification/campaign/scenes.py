@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eigencontact.errors import SceneError
-from eigencontact_verification.campaign.finding import Finding, Judged, word_of
+from eigencontact_verification.campaign.finding import Judged, MapFinding
 from eigencontact_verification.fem.uncertainty import estimate
+from eigencontact_verification.reporting.verdict import largest, word_of
 from eigencontact_verification.studies.formula import Context, evaluate
 
 if TYPE_CHECKING:
@@ -53,15 +54,14 @@ def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: flo
                 finding = _failed(quantity, str(problem))
             findings.append(replace(finding, claimed=campaign.claimed(names.names, quantity)))
     seconds = [run.seconds for run in point.reference if run.seconds is not None]
-    memory = [run.memory for run in point.reference if run.memory is not None]
     return Judged(
         point=point, findings=tuple(findings), reference_seconds=point.reference[-1].seconds,
-        all_seconds=sum(seconds) if seconds else None, reference_memory=max(memory) if memory else None,
+        all_seconds=sum(seconds) if seconds else None, reference_memory=largest(run.memory for run in point.reference),
     )  # fmt: skip
 
 
-def _failed(quantity: Quantity, reason: str) -> Finding:
-    return Finding(quantity=quantity.name, word="failed", reason=reason, tolerance=quantity.tolerance, claimed=False)
+def _failed(quantity: Quantity, reason: str) -> MapFinding:
+    return MapFinding(quantity=quantity.name, word="failed", reason=reason, tolerance=quantity.tolerance, claimed=False)
 
 
 def _values(quantity: Quantity, context: Context) -> NDArray[np.float64]:
@@ -70,7 +70,7 @@ def _values(quantity: Quantity, context: Context) -> NDArray[np.float64]:
     return np.asarray(found, dtype=float).reshape(-1, 1)
 
 
-def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> Finding:
+def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> MapFinding:
     model, coarse, medium, fine = values = [_values(quantity, context) for context in contexts]
     sizes = [len(one) for one in values]
     if len(set(sizes)) > 1:
@@ -86,7 +86,7 @@ def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> Finding
     uncertainty = float(found.uncertainty.max()) / scale
     word, reason = word_of(error, uncertainty, quantity.tolerance)
     single = len(model) == 1
-    return Finding(
+    return MapFinding(
         quantity=quantity.name, word=word, reason=reason, tolerance=quantity.tolerance, claimed=False, error=error,
         uncertainty=uncertainty, value=float(model[0, 0]) if single else None,
         reference=float(found.value[0, 0]) if single else None, scale=scale,

@@ -8,8 +8,9 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from eigencontact_verification.campaign.figure import label_of, percent, quantities_of
+from eigencontact_verification.campaign.figure import label_of, quantities_of
 from eigencontact_verification.reporting.typeset import subscripts
+from eigencontact_verification.reporting.verdict import percent
 from eigencontact_verification.studies.study import plain
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def latex_table(campaign: Campaign, points: Sequence[Judged]) -> str:
     note = "error and uncertainty of the reference; ? inconclusive, * disagrees"
     return "\n".join(
         [
-            f"% {' '.join(campaign.title.split())}: {note}",
+            f"% eigencontact campaign, {' '.join(campaign.title.split())}: {note}",
             rf"\begin{{tabular}}{{{'r' * len(parameters)}{'l' * len(quantities)}}}",
             r"\toprule",
             " & ".join(head) + r" \\",

@@ -161,8 +161,8 @@ def _report(report: MapReport) -> None:
 
     from eigencontact.core.text_table import print_table
     from eigencontact_verification.campaign.answer import answers, totals
-    from eigencontact_verification.campaign.figure import percent, quantities_of
-    from eigencontact_verification.crosscheck.brief import MARKS
+    from eigencontact_verification.campaign.figure import quantities_of
+    from eigencontact_verification.reporting.verdict import MARKS, percent
 
     campaign, found = report.campaign, report.found
     typer.echo(campaign.title)

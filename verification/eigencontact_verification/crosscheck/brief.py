@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from eigencontact.core.units import time_in_words
 from eigencontact_verification.crosscheck.judge import Coverage, coverage
+from eigencontact_verification.reporting.page import measured
+from eigencontact_verification.reporting.verdict import MARKS
 
 if TYPE_CHECKING:
     from eigencontact_verification.crosscheck.case import Gap
     from eigencontact_verification.crosscheck.report import Report
 
-__all__ = ["MARKS", "brief", "totals"]
+__all__ = ["brief", "totals"]
 
-MARKS = {"agrees": "✓", "inconclusive": "?", "failed": "!", "disagrees": "✗"}
 #: Columns in their usual order; components of other names follow.
 _COMPONENTS = ("u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy")
 #: Part of inconclusive verdicts above which the summary says that they are many.
@@ -52,7 +52,6 @@ def totals(report: Report) -> str:
 
 def brief(report: Report) -> str:
     """Markdown that stands between the markers of a README: sentences, the table, what is not covered."""
-    from eigencontact_verification.reporting.machine import describe, facts
     from eigencontact_verification.reporting.machine import installed as version
 
     found = coverage(report.rows)
@@ -76,7 +75,7 @@ def brief(report: Report) -> str:
             legend,
             "Not covered:" if report.gaps else "Nothing is listed as not covered.",
             *(["\n".join(_gaps(report.gaps))] if report.gaps else []),
-            f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}; {libraries}.",
+            f"{measured()[:-1]}; {libraries}.",
         ]
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +11,9 @@ from eigencontact_verification.crosscheck.case import Case, Fields, Profile, own
 from eigencontact_verification.crosscheck.run import Solved
 from eigencontact_verification.crosscheck.worker import Outcome, Task
 from eigencontact_verification.fem.uncertainty import Estimate, Verdict, estimate, verdicts
+from eigencontact_verification.reporting.verdict import WORDS, Finding, largest, worst
 
-__all__ = ["SOURCES", "WORDS", "Coverage", "JudgedCase", "Row", "coverage", "judge"]
+__all__ = ["SOURCES", "Coverage", "JudgedCase", "Row", "coverage", "judge"]
 
 #: Origin of each part of an uncertainty, in words.
 SOURCES = {
@@ -21,30 +22,22 @@ SOURCES = {
     "iteration": "the solver of the finite elements",
     "judged": "the cells of the semi-analytical model",
 }
-#: Verdicts from worst to best; only the last is agreement. "failed": a solution is missing.
-WORDS = ("disagrees", "failed", "inconclusive", "agrees")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class Row(Finding):
     """Verdict on one component of one profile.
 
     Attributes
     ----------
-    kernel, case, profile, quantity, component : str
+    kernel, case, profile, component : str
         What is judged.
-    word : str
-        One of `WORDS`.
-    reason : str
-        Why.
-    difference, uncertainty : float or None
-        Largest |SA - FE| and largest u_FE, as parts of the field's largest value on the profile.
+    difference : float or None
+        Largest |SA - FE|, as `uncertainty` a part of the field's largest value on the profile.
     discretisation, truncation : float or None
         Largest parts of the uncertainty, on the same scale.
     ratio : float or None
         Largest difference over uncertainty at one point.
-    scale : float or None
-        Largest value of the field on the profile, in its unit.
     order : float or None
         Observed order of convergence; None where the meshes do not differ.
     credible : bool
@@ -54,16 +47,11 @@ class Row:
     kernel: str
     case: str
     profile: str
-    quantity: str
     component: str
-    word: str
-    reason: str
     difference: float | None = None
-    uncertainty: float | None = None
     discretisation: float | None = None
     truncation: float | None = None
     ratio: float | None = None
-    scale: float | None = None
     order: float | None = None
     credible: bool = False
 
@@ -94,7 +82,7 @@ class JudgedCase:
     @property
     def word(self) -> str:
         """Worst verdict."""
-        return min((row.word for row in self.rows), key=WORDS.index)
+        return worst(row.word for row in self.rows)
 
 
 def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
@@ -213,14 +201,9 @@ def coverage(rows: Iterable[Row]) -> list[Coverage]:
         groups.setdefault((row.kernel, row.quantity, row.component), []).append(row)
     return [
         Coverage(
-            kernel=kernel, quantity=quantity, component=component, word=min((row.word for row in of), key=WORDS.index),
+            kernel=kernel, quantity=quantity, component=component, word=worst(row.word for row in of),
             counts={word: sum(row.word == word for row in of) for word in WORDS},
-            difference=_largest(row.difference for row in of), uncertainty=_largest(row.uncertainty for row in of),
+            difference=largest(row.difference for row in of), uncertainty=largest(row.uncertainty for row in of),
         )
         for (kernel, quantity, component), of in groups.items()
     ]  # fmt: skip
-
-
-def _largest(values: Iterable[float | None]) -> float | None:
-    known: Sequence[float] = [value for value in values if value is not None]
-    return max(known) if known else None

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import json
-from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,10 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.crosscheck.brief import MARKS, totals
+from eigencontact_verification.crosscheck.brief import totals
 from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.crosscheck.figures import draw
-from eigencontact_verification.crosscheck.judge import WORDS, Coverage, JudgedCase, Row, coverage
+from eigencontact_verification.crosscheck.judge import Coverage, JudgedCase, Row, coverage
+from eigencontact_verification.reporting.files import write_json, write_report_files
+from eigencontact_verification.reporting.page import (
+    gigabytes,
+    html_items,
+    html_page,
+    html_picture,
+    html_table,
+    markdown_table,
+)
+from eigencontact_verification.reporting.verdict import MARKS, WORDS, percent
 
 __all__ = ["Report", "write_report"]
 
@@ -173,14 +180,6 @@ def _curves(found: JudgedCase) -> dict[str, Any]:
 # --- tables -----------------------------------------------------------------------------------------------------------
 
 
-def _percent(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:.2g} %"
-
-
-def _gigabytes(value: int | None) -> str:
-    return "–" if value is None else f"{value / 1e9:.2f} GB"
-
-
 _COVERAGE_HEAD = (
     "kernel",
     "quantity",
@@ -195,8 +194,8 @@ _COVERAGE_HEAD = (
 def _coverage_cells(one: Coverage) -> tuple[str, ...]:
     agreed = f"{one.counts['agrees']} of {sum(one.counts.values())}"
     return (
-        one.kernel, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, _percent(one.uncertainty),
-        _percent(one.difference),
+        one.kernel, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, percent(one.uncertainty),
+        percent(one.difference),
     )  # fmt: skip
 
 
@@ -206,8 +205,8 @@ _ROW_HEAD = ("profile", "component", "verdict", "u_FE", "mesh", "truncation", "|
 def _row_cells(row: Row) -> tuple[str, ...]:
     order = "–" if row.order is None else f"{row.order:.2f}" + ("" if row.credible else " (not credible)")
     return (
-        row.profile, row.component, f"{MARKS[row.word]} {row.word}", _percent(row.uncertainty),
-        _percent(row.discretisation), _percent(row.truncation), _percent(row.difference), order, row.reason,
+        row.profile, row.component, f"{MARKS[row.word]} {row.word}", percent(row.uncertainty),
+        percent(row.discretisation), percent(row.truncation), percent(row.difference), order, row.reason,
     )  # fmt: skip
 
 
@@ -220,15 +219,8 @@ def _task_cells(found: JudgedCase) -> list[tuple[str, ...]]:
         status = f"{outcome.status} (from the store)" if outcome.cached else outcome.status
         said = f"{status}: {outcome.reason}" if outcome.reason else status
         seconds = "–" if outcome.seconds is None else f"{outcome.seconds:.2f} s"
-        rows.append((task.label, said, seconds, _gigabytes(outcome.memory)))
+        rows.append((task.label, said, seconds, gigabytes(outcome.memory)))
     return rows
-
-
-def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    def line(cells: Sequence[str]) -> str:
-        return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
-
-    return [line(head), "|" + "---|" * len(head), *(line(row) for row in rows), ""]
 
 
 def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
@@ -238,12 +230,12 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
         "",
         totals(report),
         "",
-        report.method.format(limit=_percent(report.limit)),
+        report.method.format(limit=percent(report.limit)),
         "",
     ]
-    lines += ["## Coverage", "", *_markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows)))]
+    lines += ["## Coverage", "", markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))), ""]
     lines += ["## Not covered", ""]
-    lines += _markdown_table(("kernel", "what", "why"), gaps) if gaps else ["Nothing is listed.", ""]
+    lines += [markdown_table(("kernel", "what", "why"), gaps) if gaps else "Nothing is listed.", ""]
     if report.notes:
         lines += ["## Notes", "", *(f"- {note}" for note in report.notes), ""]
     lines += ["## Cases", ""]
@@ -253,64 +245,35 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
             lines += [f"![{found.case.key}]({pictures[found.case.key]})", ""]
         for file in report.pictures.get(found.case.key, ()):
             lines += [f"![{found.case.key}, {file.stem}]({file.relative_to(folder).as_posix()})", ""]
-        lines += _markdown_table(_ROW_HEAD, map(_row_cells, found.rows))
-        lines += _markdown_table(_TASK_HEAD, _task_cells(found))
+        lines += [markdown_table(_ROW_HEAD, map(_row_cells, found.rows)), ""]
+        lines += [markdown_table(_TASK_HEAD, _task_cells(found)), ""]
     return "\n".join(lines)
-
-
-_STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; }
-table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }
-th { border-bottom: 2px solid #888; }
-.agrees { color: #005a8c; } .inconclusive { color: #7a5200; } .failed, .disagrees { color: #b33c00; font-weight: 600; }
-summary { cursor: pointer; padding: 0.2rem 0; } img { max-width: 100%; }
-"""
-
-
-def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    def cell(text: str) -> str:
-        word = text.partition(" ")[2]
-        mark = f' class="{word}"' if word in WORDS else ""
-        return f"<td{mark}>{html.escape(text)}</td>"
-
-    top = "".join(f"<th>{html.escape(text)}</th>" for text in head)
-    body = "".join("<tr>" + "".join(map(cell, row)) + "</tr>\n" for row in rows)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>\n{body}</tbody></table>\n"
-
-
-def _html_picture(file: Path, text: str) -> str:
-    data = base64.b64encode(file.read_bytes()).decode("ascii")
-    return f"<img loading='lazy' alt='{html.escape(text)}' src='data:image/png;base64,{data}'>"
 
 
 def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
     parts = [
-        "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>Finite-element cross-check</title>",
-        f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body>",
-        f"<h1>Finite-element cross-check</h1><p>{html.escape(totals(report))}</p>",
-        f"<p>{html.escape(report.method.format(limit=_percent(report.limit)))}</p><h2>Coverage</h2>",
-        _html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
+        f"<p>{html.escape(totals(report))}</p>",
+        f"<p>{html.escape(report.method.format(limit=percent(report.limit)))}</p><h2>Coverage</h2>",
+        html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
         "<h2>Not covered</h2>",
-        _html_table(("kernel", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",
+        html_table(("kernel", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",
     ]
     if report.notes:
-        items = "".join(f"<li>{html.escape(note)}</li>" for note in report.notes)
-        parts.append(f"<h2>Notes</h2><ul>{items}</ul>")
+        parts.append(f"<h2>Notes</h2>{html_items(report.notes)}")
     parts.append("<h2>Cases</h2>\n")
     for found in report.cases:
         opened = "" if found.word == "agrees" else " open"
         title = f"{html.escape(found.case.key)}: <span class='{found.word}'>{MARKS[found.word]} {found.word}</span>"
         parts.append(f"<details{opened}><summary>{title}</summary>")
         if found.case.key in pictures:
-            parts.append(_html_picture(folder / pictures[found.case.key], f"profiles of {found.case.key}"))
+            parts.append(html_picture(folder / pictures[found.case.key], f"profiles of {found.case.key}"))
         drawn = report.pictures.get(found.case.key, ())
-        parts += [_html_picture(file, f"{file.stem} of {found.case.key}") for file in drawn]
-        parts.append(_html_table(_ROW_HEAD, map(_row_cells, found.rows)))
-        parts.append(_html_table(_TASK_HEAD, _task_cells(found)))
+        parts += [html_picture(file, f"{file.stem} of {found.case.key}") for file in drawn]
+        parts.append(html_table(_ROW_HEAD, map(_row_cells, found.rows)))
+        parts.append(html_table(_TASK_HEAD, _task_cells(found)))
         parts.append("</details>\n")
-    return "".join(parts) + "</body></html>\n"
+    return html_page("Finite-element cross-check", parts)
 
 
 def write_report(report: Report, folder: Path) -> dict[str, Path]:
@@ -335,9 +298,8 @@ def write_report(report: Report, folder: Path) -> dict[str, Path]:
         name = found.case.key.replace("/", "-")
         if found.judged or found.estimates:
             pictures[found.case.key] = draw(found, figures / f"{name}.png").relative_to(folder).as_posix()
-        (figures / f"{name}.json").write_text(json.dumps(_curves(found)), encoding="utf-8")
-    files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
-    files["json"].write_text(json.dumps(report.to_dict(), indent=2) + "\n", encoding="utf-8")
-    files["markdown"].write_text(_markdown(report, folder, pictures), encoding="utf-8")
-    files["html"].write_text(_html(report, folder, pictures), encoding="utf-8")
+        write_json(figures / f"{name}.json", _curves(found))
+    files = write_report_files(
+        folder, report.to_dict(), markdown=_markdown(report, folder, pictures), html=_html(report, folder, pictures)
+    )
     return {**files, "figures": figures}
