@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 from close import close
 from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import SceneError
+from eigencontact.results.ownership import is_ours
 from eigencontact_verification.campaign.answer import answers, totals
 from eigencontact_verification.campaign.campaign import find, names, read_campaign
 from eigencontact_verification.campaign.elements import judge_by_elements
@@ -147,6 +148,7 @@ def test_what_is_stored_is_read_again(toy, done, tmp_path):
 
 def test_files_are_written_and_tell_the_same(found, tmp_path):
     files = write_map(found, tmp_path)
+    assert all(map(is_ours, files.values()))
     data = json.loads(files["json"].read_text(encoding="utf-8"))
     assert data["exit_code"] == 0
     assert len(data["points"]) == 4

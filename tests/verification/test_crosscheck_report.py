@@ -10,6 +10,7 @@ import pytest
 
 from analytic_cases import analytic, gaps
 from close import close
+from eigencontact.results.ownership import is_ours
 from eigencontact_verification.crosscheck.brief import brief, totals
 from eigencontact_verification.crosscheck.judge import coverage, judge
 from eigencontact_verification.crosscheck.report import Report, write_report
@@ -106,7 +107,7 @@ def written(tmp_path_factory):
 
 
 def test_the_report_as_json(written):
-    report, _, files = written
+    report, folder, files = written
     data = json.loads(files["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert data["counts"] == report.counts
     assert sum(data["counts"].values()) == 20
@@ -118,6 +119,9 @@ def test_the_report_as_json(written):
     assert [task["status"] for task in tasks] == ["done", "done", "done", "failed", "done"]
     assert "mesh is tangled" in tasks[3]["reason"]
     assert all(task["seconds"] >= 0.0 for task in tasks)
+    written_files = [*folder.glob("*.*"), *files["figures"].iterdir()]
+    assert len(written_files) == 11
+    assert all(map(is_ours, written_files))
     curves = json.loads((files["figures"] / "analytic-plain.json").read_text(encoding="utf-8"))
     np.testing.assert_allclose(curves["x axis"]["semi_analytical"], curves["x axis"]["finite_elements"], atol=1e-9)
     broken = json.loads((files["figures"] / "analytic-broken.json").read_text(encoding="utf-8"))

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eigencontact.engines.options import ClusterAddress, TaskThreads
+from eigencontact_verification.commands.options import (
+    AsJson,
+    Coarse,
+    Form,
+    Name,
+    Output,
+    Show,
+    Workers,
+    cluster_or_none,
+    show_bundled,
+    show_form,
+    with_clear_errors,
+)
 
 if TYPE_CHECKING:
     from eigencontact_verification.campaign.report import MapReport
@@ -17,15 +29,11 @@ __all__ = ["campaign"]
 
 
 def campaign(
-    name: Annotated[
-        str | None, typer.Argument(help="A bundled campaign, or a TOML file of your own; without one they are listed.")
-    ] = None,
+    name: Name = None,
     *,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of runs and reports.")] = Path(
-        "campaigns"
-    ),
-    coarse: Annotated[bool, typer.Option("--coarse", help="Fewer points and cells, for a first look.")] = False,
-    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes at a time.")] = 1,
+    output: Output = Path("campaigns"),
+    coarse: Coarse = False,
+    workers: Workers = 1,
     cluster: ClusterAddress = None,
     memory: Annotated[
         float | None,
@@ -42,9 +50,9 @@ def campaign(
     trade: Annotated[
         bool, typer.Option("--trade", help="Write what both sides cost there instead: error, time, memory.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
-    form: Annotated[bool, typer.Option("--form", help="Print what a campaign may hold: keys.")] = False,
-    show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled campaign, to start from.")] = False,
+    as_json: AsJson = False,
+    form: Form = False,
+    show: Show = False,
 ) -> None:  # fmt: skip
     """Map where a model is accurate: its error over a range of parameters, with a verdict at each point.
 
@@ -58,9 +66,7 @@ def campaign(
 
     Example: `eigencontact campaign inclusions-by-depth --coarse`
     """
-    from eigencontact.errors import EigencontactError
-
-    try:
+    with with_clear_errors():
         if form:
             _print_form()
         elif name is None:
@@ -72,17 +78,6 @@ def campaign(
             report = _run(name, output, coarse=coarse, workers=workers, on=on, markdown=markdown, trade=trade,
                           as_json=as_json)  # fmt: skip
             raise typer.Exit(report.exit_code)
-    except EigencontactError as problem:
-        _leave(str(problem), problem.exit_code)
-    except OSError as problem:
-        _leave(f"the report cannot be written: {problem}", 2)
-    except KeyboardInterrupt:
-        _leave("interrupted; the same command resumes and reuses what is finished", 130)
-
-
-def _leave(problem: str, code: int) -> NoReturn:
-    typer.echo(f"eigencontact: {' '.join(problem.split())}", err=True)
-    raise typer.Exit(code) from None
 
 
 def _list() -> None:
@@ -100,50 +95,42 @@ def _list() -> None:
 def _print_form() -> None:
     from eigencontact_verification.campaign.form import FORM
 
-    for table, keys in FORM.items():
-        typer.echo(table if table == "campaign" else f"\n{table} (in a campaign)")
-        for key, meaning in keys.items():
-            typer.echo(f"  {key:<12} {meaning}")
+    show_form(FORM, "campaign")
     typer.echo("\n`source`, `vary` and `when` are those of a study, and so are formulas: `eigencontact study --form`")
 
 
 def _show(name: str) -> None:
     from eigencontact_verification.campaign.campaign import FOLDER, find
-    from eigencontact_verification.reporting.bundled import text_of
 
     find(name)  # refuses what is none
-    typer.echo(text_of(name, "campaign", FOLDER), nl=False)
+    show_bundled(name, "campaign", FOLDER)
 
 
 def _run(
-    name: str, output: Path, *, coarse: bool, workers: int, on: tuple[str | None, float | None, int | None],
+    name: str, output: Path, *, coarse: bool, workers: int | None, on: tuple[str | None, float | None, int | None],
     markdown: Path | None, trade: bool, as_json: bool,
 ) -> MapReport:  # fmt: skip
-    from eigencontact.engines.cluster import cluster_of
     from eigencontact.errors import SceneError
-    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.campaign.campaign import find
     from eigencontact_verification.campaign.perform import perform
-    from eigencontact_verification.campaign.report import as_section, write_map
+    from eigencontact_verification.campaign.report import FILES, as_section, write_map
+    from eigencontact_verification.reporting.files import open_folder
     from eigencontact_verification.reporting.progress import counted
     from eigencontact_verification.reporting.table import check_section, replace_section
 
     item = find(name)
     address, gigabytes, threads = on
     needed = None if gigabytes is None else 1e9 * gigabytes
-    say = partial(typer.echo, err=True)
-    cluster = cluster_of(address, None if address is None else gigabytes, threads, say=say)
-    if cluster is not None and workers != 1:
-        raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
+    cluster = cluster_or_none(workers, address, None if address is None else gigabytes, threads)
     try:
         if markdown is not None:
             check_section(markdown, item.name, family="campaign")
     except ValueError as problem:
         raise SceneError(f"--markdown: {problem}") from None
     folder = output / item.name
-    writable_folder(folder)
+    open_folder(folder, FILES.values())
     with counted(item.name) as tell:
-        report = perform(item, folder, coarse=coarse, workers=workers, cluster=cluster, memory=needed, told=tell)
+        report = perform(item, folder, coarse=coarse, workers=workers or 1, cluster=cluster, memory=needed, told=tell)
     files = write_map(report, folder)
     if markdown is not None:
         replace_section(markdown, item.name, as_section(report, trade=trade), family="campaign")

@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from eigencontact.engines.options import ClusterAddress, TaskMemory, TaskThreads
+from eigencontact_verification.commands.options import (
+    AsJson,
+    Coarse,
+    Form,
+    Name,
+    Output,
+    Show,
+    Workers,
+    cluster_or_none,
+    show_bundled,
+    show_form,
+    with_clear_errors,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,21 +32,17 @@ __all__ = ["study"]
 
 
 def study(
-    name: Annotated[
-        str | None, typer.Argument(help="A bundled study, or a TOML file of your own; without one they are listed.")
-    ] = None,
+    name: Name = None,
     *,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of results and figure.")] = Path(
-        "studies"
-    ),
-    coarse: Annotated[bool, typer.Option("--coarse", help="Fewer variants and cells, for a first look.")] = False,
-    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes that share the variants.")] = 1,
+    output: Output = Path("studies"),
+    coarse: Coarse = False,
+    workers: Workers = 1,
     cluster: ClusterAddress = None,
     memory: TaskMemory = None,
     threads: TaskThreads = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
-    form: Annotated[bool, typer.Option("--form", help="Print what a study may hold: keys and functions.")] = False,
-    show: Annotated[bool, typer.Option("--show", help="Print the file of a bundled study, to start from.")] = False,
+    as_json: AsJson = False,
+    form: Form = False,
+    show: Show = False,
 ) -> None:
     """Reproduce a trend of the literature: a parameter sweep from one file, its numbers, and a figure with its source.
 
@@ -42,9 +51,7 @@ def study(
     A study is a TOML file: a scene, what is varied, what is read and drawn, and where the trend was published. `--form`
     tells its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
     """
-    from eigencontact.errors import EigencontactError
-
-    try:
+    with with_clear_errors():
         if form:
             _print_form()
         elif name is None:
@@ -53,12 +60,6 @@ def study(
             _show(name)
         else:
             _run(name, output, coarse=coarse, workers=workers, on=(cluster, memory, threads), as_json=as_json)
-    except EigencontactError as problem:
-        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
-        raise typer.Exit(problem.exit_code) from None
-    except KeyboardInterrupt:
-        typer.echo("eigencontact: interrupted; the same command resumes and reuses finished variants", err=True)
-        raise typer.Exit(130) from None
 
 
 def _list() -> None:
@@ -80,10 +81,7 @@ def _print_form() -> None:
     from eigencontact_verification.studies.formula import FUNCTIONS
     from eigencontact_verification.studies.moments import MOMENTS
 
-    for table, keys in FORM.items():
-        typer.echo(f"{table}" if table == "study" else f"\n{table} (in a study)")
-        for key, meaning in keys.items():
-            typer.echo(f"  {key:<12} {meaning}")
+    show_form(FORM, "study")
     typer.echo("\nfunctions of formulas")
     told = {name: meaning for name, (_, meaning) in FUNCTIONS.items()}
     told |= {"given": "whether a variant has a parameter", "has": "whether results have a name"}
@@ -95,11 +93,10 @@ def _print_form() -> None:
 
 
 def _show(name: str) -> None:
-    from eigencontact_verification.reporting.bundled import text_of
     from eigencontact_verification.studies.catalogue import FOLDER, find
 
     find(name)  # refuses what is none
-    typer.echo(text_of(name, "study", FOLDER), nl=False)
+    show_bundled(name, "study", FOLDER)
 
 
 def _run(
@@ -107,26 +104,22 @@ def _run(
     output: Path,
     *,
     coarse: bool,
-    workers: int,
+    workers: int | None,
     on: tuple[str | None, float | None, int | None],
     as_json: bool,
 ) -> None:
-    from eigencontact.engines.cluster import cluster_of
-    from eigencontact.errors import SceneError
-    from eigencontact.results.atomic import writable_folder
+    from eigencontact_verification.reporting.files import open_folder
     from eigencontact_verification.reporting.progress import counted
     from eigencontact_verification.studies.catalogue import find
     from eigencontact_verification.studies.run import Failed, run_study, write_study
 
     item = find(name)
-    cluster = cluster_of(*on, say=lambda words: typer.echo(words, err=True))
-    if cluster is not None and workers != 1:
-        raise SceneError(f"workers must be without cluster, which has its own (got {workers})")
-    writable_folder(output / item.name)
+    cluster = cluster_or_none(workers, *on)
+    open_folder(output, (f"{item.name}.json", f"{item.name}.png"))
     total = len(item.coarse_rows if coarse else item.rows)
     found: list[Finished | Failed] = []
     with counted(item.name, "variant ") as tell:
-        for outcome in run_study(item, output, coarse=coarse, workers=workers, cluster=cluster):
+        for outcome in run_study(item, output, coarse=coarse, workers=workers or 1, cluster=cluster):
             found.append(outcome)
             tell(outcome.label, len(found), total)
     found.sort(key=lambda one: one.place)  # several processes finish in any order

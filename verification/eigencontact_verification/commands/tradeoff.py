@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from eigencontact_verification.commands.options import AsJson, Quiet, leave
 
 if TYPE_CHECKING:
     from eigencontact_verification.tradeoff.study import Study
@@ -47,8 +49,8 @@ def tradeoff(
     ] = 1,
     plan: Annotated[bool, typer.Option("--plan", help="List the variants with predicted time and memory.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown instead of a table.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compare fidelities of one scene: error, time and memory of each, and which are worth their cost.
 
@@ -67,7 +69,7 @@ def tradeoff(
     from eigencontact import app
     from eigencontact.core.text_table import print_table
     from eigencontact.errors import EigencontactError, ResultsError
-    from eigencontact.results.atomic import writable_folder
+    from eigencontact_verification.reporting.files import open_folder
     from eigencontact_verification.tradeoff import report
     from eigencontact_verification.tradeoff.study import predict, study
     from eigencontact_verification.tradeoff.variant import Fidelities, variants
@@ -77,7 +79,7 @@ def tradeoff(
         planned = app.plan(app.load_scene(scene, changes or []))
         _check(planned, only or [])
     except (EigencontactError, ValueError) as problem:
-        _leave(str(problem), getattr(problem, "exit_code", 2))
+        leave(str(problem), getattr(problem, "exit_code", 2))
     fidelities = Fidelities(coarser=(0.25,), base=0.5, reference=1.0) if quick else Fidelities()
     if reference is not None:
         fidelities = Fidelities(coarser=fidelities.coarser, base=fidelities.base, reference=reference)
@@ -96,22 +98,22 @@ def tradeoff(
 
     folder = output or Path(f"{planned.name}-tradeoff")
     try:
-        writable_folder(folder)
+        open_folder(folder, ("tradeoff.json", "tradeoff.md", "tradeoff.png"))
         found = study(
             planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, told=told
         )  # fmt: skip
         files = _write(found, folder)
     except (EigencontactError, ValueError, OSError) as problem:
-        _leave(str(problem), problem.exit_code if isinstance(problem, ResultsError) else 1)
+        leave(str(problem), problem.exit_code if isinstance(problem, ResultsError) else 1)
     except KeyboardInterrupt:
-        _leave("interrupted", 130)
+        leave("interrupted; nothing is kept", 130)
     if as_json or markdown:
-        typer.echo(files["json" if as_json else "md"].read_text(encoding="utf-8"), nl=False)
+        typer.echo(files["json" if as_json else "markdown"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
         print_table(report.study_table(found, console.width), console)
         for line in report.remarks(found):
             typer.echo(line)
-        typer.echo(f"\nin {files['png'].parent.resolve()}: {', '.join(file.name for file in files.values())}")
+        typer.echo(f"\nin {folder.resolve()}: {', '.join(file.name for file in files.values())}")
     raise typer.Exit(0 if any(row.error is not None for row in found.rows) else 1)
 
 
@@ -128,19 +130,14 @@ def _check(planned: Any, only: list[str]) -> None:
             )
 
 
-def _leave(problem: str, code: int) -> NoReturn:
-    typer.echo(f"eigencontact: {' '.join(problem.split())}", err=True)
-    raise typer.Exit(code) from None
-
-
 def _write(found: Study, folder: Path) -> dict[str, Path]:
     """Table, data and picture of a study."""
+    from eigencontact_verification.reporting.files import write_report_files
     from eigencontact_verification.reporting.machine import facts
     from eigencontact_verification.tradeoff.figure import draw
     from eigencontact_verification.tradeoff.report import as_data, as_markdown
 
-    files = {ending: folder / f"tradeoff.{ending}" for ending in ("json", "md", "png")}
-    files["json"].write_text(json.dumps(as_data(found, facts()), indent=2) + "\n", encoding="utf-8")
-    files["md"].write_text(as_markdown(found), encoding="utf-8")
-    draw(found, files["png"])
+    files = write_report_files(folder, as_data(found, facts()), markdown=as_markdown(found), stem="tradeoff")
+    files["picture"] = folder / "tradeoff.png"
+    draw(found, files["picture"])
     return files

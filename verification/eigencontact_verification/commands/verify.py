@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 from functools import partial
@@ -12,6 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol
 import typer
 
 from eigencontact.engines.options import ClusterAddress, TaskThreads
+from eigencontact_verification.commands.options import (
+    AsJson,
+    Output,
+    Quiet,
+    cluster_or_none,
+    leave,
+    with_clear_errors,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -72,9 +79,7 @@ def verify(
             help="A plugin file; without names, what it registers is verified; repeatable.",
         ),
     ] = None,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of report and finished solutions.")
-    ] = Path("cross-check"),
+    output: Output = Path("cross-check"),
     workers: Annotated[
         int | None, typer.Option("--workers", metavar="N", min=1, help="Processes at a time; by default one a core.")
     ] = None,
@@ -123,8 +128,8 @@ def verify(
             help="Also copy the figure of a case there: `--figure sphere/depth-1-5-zz-nu-30=sphere.png`; repeatable.",
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Cross-check kernels, laws, or one stored run against finite elements with an error estimate.
 
@@ -141,7 +146,6 @@ def verify(
     Examples: `eigencontact verify --quick --kernel cuboid`, `eigencontact verify --quick ./hertz`
     """
     from eigencontact.errors import EigencontactError
-    from eigencontact.results.atomic import writable_folder
     from eigencontact_verification.reporting.table import check_section
 
     names, laws = [*(kernels or []), *(kernel or [])], law or []
@@ -179,21 +183,15 @@ def verify(
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
         _refuse(str(problem))
     try:
-        writable_folder(output)
-        report, files = solve()
-    except (EigencontactError, ValueError) as problem:
-        if isinstance(problem, ValueError) and not isinstance(problem, EigencontactError) and not runs:
+        with with_clear_errors("finished solutions are kept, run the same again to continue"):
+            report, files = solve()
+    except ValueError as problem:
+        if not runs:
             raise
-        if not isinstance(problem, EigencontactError):
-            _refuse(str(problem))
-        typer.echo(f"eigencontact: {' '.join(str(problem).split())}", err=True)
-        raise typer.Exit(problem.exit_code) from None
-    except KeyboardInterrupt:
-        typer.echo("eigencontact: interrupted; finished solutions are kept, run the same again to continue", err=True)
-        raise typer.Exit(130) from None
+        _refuse(str(problem))
     trouble = _written(report, files, markdown, section, copies)
     if as_json:
-        typer.echo(json.dumps(report.to_dict(), indent=2))
+        typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
     elif not quiet:
         from eigencontact_verification.crosscheck.progress import print_report
 
@@ -204,8 +202,7 @@ def verify(
 
 
 def _refuse(problem: str) -> NoReturn:
-    typer.echo(f"eigencontact: {' '.join(problem.split())}", err=True)
-    raise typer.Exit(2) from None
+    leave(problem, 2)
 
 
 def _refuse_together(
@@ -254,15 +251,11 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _executor(workers: int | None, on: tuple[str | None, float | None, int | None], plugins: Sequence[str]) -> Executor:
-    from eigencontact.engines.cluster import cluster_of
     from eigencontact_verification.crosscheck.cluster import on_cluster
     from eigencontact_verification.crosscheck.run import Limits, in_processes
 
     address, memory, threads = on
-    if address is not None and workers is not None:
-        raise ValueError(f"--workers must be without --cluster, which has its own (got {workers}); leave it out")
-    say = partial(typer.echo, err=True)
-    engine = cluster_of(address, None if address is None else memory, threads, say=say)
+    engine = cluster_or_none(workers, address, None if address is None else memory, threads)
     if engine is not None:
         return partial(on_cluster, engine=engine, plugins=plugins)
     limits = Limits() if memory is None else Limits(memory=memory * 1e9)
@@ -302,6 +295,7 @@ def _cost(cases: Sequence[Case]) -> str:
 def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
     """Files of ``CASE=FILE`` by case, each of a case that will be solved."""
     from eigencontact.errors import nearest
+    from eigencontact.results.ownership import refuse_foreign_file
 
     known, copies = [case.key for case in chosen], {}
     for text in figures:
@@ -313,6 +307,7 @@ def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
                 f"--figure must name a case of this cross-check (got {case!r}){nearest(case, known)}; "
                 f"there are {len(known)}, such as {known[0]}"
             )
+        refuse_foreign_file(Path(file))
         copies[case] = Path(file)
     return copies
 

@@ -13,6 +13,7 @@ from eigencontact.viz.style import COLOURS, paper_style
 from eigencontact_verification.crosscheck.case import Profile
 from eigencontact_verification.crosscheck.judge import JudgedCase
 from eigencontact_verification.crosscheck.lines import STRESSES, VECTORS
+from eigencontact_verification.reporting.files import GENERATOR
 
 if TYPE_CHECKING:
     from eigencontact_verification.crosscheck.case import Curve
@@ -60,7 +61,7 @@ def draw(found: JudgedCase, file: Path) -> Path:
         figure.suptitle("\n".join(filter(None, (found.case.words, found.case.key))), fontsize=10)
         _key(figure, panels[0], found.case.method, shaded=any(shaded))
         file.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(file, dpi=110)
+        figure.savefig(file, dpi=110, metadata={"Software": GENERATOR})
     return file
 
 

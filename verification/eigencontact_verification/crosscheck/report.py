@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +15,7 @@ from eigencontact_verification.crosscheck.brief import totals
 from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.crosscheck.figures import draw
 from eigencontact_verification.crosscheck.judge import Coverage, JudgedCase, Row, coverage
-from eigencontact_verification.reporting.files import write_json, write_report_files
+from eigencontact_verification.reporting.files import report_names, write_json, write_report_files
 from eigencontact_verification.reporting.page import (
     gigabytes,
     html_items,
@@ -25,7 +26,7 @@ from eigencontact_verification.reporting.page import (
 )
 from eigencontact_verification.reporting.verdict import MARKS, WORDS, percent
 
-__all__ = ["Report", "write_report"]
+__all__ = ["Report", "names_of", "write_report"]
 
 _METHOD = (
     "Each kernel is compared with a finite-element model that shares no code with it. The model's own uncertainty, "
@@ -276,6 +277,15 @@ def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     return html_page("Finite-element cross-check", parts)
 
 
+def _stem(key: str) -> str:
+    return key.replace("/", "-")
+
+
+def names_of(keys: Iterable[str]) -> list[str]:
+    """Names of the files that a report on these cases may have in its folder."""
+    return [*report_names().values(), *(f"figures/{_stem(key)}.{ending}" for key in keys for ending in ("png", "json"))]
+
+
 def write_report(report: Report, folder: Path) -> dict[str, Path]:
     """Write report.json, report.md, report.html, one figure a case and the numbers behind it.
 
@@ -295,7 +305,7 @@ def write_report(report: Report, folder: Path) -> dict[str, Path]:
     figures.mkdir(parents=True, exist_ok=True)
     pictures = {}
     for found in report.cases:
-        name = found.case.key.replace("/", "-")
+        name = _stem(found.case.key)
         if found.judged or found.estimates:
             pictures[found.case.key] = draw(found, figures / f"{name}.png").relative_to(folder).as_posix()
         write_json(figures / f"{name}.json", _curves(found))

@@ -58,6 +58,11 @@ def crosscheck(
     remarks : callable, optional
         Gives more notes for the report from what was judged.
 
+    Raises
+    ------
+    ResultsError
+        A file of another origin in the folder that the report would replace; nothing is solved then.
+
     Returns
     -------
     Report, dict of str to Path
@@ -65,10 +70,12 @@ def crosscheck(
     """
     from eigencontact_verification.crosscheck.judge import judge
     from eigencontact_verification.crosscheck.progress import Bar
-    from eigencontact_verification.crosscheck.report import Report, write_report
+    from eigencontact_verification.crosscheck.report import Report, names_of, write_report
     from eigencontact_verification.crosscheck.run import run_cases
     from eigencontact_verification.crosscheck.store import Store
+    from eigencontact_verification.reporting.files import open_folder
 
+    open_folder(folder, names_of([*(case.key for case in cases), *(judged.case.key for judged in beside)]))
     start = time.perf_counter()
     with Bar(show=show) as bar:
         solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=bar)

@@ -13,7 +13,9 @@ __all__ = ["counted"]
 
 
 @contextmanager
-def counted(name: str, unit: str = "") -> Iterator[Callable[[str, int, int], None]]:
+def counted(
+    name: str, unit: str = "", *, show: bool = True, lines: bool = True
+) -> Iterator[Callable[[str, int, int], None]]:
     """Function to call with the label of a finished item, its number, and the number of all; shows the time left.
 
     Parameters
@@ -22,6 +24,10 @@ def counted(name: str, unit: str = "") -> Iterator[Callable[[str, int, int], Non
         What is performed; before the bar.
     unit : str
         Before the number in lines: ``"variant "``.
+    show : bool
+        Whether to show anything.
+    lines : bool
+        Whether to write a line for each item where the terminal does not draw in place.
     """
     from rich.console import Console
     from rich.progress import (
@@ -43,8 +49,8 @@ def counted(name: str, unit: str = "") -> Iterator[Callable[[str, int, int], Non
         remaining = f"; about {time_in_words(left)} left" if done < total else ""
         typer.echo(f"{unit}{done} of {total}: {label}{remaining}", err=True)
 
-    if not draws_in_place(sys.stderr):
-        yield line
+    if not (show and draws_in_place(sys.stderr)):
+        yield line if show and lines else lambda _label, _done, _total: None
         return
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as bar:
