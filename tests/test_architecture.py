@@ -23,6 +23,8 @@ FORBIDDEN = [
     ("eigencontact_plugins/probe.py", "import eigencontact.core.grid", "plugins see only eigencontact.plugin"),
     ("eigencontact_verification/oracles/hertz.py", "import eigencontact_plugins.probe", "oracles share no code"),
     ("eigencontact_verification/audit/shapes.py", "import eigencontact.solvers.normal", "an audit reads results"),
+    ("eigencontact/execution/blocks/block.py", "import eigencontact.execution.run.driver", "rooms of the execution"),
+    ("eigencontact_verification/reporting/page.py", "import eigencontact_verification.audit", "rooms of verification"),
     ("eigencontact/planning/plan.py", "import pluggy", "pluggy only in hooks"),
     ("eigencontact/execution/run/driver.py", "import matplotlib", "plotting libraries only in viz"),
 ]
