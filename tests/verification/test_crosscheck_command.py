@@ -11,6 +11,7 @@ import pytest
 import analytic_cases
 import eigencontact.cli
 import eigencontact_verification.crosscheck as package
+from eigencontact.core.units import time_in_words
 from eigencontact_verification.commands.verify import _chosen
 from eigencontact_verification.crosscheck import cases
 from eigencontact_verification.crosscheck.progress import Bar
@@ -104,19 +105,19 @@ def test_what_has_no_quick_case_is_told_why_and_what_all_costs():
 def test_lines_without_a_terminal_are_seldom(monkeypatch, capsys):
     """One at the beginning, then one where ten seconds have passed; failures at once."""
     now = [0.0]
-    monkeypatch.setattr("eigencontact_verification.crosscheck.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("eigencontact_verification.reporting.progress.monotonic", lambda: now[0])
     tasks = tasks_of(cases.cases_of("layer")[0])
     with Bar(show=True) as bar:
         bar.started(tasks)
         for task, seconds, status in zip(tasks, (4.0, 9.0, 14.0, 20.0, 130.0), ("done",) * 4 + ("time",), strict=True):
             now[0] = seconds
             bar.finished(task, Outcome(status=status, reason="too long" * (status == "time")))
-    assert capsys.readouterr().err.splitlines() == [
-        "5 solutions to compute",
-        "solution 3 of 5 done after 14 s",
-        f"{tasks[-1].case.key}, {tasks[-1].label}: too long",
-        "solution 5 of 5 done after 2 min 10 s",
-    ]
+    first, third, failed, last = capsys.readouterr().err.splitlines()
+    assert first == "5 solutions to compute"
+    left = 14.0 * (sum(task.weight for task in tasks) / sum(task.weight for task in tasks[:3]) - 1.0)
+    assert third == f"solution 3 of 5: {tasks[2].case.key}, {tasks[2].label}; about {time_in_words(left)} left"
+    assert failed == f"{tasks[-1].case.key}, {tasks[-1].label}: too long"
+    assert last == f"solution 5 of 5: {tasks[-1].case.key}, {tasks[-1].label}"
 
 
 def test_markdown_and_figure(verify, tmp_path):

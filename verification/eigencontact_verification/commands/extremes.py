@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -67,7 +68,7 @@ def _computed(features: tuple[Feature, ...], *, quick: bool, show: bool) -> Repo
 
     total, count = sum(corner.quick or not quick for feature in features for corner in feature.corners), 0
     done: list[FoundFeature] = []
-    with counted("extremes", show=show, lines=False) as tell:
+    with counted("extremes", show=show, every=inf) as tell:
         for feature, verdict in run(features, quick=quick):
             if isinstance(verdict, FoundFeature):
                 done.append(verdict)

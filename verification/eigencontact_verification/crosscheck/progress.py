@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from typing import TYPE_CHECKING, Any, Self
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Self
 
 import typer
+
+from eigencontact_verification.reporting.progress import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,65 +23,32 @@ _LINES = 10.0
 
 
 class Bar:
-    """Progress with the remaining time: the bar counts work, the words count solutions; lines without a terminal."""
+    """Progress of solutions by the share of their work; a failed solution has a line of its own."""
 
     def __init__(self, *, show: bool) -> None:
-        self._bar: Any = None
-        self._task: Any = None
-        self._left = self._total = 0
-        self._lines = False
-        self._began = self._said = time.monotonic()
-        if show:
-            from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-            from eigencontact.progress import draws_in_place
-
-            console = Console(stderr=True)
-            if draws_in_place(sys.stderr):
-                words = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"))
-                self._bar = Progress(*words, TimeRemainingColumn(), console=console, transient=True)
-            else:
-                self._lines = True
+        self._show, self._open = show, ExitStack()
+        self._tell = self._open.enter_context(counted("solutions", "solution ", show=show, every=_LINES))
+        self._done, self._total, self._work, self._all_work = 0, 0, 0.0, 0.0
 
     def __enter__(self) -> Self:
-        if self._bar is not None:
-            self._bar.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
+        self._open.close()
 
     def started(self, tasks: Sequence[Task]) -> None:
         """Show the work that is due."""
-        self._left = self._total = len(tasks)
-        self._began = self._said = time.monotonic()
-        if self._lines and tasks:
+        self._total, self._all_work = len(tasks), sum(task.weight for task in tasks)
+        if self._show and tasks:
             typer.echo(f"{self._total} solutions to compute", err=True)
-        if self._bar is not None:
-            self._task = self._bar.add_task(f"{self._left} solutions", total=sum(task.weight for task in tasks))
 
     def finished(self, task: Task, outcome: Outcome) -> None:
         """Count a solution; say what failed."""
-        self._left -= 1
-        if self._bar is not None:
-            if outcome.status != "done":
-                self._bar.console.print(f"{task.case.key}, {task.label}: {outcome.reason}", markup=False)
-            self._bar.update(self._task, advance=task.weight, description=f"{self._left} solutions to go")
-        elif self._lines:
-            self._say(task, outcome)
-
-    def _say(self, task: Task, outcome: Outcome) -> None:
-        """A line for what failed, and for how far it is where the last one is some time ago."""
-        from eigencontact.core.units import time_in_words
-
-        now = time.monotonic()
-        if outcome.status != "done":
-            typer.echo(f"{task.case.key}, {task.label}: {outcome.reason}", err=True)
-        if now - self._said >= _LINES:
-            self._said, done = now, self._total - self._left
-            typer.echo(f"solution {done} of {self._total} done after {time_in_words(now - self._began)}", err=True)
+        self._done, self._work = self._done + 1, self._work + task.weight
+        label = f"{task.case.key}, {task.label}"
+        if self._show and outcome.status != "done":
+            typer.echo(f"{label}: {outcome.reason}", err=True)
+        self._tell(label, self._done, self._total, share=self._work / self._all_work)
 
 
 def print_report(report: Report, files: dict[str, Path]) -> None:
