@@ -323,7 +323,7 @@ class Ball(Case):
         return {"depth": np.full((2, 1), self.approach), own_error("depth"): np.full((2, 1), 0.3 * self.approach)}
 
 
-def by_hertz(*, scale=1.0, broken=False, kernel="ball"):
+def by_hertz(*, scale=1.0, broken=False, subject="ball"):
     """Cases of a run; Hertz with the modulus of the body as it is."""
 
     def cases_of(folder):
@@ -333,8 +333,9 @@ def by_hertz(*, scale=1.0, broken=False, kernel="ball"):
         points, along = np.zeros((2, 3)), np.arange(2.0)
         depth = Profile(name="depth", quantity="displacement", points=points, along=along, label="", components=("u",))
         given = {"approach": summary["approach"], "exact": exact}
-        case = Ball(kernel=kernel, name="step", parameters=given, quick=True, profiles=(depth,), broken=broken, **given)
-        return (case,), (Gap(kernel=kernel, what="stress", reason="none is stored"),)
+        names = {"subject": subject, "name": "step", "parameters": given}
+        case = Ball(**names, quick=True, profiles=(depth,), broken=broken, **given)
+        return (case,), (Gap(subject=subject, what="stress", reason="none is stored"),)
 
     return cases_of
 
@@ -381,13 +382,13 @@ def test_elements_judge_runs_under_the_same_words(audited, tmp_path):
 
 def test_a_solution_that_fails_is_told(audited):
     item, points, folder = audited
-    judged = judge_by_elements(item, points, folder, cases_of=by_hertz(broken=True, kernel="b"), executor=here)
+    judged = judge_by_elements(item, points, folder, cases_of=by_hertz(broken=True, subject="b"), executor=here)
     assert {one.word for one in judged} == {"failed"}
     assert "no convergence" in judged[0].findings[0].reason
     assert MapReport(campaign=item, found=tuple(judged)).exit_code == 1
 
     def nothing(_):
-        return (), (Gap(kernel="b", what="all", reason="it is worn"),)
+        return (), (Gap(subject="b", what="all", reason="it is worn"),)
 
     judged = judge_by_elements(item, points[:1], folder, cases_of=nothing, executor=here)
     assert judged[0].findings[0].reason == "nothing of it can be judged: all: it is worn"
@@ -451,7 +452,7 @@ class Bowl(Case):
 def of_bowls(folder):
     points, along = np.zeros((2, 3)), np.arange(2.0)
     depth = Profile(name="depth", quantity="displacement", points=points, along=along, label="", components=("u",))
-    return (Bowl(kernel="bowl", name=folder.name, parameters={}, quick=True, profiles=(depth,)),), ()
+    return (Bowl(subject="bowl", name=folder.name, parameters={}, quick=True, profiles=(depth,)),), ()
 """
 
 

@@ -201,7 +201,7 @@ def test_stranger_that_cannot_be_guessed_is_a_gap(install):
         "shape 'lens' must be buildable from lengths (got none that it accepts); give its class an attribute example, "
         "a mapping of its parameters"
     )
-    assert [gap.reason for gap in cases.gaps() if gap.kernel == "lens"] == [expected]
+    assert [gap.reason for gap in cases.gaps() if gap.subject == "lens"] == [expected]
 
 
 def test_symmetry_of_shapes():

@@ -65,7 +65,7 @@ def test_the_mesh_holds_named_fields(written):
     np.testing.assert_allclose(read.cell_data["von_mises"][0], expected, rtol=1e-12)
     assert read.point_data["displacement"].shape == read.points.shape
     marks = np.unique(read.cell_data["region"][0])
-    assert len(marks) == (1 if case.kernel == "shear-x" else 2)
+    assert len(marks) == (1 if case.subject == "shear-x" else 2)
 
 
 def test_the_mesh_opens_in_a_viewer(written):
@@ -84,7 +84,7 @@ def test_the_mesh_opens_in_a_viewer(written):
 
 def test_the_source_is_marked(written):
     case, files = written
-    if case.kernel == "shear-x":
+    if case.subject == "shear-x":
         pytest.skip("a traction has no region")
     low, high = np.asarray(shape_of(case.parameters["shape"]).bounds)
     read = meshio.read(files["mesh.vtu"])

@@ -113,7 +113,7 @@ def test_the_report_as_json(written):
     assert sum(data["counts"].values()) == 20
     assert data["exit_code"] == 1
     assert data["not_covered"] == [
-        {"kernel": "other", "what": "stress inside", "reason": "the exact field is singular there"}
+        {"subject": "other", "what": "stress inside", "reason": "the exact field is singular there"}
     ]
     tasks = data["cases"][3]["tasks"]
     assert [task["status"] for task in tasks] == ["done", "done", "done", "failed", "done"]
@@ -171,7 +171,7 @@ def rows_of(text):
 
 def test_one_row_a_kernel_one_column_a_component(written):
     report, *_ = written
-    other = judge(solved(analytic("alone", kernel="second")))
+    other = judge(solved(analytic("alone", subject="second")))
     narrow = dataclasses.replace(other, rows=tuple(row for row in other.rows if row.component != "s_xx"))
     table = rows_of(brief(dataclasses.replace(report, cases=(*report.cases, narrow))))
     assert list(table) == ["analytic", "second"]

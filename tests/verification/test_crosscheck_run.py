@@ -127,7 +127,7 @@ def test_two_cases_of_one_name_are_refused(tmp_path):
 
 CHANGES = {
     "parameters": lambda case: dataclasses.replace(case, parameters={**case.parameters, "error": 0.1}),
-    "kernel": lambda case: dataclasses.replace(case, kernel="another"),
+    "subject": lambda case: dataclasses.replace(case, subject="another"),
     "points": lambda case: dataclasses.replace(
         case,
         profiles=(dataclasses.replace(case.profiles[0], points=case.profiles[0].points + 1e-9), *case.profiles[1:]),

@@ -87,7 +87,7 @@ def bodies_of_step(stored: StoredStep) -> tuple[tuple[AuditedBody, ...], list[Ga
         try:
             found.append(_body(stored, registry, number, solid, material, prescribed, inhomogeneities))
         except NotJudged as problem:
-            gaps.append(Gap(kernel=stored.name, what=f"body {number}", reason=str(problem)))
+            gaps.append(Gap(subject=stored.name, what=f"body {number}", reason=str(problem)))
     return tuple(found), gaps
 
 

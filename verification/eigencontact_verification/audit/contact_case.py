@@ -91,7 +91,7 @@ class ContactCase(Case):
     @property
     def words(self) -> str:
         """What is compared, for the figures."""
-        return f"{self.kernel}: stored (semi-analytical) and finite elements of the whole contact"
+        return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
 
 
 def _read(found: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:

@@ -28,7 +28,7 @@ def row_of(one: JudgedCase) -> dict[str, Any]:
     """Line of the table: verdicts, largest difference by kind, effort."""
     words = [row.word for row in one.rows]
     found: dict[str, Any] = {
-        "scene": one.case.kernel,
+        "scene": one.case.subject,
         "verdicts": f"{words.count('agrees')} / {words.count('inconclusive')} / {words.count('disagrees')}",
         "seconds": sum(outcome.seconds for task, outcome in one.outcomes if task.level is not None),
         "memory": max((outcome.memory or 0 for _, outcome in one.outcomes), default=0),
@@ -84,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ]
     text = table([row_of(one) for one in judged], columns)
     notes = [f"- {row.case}, {row.profile}, {row.component}: {row.word}, {row.reason}" for row in _open(judged)]
-    gaps = [f"- {gap.kernel}: {gap.reason}." for _, gaps in found for gap in gaps]
+    gaps = [f"- {gap.subject}: {gap.reason}." for _, gaps in found for gap in gaps]
     parts = [text, *(["Not agreed:", "\n".join(notes)] if notes else [])]
     parts += [*(["Left out, or taken otherwise:", "\n".join(gaps)] if gaps else []), f"{describe(facts())}."]
     whole = "\n\n".join(parts)
@@ -98,7 +98,7 @@ def _open(judged: Sequence[JudgedCase]) -> list[Any]:
     """Rows without agreement, each with the scene in place of its case."""
     from dataclasses import replace
 
-    return [replace(row, case=row.kernel) for one in judged for row in one.rows if row.word != "agrees"]
+    return [replace(row, case=row.subject) for one in judged for row in one.rows if row.word != "agrees"]
 
 
 if __name__ == "__main__":

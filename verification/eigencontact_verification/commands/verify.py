@@ -347,7 +347,7 @@ def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[G
     from eigencontact_verification.crosscheck.case import Gap
 
     some = bool(names or laws)
-    told = tuple(gap for gap in cases.gaps() if not some or gap.kernel in names)
-    told += tuple(Gap(kernel=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
+    told = tuple(gap for gap in cases.gaps() if not some or gap.subject in names)
+    told += tuple(Gap(subject=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
     left = [key for key in cases.kernels() if some and key not in names]
-    return told + tuple(Gap(kernel=key, what="everything", reason="not asked for in this run") for key in left)
+    return told + tuple(Gap(subject=key, what="everything", reason="not asked for in this run") for key in left)

@@ -1,1 +1,1 @@
-"""Campaign: every kernel against a finite-element model whose own error is known."""
+"""Cross-check: every kernel against a finite-element model whose own error is known."""

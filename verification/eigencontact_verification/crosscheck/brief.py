@@ -57,10 +57,10 @@ def brief(report: Report) -> str:
     found = coverage(report.rows)
     names = {one.component for one in found}
     columns = [name for name in _COMPONENTS if name in names] + sorted(names - set(_COMPONENTS))
-    cells = {(one.kernel, one.component): _cell(one) for one in found}
+    cells = {(one.subject, one.component): _cell(one) for one in found}
     rows = [
         (kernel, *(cells.get((kernel, name), "") for name in columns))
-        for kernel in dict.fromkeys(one.kernel for one in found)
+        for kernel in dict.fromkeys(one.subject for one in found)
     ]
     legend = (
         "✓ profiles that agree of all profiles · largest u_FE as a part of the field (at most "
@@ -89,7 +89,7 @@ def _gaps(gaps: Iterable[Gap]) -> list[str]:
     """One line for each thing that is not covered, with the kernels that share it."""
     shared: dict[tuple[str, str], list[str]] = {}
     for gap in gaps:
-        shared.setdefault((gap.what, gap.reason), []).append(gap.kernel)
+        shared.setdefault((gap.what, gap.reason), []).append(gap.subject)
     return [f"- {', '.join(kernels)}: {what} ({reason})" for (what, reason), kernels in shared.items()]
 
 

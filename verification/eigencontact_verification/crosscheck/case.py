@@ -135,10 +135,10 @@ class Case(ABC):
 
     Parameters
     ----------
-    kernel : str
+    subject : str
         Key of what is verified: ``"cuboid"``, ``"surface-loads"``.
     name : str
-        Unique within the kernel; part of file names: lower case, digits, hyphens.
+        Unique within the subject; part of file names: lower case, digits, hyphens.
     parameters : dict
         All that defines the case, as JSON allows; hashed, so that a stored solution serves no other problem.
     quick : bool
@@ -152,7 +152,7 @@ class Case(ABC):
         one (default) does at a fraction of the cost.
     """
 
-    kernel: str
+    subject: str
     name: str
     parameters: dict[str, Any]
     quick: bool
@@ -178,7 +178,7 @@ class Case(ABC):
     @property
     def key(self) -> str:
         """Kernel and name: unique in a cross-check."""
-        return f"{self.kernel}/{self.name}"
+        return f"{self.subject}/{self.name}"
 
     @abstractmethod
     def reference(self, level: Level, outer: Outer) -> Fields:
@@ -241,14 +241,14 @@ class Gap:
 
     Parameters
     ----------
-    kernel : str
-        Key of the kernel.
+    subject : str
+        Key of the kernel or law, or name of the scene.
     what : str
         Quantity, component or situation.
     reason : str
         Why there is no case.
     """
 
-    kernel: str
+    subject: str
     what: str
     reason: str

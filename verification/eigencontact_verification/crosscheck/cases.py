@@ -198,41 +198,41 @@ def gaps() -> tuple[Gap, ...]:
     inside = "cut elements do not resolve it; axisymmetric models do for eigenstrains of revolution"
     unsaid = "displacement elements lock there"
     return (
-        Gap(kernel="cuboid", what="Poisson's ratio 0.5", reason=unsaid),
+        Gap(subject="cuboid", what="Poisson's ratio 0.5", reason=unsaid),
         *(
-            Gap(kernel=key, what="stress inside, without symmetry of revolution", reason=inside)
+            Gap(subject=key, what="stress inside, without symmetry of revolution", reason=inside)
             for key in ("sphere", "ellipsoid", "cylinder", "polyhedron")
         ),
         Gap(
-            kernel=inhomogeneities.KEY,
+            subject=inhomogeneities.KEY,
             what="shapes other than spheres, anisotropy, shear on the surface",
             reason="only elements of revolution follow the boundary and know the stress beside it",
         ),
-        Gap(kernel=inhomogeneities.KEY, what="stress in voids and rigid spheres", reason="cells find its mean only"),
+        Gap(subject=inhomogeneities.KEY, what="stress in voids and rigid spheres", reason="cells find its mean only"),
         Gap(
-            kernel=inhomogeneities.KEY,
+            subject=inhomogeneities.KEY,
             what="one eigenstrain near the surface or under a narrow load",
             reason="what it leaves unfulfilled is there more than the limit of agreement",
         ),
-        Gap(kernel=layers.KEY, what="shear on the surface", reason="elements of revolution bear pressure only"),
-        Gap(kernel=layers.KEY, what="Poisson's ratio 0.5", reason=unsaid),
+        Gap(subject=layers.KEY, what="shear on the surface", reason="elements of revolution bear pressure only"),
+        Gap(subject=layers.KEY, what="Poisson's ratio 0.5", reason=unsaid),
         Gap(
-            kernel=plasticity.KEY,
+            subject=plasticity.KEY,
             what="friction, two bodies that yield, other shapes than a sphere, layers of other elastic constants",
             reason="the elements are of revolution, below a rigid sphere without friction; layers need fine cells",
         ),
         Gap(
-            kernel=plasticity.KEY,
+            subject=plasticity.KEY,
             what="the error of the increments",
             reason="both methods take the same, by backward Euler; orders in the load step are tested apart",
         ),
         Gap(
-            kernel=wear.KEY,
+            subject=wear.KEY,
             what="shear coupled to pressure, slip across the load, layers that wear",
             reason="the reference is rings with Cattaneo's and Mindlin's friction; their limits are tested apart",
         ),
-        Gap(kernel="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
-        *(Gap(kernel=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
+        Gap(subject="layer", what="thickness from a file", reason="the same code as uniform thickness, other numbers"),
+        *(Gap(subject=key, what="all", reason=reason) for key in _shapes() if (reason := _refusal(key))),
     )
 
 

@@ -221,7 +221,7 @@ class InclusionCase(Case):
         low, high = (np.asarray(corner) for corner in self.shape.bounds)
         extents = " × ".join(f"{extent:.3g}" for extent in high - low)
         return (
-            f"{self.kernel}, extents {extents}, centre at depth {(low[2] + high[2]) / 2:.3g}, eigenstrain "
+            f"{self.subject}, extents {extents}, centre at depth {(low[2] + high[2]) / 2:.3g}, eigenstrain "
             f"{self.parameters['eigenstrain']}, ν = {self.parameters['poisson_ratio']:g}"
         )
 
@@ -379,7 +379,7 @@ def inclusion_case(
     )
     length = unit_length(str(shape["key"]), tuple((high - low).tolist()))
     return InclusionCase(
-        kernel=str(shape["key"]),
+        subject=str(shape["key"]),
         name=f"{name}-{eigenstrain}-nu-{round(100 * poisson_ratio):02d}",
         parameters=parameters,
         made=region,

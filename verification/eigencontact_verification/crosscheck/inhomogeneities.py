@@ -242,7 +242,7 @@ def inhomogeneity_case(
     if within:
         name += "-within"
     return InhomogeneityCase(
-        kernel=KEY,
+        subject=KEY,
         name=f"{name}-whole" if whole else name,
         parameters=parameters,
         whole=whole,

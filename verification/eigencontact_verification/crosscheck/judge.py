@@ -30,7 +30,7 @@ class Row(Finding):
 
     Attributes
     ----------
-    kernel, case, profile, component : str
+    subject, case, profile, component : str
         What is judged.
     difference : float or None
         Largest |SA - FE|, as `uncertainty` a part of the field's largest value on the profile.
@@ -44,7 +44,7 @@ class Row(Finding):
         Whether the order is believed.
     """
 
-    kernel: str
+    subject: str
     case: str
     profile: str
     component: str
@@ -132,7 +132,7 @@ def _size_of_field(fine: Fields, case: Case, profile: Profile) -> float:
 
 def _row(case: Case, profile: Profile, component: str, word: str, reason: str) -> Row:
     return Row(
-        kernel=case.kernel, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
+        subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
         word=word, reason=reason,
     )  # fmt: skip
 
@@ -145,7 +145,7 @@ def _judged_row(
     if one.word == "inconclusive" and _finite(one.uncertainty):
         reason += _cause(case, max(parts, key=lambda name: parts[name]), parts, one, limit)
     return Row(
-        kernel=case.kernel, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
+        subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
         word=one.word, reason=reason, difference=_part(one.difference, one.scale),
         uncertainty=_part(one.uncertainty, one.scale), discretisation=_part(parts["discretisation"], one.scale),
         truncation=_part(parts["truncation"], one.scale), ratio=_finite(one.ratio), scale=_finite(one.scale),
@@ -176,7 +176,7 @@ class Coverage:
 
     Attributes
     ----------
-    kernel, quantity, component : str
+    subject, quantity, component : str
     word : str
         Worst of the verdicts.
     counts : dict
@@ -185,7 +185,7 @@ class Coverage:
         Largest of all profiles that were solved, as parts of the field.
     """
 
-    kernel: str
+    subject: str
     quantity: str
     component: str
     word: str
@@ -198,12 +198,12 @@ def coverage(rows: Iterable[Row]) -> list[Coverage]:
     """Kernel × quantity × component, in the order of the rows."""
     groups: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:
-        groups.setdefault((row.kernel, row.quantity, row.component), []).append(row)
+        groups.setdefault((row.subject, row.quantity, row.component), []).append(row)
     return [
         Coverage(
-            kernel=kernel, quantity=quantity, component=component, word=worst(row.word for row in of),
+            subject=subject, quantity=quantity, component=component, word=worst(row.word for row in of),
             counts={word: sum(row.word == word for row in of) for word in WORDS},
             difference=largest(row.difference for row in of), uncertainty=largest(row.uncertainty for row in of),
         )
-        for (kernel, quantity, component), of in groups.items()
+        for (subject, quantity, component), of in groups.items()
     ]  # fmt: skip

@@ -136,7 +136,7 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
         profiles = _with_variables(case.profiles, numbers)
         cases.append(
             LawCase(
-                kernel=f"law-{key}",
+                subject=f"law-{key}",
                 name=name,
                 title=case.title,
                 parameters=given,

@@ -241,7 +241,7 @@ def layered_case(
         ),
     ]  # fmt: skip
     return LayeredCase(
-        kernel=KEY,
+        subject=KEY,
         name=name,
         parameters=parameters,
         quick=quick,

@@ -68,7 +68,7 @@ def plastic_case(
         "divisions": list(_DIVISIONS),
     }
     return PlasticCase(
-        kernel=KEY,
+        subject=KEY,
         name=name,
         title=words,
         parameters=parameters,

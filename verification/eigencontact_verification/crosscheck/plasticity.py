@@ -157,7 +157,7 @@ class PlasticCase(Case):
     def words(self) -> str:
         """What is solved, for the figures."""
         nu = f"ν = {self.parameters['poisson_ratio']:g}"
-        return f"{self.kernel}: {self.title}, {nu}, loaded and unloaded; {self.cells} cells to a contact radius"
+        return f"{self.subject}: {self.title}, {nu}, loaded and unloaded; {self.cells} cells to a contact radius"
 
 
 def _error_of_cells(

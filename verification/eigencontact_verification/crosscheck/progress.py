@@ -61,15 +61,16 @@ def print_report(report: Report, files: dict[str, Path]) -> None:
     from eigencontact_verification.crosscheck.judge import coverage
 
     console = Console(highlight=False)
-    table = Table("kernel", "quantity", "component", "verdict", "profiles", "u_FE", "|SA−FE|", box=None, pad_edge=False)
+    head = ("subject", "quantity", "component", "verdict", "profiles", "u_FE", "|SA−FE|")
+    table = Table(*head, box=None, pad_edge=False)
     for one in coverage(report.rows):
         numbers = ("–" if value is None else f"{100 * value:.2g} %" for value in (one.uncertainty, one.difference))
         agreed = f"{one.counts['agrees']}/{sum(one.counts.values())}"
-        table.add_row(one.kernel, one.quantity, one.component, one.word, agreed, *numbers)
+        table.add_row(one.subject, one.quantity, one.component, one.word, agreed, *numbers)
     print_table(table, console)
     for row in report.rows:
         if row.word != "agrees":
-            words = f"{row.word}: {row.kernel}/{row.case}, {row.profile}, {row.component}: {row.reason}"
+            words = f"{row.word}: {row.subject}/{row.case}, {row.profile}, {row.component}: {row.reason}"
             console.print(words, markup=False, soft_wrap=True)
     console.print(f"\n{totals(report)} {len(report.gaps)} known gaps.", markup=False, soft_wrap=True)
     console.print(f"report: {files['html'].resolve()}", markup=False, soft_wrap=True)

@@ -131,7 +131,7 @@ class Report:
 def _case_data(found: JudgedCase) -> dict[str, Any]:
     case = found.case
     return {
-        "kernel": case.kernel,
+        "subject": case.subject,
         "name": case.name,
         "quick": case.quick,
         "parameters": case.parameters,
@@ -182,7 +182,7 @@ def _curves(found: JudgedCase) -> dict[str, Any]:
 
 
 _COVERAGE_HEAD = (
-    "kernel",
+    "subject",
     "quantity",
     "component",
     "verdict",
@@ -195,7 +195,7 @@ _COVERAGE_HEAD = (
 def _coverage_cells(one: Coverage) -> tuple[str, ...]:
     agreed = f"{one.counts['agrees']} of {sum(one.counts.values())}"
     return (
-        one.kernel, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, percent(one.uncertainty),
+        one.subject, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, percent(one.uncertainty),
         percent(one.difference),
     )  # fmt: skip
 
@@ -225,7 +225,7 @@ def _task_cells(found: JudgedCase) -> list[tuple[str, ...]]:
 
 
 def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
-    gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
+    gaps = [(gap.subject, gap.what, gap.reason) for gap in report.gaps]
     lines = [
         "# Finite-element cross-check",
         "",
@@ -236,7 +236,7 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
     ]
     lines += ["## Coverage", "", markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))), ""]
     lines += ["## Not covered", ""]
-    lines += [markdown_table(("kernel", "what", "why"), gaps) if gaps else "Nothing is listed.", ""]
+    lines += [markdown_table(("subject", "what", "why"), gaps) if gaps else "Nothing is listed.", ""]
     if report.notes:
         lines += ["## Notes", "", *(f"- {note}" for note in report.notes), ""]
     lines += ["## Cases", ""]
@@ -252,13 +252,13 @@ def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
 
 
 def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
-    gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
+    gaps = [(gap.subject, gap.what, gap.reason) for gap in report.gaps]
     parts = [
         f"<p>{html.escape(totals(report))}</p>",
         f"<p>{html.escape(report.method.format(limit=percent(report.limit)))}</p><h2>Coverage</h2>",
         html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
         "<h2>Not covered</h2>",
-        html_table(("kernel", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",
+        html_table(("subject", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",
     ]
     if report.notes:
         parts.append(f"<h2>Notes</h2>{html_items(report.notes)}")

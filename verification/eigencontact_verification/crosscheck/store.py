@@ -87,7 +87,7 @@ def content_hash(case: Case, level: Level, outer: Outer) -> str:
     kind = type(case)
     for text in (kind.__module__, kind.__qualname__, _class_digest(kind), fem_digest(), *_plugin_versions()):
         digest.update(text.encode() + b"\0")
-    digest.update(f"{case.kernel} {case.ratio!r} {level} {outer}".encode())
+    digest.update(f"{case.subject} {case.ratio!r} {level} {outer}".encode())
     for profile in case.profiles:
         digest.update(f"{profile.name}\0{profile.quantity}\0{profile.components}".encode())
         digest.update(np.ascontiguousarray(profile.points).tobytes())

@@ -54,7 +54,7 @@ class RectangleCase(Case):
     @property
     def traction(self) -> tuple[float, float, float]:
         """Unit traction that acts on the body."""
-        x, y, z = (float(axis == TRACTIONS[self.kernel]) for axis in _AXES)
+        x, y, z = (float(axis == TRACTIONS[self.subject]) for axis in _AXES)
         return x, y, z
 
     def model(self, level: Level, *, reach: float) -> Model:
@@ -66,7 +66,7 @@ class RectangleCase(Case):
             poisson_ratio=given["poisson_ratio"],
             patches=(Patch(low=(-a, -b), high=(a, b), traction=self.traction),),
             reach=reach,
-            symmetry=planes_of([TRACTIONS[self.kernel]]),
+            symmetry=planes_of([TRACTIONS[self.subject]]),
             fine=given["fine"],
             growth=given["growth"],
             refine=given["refine"][level],
@@ -108,7 +108,7 @@ class RectangleCase(Case):
     def words(self) -> str:
         """What is solved, for the figures."""
         a, b = self.parameters["half_widths"]
-        what = "pressure p" if self.kernel == "pressure" else f"traction q along {TRACTIONS[self.kernel]}"
+        what = "pressure p" if self.subject == "pressure" else f"traction q along {TRACTIONS[self.subject]}"
         return f"uniform {what} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"
 
     def curve(self, profile: Profile) -> Curve:
@@ -169,7 +169,7 @@ def rectangle_case(
     )
     load = "p" if kernel == "pressure" else "q"
     return RectangleCase(
-        kernel=kernel,
+        subject=kernel,
         name=f"rectangle-nu-{round(100 * poisson_ratio):02d}",
         parameters=parameters,
         quick=quick,

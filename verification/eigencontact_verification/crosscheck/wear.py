@@ -211,7 +211,7 @@ class WearCase(Case):
     def words(self) -> str:
         """What is solved, for the figures."""
         nu = f"ν = {self.parameters['poisson_ratio']:g}"
-        return f"{self.kernel}: {self.title}, {nu}; {self.cells} cells to a contact radius"
+        return f"{self.subject}: {self.title}, {nu}; {self.cells} cells to a contact radius"
 
 
 def _case(
@@ -232,7 +232,7 @@ def _case(
         line("depth", "displacement", worn, "worn_depth", "a²/R"),
     )
     return WearCase(
-        kernel=KEY, name=name, title=title, quick=quick, profiles=profiles,
+        subject=KEY, name=name, title=title, quick=quick, profiles=profiles,
         parameters={"poisson_ratio": 0.3, **parameters},
     )  # fmt: skip
 

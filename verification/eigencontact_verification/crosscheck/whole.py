@@ -99,7 +99,7 @@ def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
     """Write mesh and field of the first case of each kernel that draws some; say what was written, or why not."""
     seen = set()
     for case in (found.case for found in judged):
-        if case.kernel in seen:
+        if case.subject in seen:
             continue
         try:
             files = case.pictures(_folder(case, folder))
@@ -107,7 +107,7 @@ def _pictures(judged: Sequence[JudgedCase], folder: Path) -> Iterator[str]:
             yield f"{case.key}: no pictures, {type(problem).__name__}: {' '.join(str(problem).split())}"
             continue
         if files:
-            seen.add(case.kernel)
+            seen.add(case.subject)
             names = ", ".join(file.name for file in files)
             yield f"{case.key}: mesh and field in {folder.name}/{_folder(case, folder).name}: {names}"
 
