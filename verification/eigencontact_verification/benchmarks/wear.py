@@ -96,14 +96,14 @@ def measure(code: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
     code.load()
     import eigencontact as ec
-    from eigencontact.execution.mechanics.mechanics import Mechanics
+    from eigencontact.execution.mechanics.mechanics import RunningMechanics
     from eigencontact.execution.wear.surface import WornSurface
     from eigencontact.results.store import ResultStore
 
     watched = _Watched(
-        solve=(Mechanics, "advance"),
+        solve=(RunningMechanics, "advance"),
         skip=(WornSurface, "begin"),
-        update=(WornSurface, "end"),
+        update=(WornSurface, "advance"),
         write=(ResultStore, "write_step"),
         join=(ResultStore, "finish"),
     )
