@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Gap, Profile
+from eigencontact_verification.crosscheck.case import Case, Gap, Profile
 
 LINE = np.linspace(0.0, 2.0, 15)
 POINTS = np.stack([LINE, 0.0 * LINE, 0.0 * LINE], axis=-1)
@@ -59,9 +59,9 @@ class Analytic(Case):
         return found
 
 
-def analytic(name, fault="", *, kernel="analytic", error=0.002, quick=True):
+def analytic(name, fault="", *, subject="analytic", error=0.002, quick=True):
     return Analytic(
-        kernel=kernel, name=name, parameters={"error": error, "fault": fault}, quick=quick,
+        subject=subject, name=name, parameters={"error": error, "fault": fault}, quick=quick,
         profiles=(DISPLACEMENT, STRESS), fault=fault,
     )  # fmt: skip
 
@@ -72,12 +72,12 @@ def kernels():
 
 def cases_of(kernel):
     if kernel == "other":
-        return (analytic("blunt", kernel="other", error=0.02),)
+        return (analytic("blunt", subject="other", error=0.02),)
     return (analytic("plain"), analytic("full", quick=False, error=0.001))
 
 
 def gaps():
-    return (Gap(kernel="other", what="stress inside", reason="the exact field is singular there"),)
+    return (Gap(subject="other", what="stress inside", reason="the exact field is singular there"),)
 
 
 def why_not(kernel):

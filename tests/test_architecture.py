@@ -25,6 +25,7 @@ FORBIDDEN = [
     ("eigencontact_verification/audit/shapes.py", "import eigencontact.solvers.normal", "an audit reads results"),
     ("eigencontact/execution/blocks/step.py", "import eigencontact.execution.run.driver", "rooms of the execution"),
     ("eigencontact/viz/worn.py", "import eigencontact.scene.schema", "pictures and reports are made from results"),
+    ("eigencontact_verification/reporting/page.py", "import eigencontact_verification.audit", "rooms of verification"),
     ("eigencontact/planning/plan.py", "import pluggy", "pluggy only in hooks"),
     ("eigencontact/execution/run/driver.py", "import matplotlib", "plotting libraries only in viz"),
 ]

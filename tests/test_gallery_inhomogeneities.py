@@ -6,8 +6,8 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
-from eigencontact_verification.benchmarks.memory import PeakMemory
 from eigencontact_verification.oracles import hertz
+from eigencontact_verification.reporting.memory import PeakMemory
 
 UM = 1e-6
 #: Contact radius [m] and peak pressure [Pa] of the sphere of 105 um on steel under 0.65 N.

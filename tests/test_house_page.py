@@ -75,7 +75,11 @@ def test_the_page_follows_three_scenes_and_counts_their_files():
 
 
 @pytest.mark.parametrize(
-    "folder", ["framework/eigencontact", "framework/eigencontact/execution", "plugins/eigencontact_plugins"]
+    "folder",
+    [
+        "framework/eigencontact", "framework/eigencontact/execution", "plugins/eigencontact_plugins",
+        "verification/eigencontact_verification",
+    ],
 )
 def test_the_map_has_one_line_for_each_room(folder):
     title = re.escape(f"`{folder}/`")

@@ -6,7 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.errors import SceneError
-from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.reporting.memory import PeakMemory
 
 E, NU, RADIUS, LOAD = 210e9, 0.3, 105e-6, 0.65
 MODULUS = E / (1 - NU**2)

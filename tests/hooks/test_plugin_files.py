@@ -15,11 +15,11 @@ from close import close
 from eigencontact.app import installed_plugins
 from eigencontact.errors import PluginError, ResultsError
 from eigencontact.reports.report import report
-from eigencontact_verification.campaign import cases
-from eigencontact_verification.campaign.command import _of_files
-from eigencontact_verification.campaign.store import content_hash
-from eigencontact_verification.campaign.worker import serve
-from eigencontact_verification.conformance.command import _example
+from eigencontact_verification.commands.check import _example
+from eigencontact_verification.commands.verify import _of_files
+from eigencontact_verification.crosscheck import cases
+from eigencontact_verification.crosscheck.store import content_hash
+from eigencontact_verification.crosscheck.worker import serve
 
 BOWL = '''
 from dataclasses import dataclass

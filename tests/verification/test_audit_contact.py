@@ -16,9 +16,9 @@ from eigencontact_verification.audit.contact_model import contact_model, pliancy
 from eigencontact_verification.audit.contact_scene import contact_scene
 from eigencontact_verification.audit.contact_table import main
 from eigencontact_verification.audit.shapes import NotJudged
-from eigencontact_verification.campaign.judge import judge
-from eigencontact_verification.campaign.run import Solved, tasks_of
-from eigencontact_verification.campaign.worker import Outcome
+from eigencontact_verification.crosscheck.judge import judge
+from eigencontact_verification.crosscheck.run import Solved, tasks_of
+from eigencontact_verification.crosscheck.worker import Outcome
 from eigencontact_verification.fem.yielding import solve_indentation
 from eigencontact_verification.oracles.coated_contact import coated_contact
 

@@ -11,16 +11,16 @@ import pytest
 
 import eigencontact as ec
 from eigencontact_verification.audit import cases_of, engines
-from eigencontact_verification.campaign.judge import judge
-from eigencontact_verification.campaign.run import run_campaign
-from eigencontact_verification.campaign.store import Store
-from eigencontact_verification.campaign.worker import perform
+from eigencontact_verification.crosscheck.judge import judge
+from eigencontact_verification.crosscheck.run import run_cases
+from eigencontact_verification.crosscheck.store import Store
+from eigencontact_verification.crosscheck.worker import perform
 
 
 def words(run, store):
     """Verdicts of the audit of a run."""
     cases, _ = cases_of(run)
-    solved = run_campaign(cases, Store(store), executor=lambda tasks: ((task, perform(task)) for task in tasks))
+    solved = run_cases(cases, Store(store), executor=lambda tasks: ((task, perform(task)) for task in tasks))
     rows = [row for one in solved for row in judge(one).rows]
     assert rows
     return {row.word for row in rows}

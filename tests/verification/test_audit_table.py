@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from eigencontact_verification.audit.table import SceneAudit, line_of, markdown_of
-from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.crosscheck.case import Gap
 
-SHALLOW = Gap(kernel="a", what="stress in 'section'", reason="above a depth of 1 m the steps are felt")
-UNSOLVED = Gap(kernel="a", what="step-1", reason="not solved: budget must be at least 2 unknowns")
-BODY = Gap(kernel="a", what="body 1", reason="it repeats")
-SURFACE = Gap(kernel="a", what="displacement of the surface", reason="one of the bodies cannot be judged")
+SHALLOW = Gap(subject="a", what="stress in 'section'", reason="above a depth of 1 m the steps are felt")
+UNSOLVED = Gap(subject="a", what="step-1", reason="not solved: budget must be at least 2 unknowns")
+BODY = Gap(subject="a", what="body 1", reason="it repeats")
+SURFACE = Gap(subject="a", what="displacement of the surface", reason="one of the bodies cannot be judged")
 
 
 @pytest.mark.parametrize(

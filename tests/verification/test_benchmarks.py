@@ -27,12 +27,12 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
 from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge, love_influence
-from eigencontact_verification.benchmarks.memory import PeakMemory
 from eigencontact_verification.benchmarks.process import run_fresh
 from eigencontact_verification.benchmarks.stress import axis_error, axis_stress, depths_of
-from eigencontact_verification.benchmarks.table import replace_section
 from eigencontact_verification.benchmarks.task import Task
 from eigencontact_verification.benchmarks.worker import perform
+from eigencontact_verification.reporting.memory import PeakMemory
+from eigencontact_verification.reporting.table import replace_section
 
 FAKE = """
 import os, time

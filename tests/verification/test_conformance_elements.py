@@ -9,9 +9,9 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.plugin import InclusionShape, Place
-from eigencontact_verification.campaign.inclusions import _CELL_RATIOS, _error_of_cells
 from eigencontact_verification.conformance import ConformanceError, checks_for, parametrize_with_checks
 from eigencontact_verification.conformance import finite_elements as kit
+from eigencontact_verification.crosscheck.inclusions import _CELL_RATIOS, _error_of_cells
 
 BALL = ec.make("sphere", kind="inclusion-shape", center=(0.3e-6, 0.0, 2e-6), radius=1e-6)
 

@@ -12,6 +12,7 @@ import pytest
 import eigencontact.cli
 from close import close
 from eigencontact import app
+from eigencontact.results.ownership import is_ours
 from eigencontact_verification.tradeoff.errors import errors, field_error
 from eigencontact_verification.tradeoff.fidelity import FIDELITIES
 from eigencontact_verification.tradeoff.figure import picture
@@ -28,7 +29,7 @@ COARSE = [*SMALL[:1], "grid.cells-per-contact-radius=4", "numerics.inclusion-pit
 @pytest.fixture
 def tradeoff(command, monkeypatch, tmp_path):
     """Run the command in a folder of its own, whatever is installed."""
-    entry = EntryPoint("tradeoff", "eigencontact_verification.tradeoff.command:tradeoff", eigencontact.cli.COMMANDS)
+    entry = EntryPoint("tradeoff", "eigencontact_verification.commands.tradeoff:tradeoff", eigencontact.cli.COMMANDS)
 
     def found(group, name=None):
         return [entry] if group == eigencontact.cli.COMMANDS and name in (None, "tradeoff") else []
@@ -377,6 +378,7 @@ def test_the_command(tradeoff, tmp_path, monkeypatch):
     assert outcome.code == 0, outcome.err
     assert "error: pressure field" in " ".join(outcome.out.split())
     assert "\n1  4 cells per contact" in outcome.out
+    assert all(map(is_ours, (tmp_path / "hertz-tradeoff").glob("tradeoff.*")))
     data = json.loads((tmp_path / "hertz-tradeoff" / "tradeoff.json").read_text())
     reference, scene, coarse = data["rows"]
     assert [reference["error"], reference["errors"]] == [None, {}]

@@ -1,8 +1,8 @@
 """Whose a file is: a run and ``plot`` replace only files that this package wrote.
 
 Everything that it writes says so: results and stored steps by their format, ``summary.json`` by the hash of its scene,
-pictures, animations and VTK files by the name of the package inside, reports by their generator, tables of sweeps by
-the names of their columns. Files of an earlier version that do not are known by the ``files`` of the summary beside
+pictures, animations and VTK files by the name of the package inside, reports in any format by their generator, tables
+by the names of their columns. Files of an earlier version that do not are known by the ``files`` of the summary beside
 them. Any other file is left alone, and what would have its name is refused before anything is computed.
 """
 
@@ -20,17 +20,20 @@ __all__ = ["REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "
 #: The results of a finished run, the steps of an unfinished one, the numbers of a run, and the page about it.
 RESULTS, STEPS, SUMMARY, REPORT = "results.nc", "steps", "summary.json", "report.html"
 _NAME = b"eigencontact"
-#: What marks text of ours, which may speak of us in others' files; of tables the last names of their first line.
-_MARKS = {
-    ".json": b'"scene_hash"', ".html": b'<meta name="generator" content="eigencontact ', ".csv": b",failed,warnings\n",
-}  # fmt: skip
+#: Marks of our text files; files of others, which may mention us, do not have them. Tables: the end of the first line.
+_MARKS: dict[str, tuple[bytes, ...]] = {
+    ".json": (b'"scene_hash"', b'"generator": "eigencontact '),
+    ".md": (b"<!-- generator: eigencontact ",),
+    ".html": (b'<meta name="generator" content="eigencontact ',),
+    ".csv": (b",failed,warnings\n", b",model_seconds,reference_seconds,reason\n"),
+}
 _BLOCK = 1 << 20
 
 
 def is_ours(path: Path) -> bool:
     """Whether this package wrote a file, damaged since or not."""
-    mark = _MARKS.get(path.suffix, _NAME)
-    return path.is_file() and (_holds(path, mark) or path.name in listed_files(path.parent))
+    marks = _MARKS.get(path.suffix, (_NAME,))
+    return path.is_file() and (any(_holds(path, mark) for mark in marks) or path.name in listed_files(path.parent))
 
 
 def listed_files(folder: Path) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from eigencontact_verification.audit.cases import AuditCase
     from eigencontact_verification.audit.contact_case import ContactCase
-    from eigencontact_verification.campaign.case import Gap
+    from eigencontact_verification.crosscheck.case import Gap
 
 __all__ = ["cases_of", "contact_cases_of"]
 

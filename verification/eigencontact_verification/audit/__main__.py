@@ -35,7 +35,7 @@ def main(
 ) -> None:
     """Solve scenes that are not solved yet, audit each, write the table; finished solutions are found again."""
     from eigencontact.scene.loader import bundled_names
-    from eigencontact_verification.benchmarks.table import check_section, replace_section
+    from eigencontact_verification.reporting.table import check_section, replace_section
 
     if markdown is not None:
         check_section(markdown, section, family="audit")
@@ -74,15 +74,15 @@ def _audit(name: str, run: Path, output: Path, workers: int, memory: float, *, q
     from eigencontact_verification.audit.cases import cases_of_step
     from eigencontact_verification.audit.checks import checked
     from eigencontact_verification.audit.stored import read_step
-    from eigencontact_verification.campaign.judge import judge
-    from eigencontact_verification.campaign.run import Limits, in_processes, run_campaign
-    from eigencontact_verification.campaign.store import Store
+    from eigencontact_verification.crosscheck.judge import judge
+    from eigencontact_verification.crosscheck.run import Limits, in_processes, run_cases
+    from eigencontact_verification.crosscheck.store import Store
 
     start = perf_counter()
     stored = read_step(run)
     cases, gaps = cases_of_step(stored, quick=quick)
     executor = partial(in_processes, workers=workers, limits=Limits(memory=memory * 1e9))
-    solved = run_campaign(cases, Store(output / "solutions"), executor=executor)
+    solved = run_cases(cases, Store(output / "solutions"), executor=executor)
     checks = checked(stored)
     judged = (*(judge(one) for one in solved), *((checks,) if checks.rows else ()))
     kept = any(outcome.cached for one in solved for _, outcome in one.outcomes)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.shapes import NotJudged, Part, moduli_of
-from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.fem.loaded_body import Cells, LoadedBody, Tractions
 from eigencontact_verification.fem.model import Layer, Region
 
@@ -87,7 +87,7 @@ def bodies_of_step(stored: StoredStep) -> tuple[tuple[AuditedBody, ...], list[Ga
         try:
             found.append(_body(stored, registry, number, solid, material, prescribed, inhomogeneities))
         except NotJudged as problem:
-            gaps.append(Gap(kernel=stored.name, what=f"body {number}", reason=str(problem)))
+            gaps.append(Gap(subject=stored.name, what=f"body {number}", reason=str(problem)))
     return tuple(found), gaps
 
 

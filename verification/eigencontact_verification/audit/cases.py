@@ -20,7 +20,7 @@ from eigencontact_verification.audit.lines import Line, middle_of, stress_lines,
 from eigencontact_verification.audit.loads import CAUSES, alone, effects
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
-from eigencontact_verification.campaign.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.loaded_body import LoadedBody
 
 if TYPE_CHECKING:
@@ -65,8 +65,8 @@ class AuditCase(Case):
         Planes of stress for pictures.
     """
 
-    #: Of a whole scene the field is judged, and a kernel's campaign its components: a displacement across the motion of
-    #: two hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
+    #: A whole scene is judged by its field, a kernel by each component: a displacement across the motion of two
+    #: hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
         *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous", "loads")),
@@ -128,7 +128,7 @@ class AuditCase(Case):
     def words(self) -> str:
         """What is compared, for the figures."""
         way = "of revolution" if self.engine == "revolution" else "of three dimensions"
-        return f"{self.kernel}, {self.name}: stored (semi-analytical) and finite elements {way} under its tractions"
+        return f"{self.subject}, {self.name}: stored (semi-analytical) and finite elements {way} under its tractions"
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Every stored plane of stress beside that of the medium mesh."""
@@ -259,13 +259,13 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
     above = surface_lines(stored, middle) if len(bodies) == deformable else []
     if len(bodies) < deformable and bodies:
         gaps.append(
-            Gap(kernel=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
+            Gap(subject=stored.name, what="displacement of the surface", reason="one of the bodies cannot be judged")
         )
     causes = _causes(stored, gaps)
     mixed = any(body.loaded.layers and (body.loaded.regions or body.loaded.cells) for body in bodies)
     if mixed and causes != CAUSES["full"]:
         reason = "inclusions answer all tractions and layers not, of which the elements know the sum alone"
-        gaps.append(Gap(kernel=stored.name, what="displacement of the surface", reason=reason))
+        gaps.append(Gap(subject=stored.name, what="displacement of the surface", reason=reason))
         above = []
     lines = (*above, *below)
     if not (lines and bodies):
@@ -273,7 +273,7 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
     try:
         case = _case(stored, bodies, lines, causes=causes, quick=quick)
     except ValueError as problem:
-        gaps.append(Gap(kernel=stored.name, what=f"step {stored.step}", reason=f"not solved: {problem}"))
+        gaps.append(Gap(subject=stored.name, what=f"step {stored.step}", reason=f"not solved: {problem}"))
         return (), tuple(gaps)
     return (replace(case, sections=sections_of(stored, bodies, middle)),), tuple(gaps)
 
@@ -294,7 +294,8 @@ def _causes(stored: StoredStep, gaps: list[Gap]) -> tuple[str, ...]:
         return CAUSES["full"]
     left = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
     left = f"u_x by shear along y, u_y by shear along x, {left}" if coupling == "none" else left
-    gaps.append(Gap(kernel=stored.name, what=left, reason=f'the scene leaves it out: numerics.coupling = "{coupling}"'))
+    reason = f'the scene leaves it out: numerics.coupling = "{coupling}"'
+    gaps.append(Gap(subject=stored.name, what=left, reason=reason))
     return CAUSES[coupling]
 
 
@@ -315,7 +316,7 @@ def _case(
     for body in loaded:
         known |= _known(body, lines, causes)
     return AuditCase(
-        kernel=stored.name,
+        subject=stored.name,
         name=f"step-{stored.step}",
         parameters={
             "step": stored.step,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer
-from eigencontact_verification.campaign.judge import JudgedCase, Row
+from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer
+from eigencontact_verification.crosscheck.judge import JudgedCase, Row
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,13 +44,13 @@ def checked(stored: StoredStep) -> JudgedCase:
     name = f"step-{stored.step}-checks"
     rows = tuple(
         Row(
-            kernel=stored.name, case=name, profile=profile, quantity="check", component=component,
+            subject=stored.name, case=name, profile=profile, quantity="check", component=component,
             word="agrees" if found <= allowed else "disagrees",
             reason=f"{found:.2g} of {allowed:.2g} allowed", difference=found, uncertainty=allowed,
         )
         for profile, component, found, allowed in _checks(stored)
     )  # fmt: skip
-    case = _Checks(kernel=stored.name, name=name, parameters={"step": stored.step}, quick=True, profiles=())
+    case = _Checks(subject=stored.name, name=name, parameters={"step": stored.step}, quick=True, profiles=())
     return JudgedCase(case=case, rows=rows, outcomes=(), judged={}, estimates={})
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from eigencontact_verification.audit.stored import StoredStep
-    from eigencontact_verification.campaign.judge import JudgedCase
+    from eigencontact_verification.crosscheck.judge import JudgedCase
 
 __all__ = ["gap_in_words"]
 
@@ -27,7 +27,7 @@ def gap_in_words(stored: StoredStep, judged: Iterable[JudgedCase]) -> list[str]:
         return []
     found: list[tuple[float, float, bool]] = []
     for one in judged:
-        if not isinstance(one.case, AuditCase) or one.case.kernel != stored.name:
+        if not isinstance(one.case, AuditCase) or one.case.subject != stored.name:
             continue
         for line in one.case.lines:
             estimate = one.estimates.get(line.profile.name)

@@ -1,4 +1,4 @@
-"""`eigencontact verify RESULTS`: cases of stored runs through the machinery of the campaign of kernels."""
+"""`eigencontact verify RESULTS`: cases of stored runs through the machinery of the cross-check of kernels."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eigencontact_verification.campaign.case import Case, Gap
-    from eigencontact_verification.campaign.report import Report
-    from eigencontact_verification.campaign.run import Executor
+    from eigencontact_verification.crosscheck.case import Case, Gap
+    from eigencontact_verification.crosscheck.report import Report
+    from eigencontact_verification.crosscheck.run import Executor
 
 __all__ = ["audit_results", "is_results"]
 
@@ -56,7 +56,7 @@ def audit_results(
     quick : bool
         Lighter meshes.
     pictures, show : bool
-        As for `campaign`.
+        As for `crosscheck`.
     contact : bool
         Beside that, solve each run whose contact is of revolution wholly by finite elements.
     """
@@ -65,7 +65,7 @@ def audit_results(
     from eigencontact_verification.audit.closing import gap_in_words
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.audit.stored import read_step
-    from eigencontact_verification.campaign.whole import campaign
+    from eigencontact_verification.crosscheck.whole import crosscheck
 
     runs = [read_step(path, step) for path in paths]
     names = [run.name for run in runs]
@@ -74,7 +74,7 @@ def audit_results(
         raise ValueError(f"RESULTS must be of scenes of different names (got {twice!r} twice); audit one at a time")
     found: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
     found += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
-    return campaign(
+    return crosscheck(
         [case for cases, _ in found for case in cases], [gap for _, gaps in found for gap in gaps], output,
         executor=executor, limit=limit, quick=quick, pictures=pictures, show=show,
         beside=tuple(one for one in map(checked, runs) if one.rows), method=_METHOD,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.contact_model import contact_model
-from eigencontact_verification.campaign.case import Case, Fields, Level, Outer, Profile, own_error
+from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ class ContactCase(Case):
 
     code: ClassVar[tuple[str, ...]] = (
         "eigencontact_verification.audit.contact_model",
-        "eigencontact_verification.campaign.plasticity:point_law",
-        "eigencontact_verification.campaign.plasticity:_curve",
+        "eigencontact_verification.crosscheck.plasticity:point_law",
+        "eigencontact_verification.crosscheck.plasticity:_curve",
         f"{__name__}:ContactCase.reference",
         f"{__name__}:_read",
     )
@@ -91,7 +91,7 @@ class ContactCase(Case):
     @property
     def words(self) -> str:
         """What is compared, for the figures."""
-        return f"{self.kernel}: stored (semi-analytical) and finite elements of the whole contact"
+        return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
 
 
 def _read(found: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:

@@ -9,7 +9,7 @@ from eigencontact_verification.audit.contact_lines import contact_lines, read_co
 from eigencontact_verification.audit.contact_model import junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.shapes import NotJudged
-from eigencontact_verification.campaign.case import Gap
+from eigencontact_verification.crosscheck.case import Gap
 
 __all__ = ["contact_cases_of"]
 
@@ -43,21 +43,21 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
         name = stored.name
         scene = contact_scene(stored.text, float(stored.radius[: stored.straight].max(initial=0.0)))
     except NotJudged as problem:
-        return (), (Gap(kernel=name, what="whole contact", reason=str(problem)),)
+        return (), (Gap(subject=name, what="whole contact", reason=str(problem)),)
     if not stored.load[: stored.straight].max(initial=0.0) > 0:
         alone = "none of its steps has a load along the axis alone"
-        return (), (Gap(kernel=name, what="whole contact", reason=alone),)
-    gaps = [Gap(kernel=name, what="whole contact: sides", reason=note) for note in scene.notes]
+        return (), (Gap(subject=name, what="whole contact", reason=alone),)
+    gaps = [Gap(subject=name, what="whole contact: sides", reason=note) for note in scene.notes]
     if stored.straight < len(stored.load):
         rest = f"step {stored.straight + 1} and those after it have shear or a moment"
-        gaps.append(Gap(kernel=name, what="whole contact: later steps", reason=rest))
+        gaps.append(Gap(subject=name, what="whole contact: later steps", reason=rest))
     a = float(stored.radius[: stored.straight].max())
     lines = contact_lines(folder, stored, scene)
     if scene.cells and not any(line.kind == "stress" for line in lines):
         none = "it stores no five points of stress near the axis in the middles of cells, between which it steps"
-        gaps.append(Gap(kernel=name, what="whole contact: stress", reason=none))
+        gaps.append(Gap(subject=name, what="whole contact: stress", reason=none))
     case = ContactCase(
-        kernel=name,
+        subject=name,
         name="contact",
         parameters={
             **scene.numbers(),

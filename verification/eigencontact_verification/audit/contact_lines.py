@@ -13,8 +13,8 @@ The run's own error is added to that of the elements:
   24th of the second difference along each edge: an eighth, for three edges, of the second difference between
   neighbouring cells; where cells cut a boundary, of an inclusion, also half a cell's change of what differs from the
   homogeneous body. What yields has no boundary that cells cut, and its error was seen to fall in second order
-  (`campaign.plasticity`): there it is the same eighth of what differs, over a cell of the body, and not less than half
-  of the largest on the row;
+  (`crosscheck.plasticity`): there it is the same eighth of what differs, over a cell of the body, and not less than
+  half of the largest on the row;
 - *print*: where something is cut into cells, half of a cell's change, and not less than half of the largest on the row;
 - *stress*: the same along depth, of what differs from a homogeneous body under the stored pressure, not less than half
   of the largest on the line (of both components, where nothing is cut), and the median of the pressure's under load.
@@ -35,7 +35,7 @@ from eigencontact_verification.audit.contact_case import ContactLine
 from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.stored import read_step
-from eigencontact_verification.campaign.case import Profile
+from eigencontact_verification.crosscheck.case import Profile
 from eigencontact_verification.fem.loaded_body import Tractions
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.campaign.case import Outer
-from eigencontact_verification.campaign.plasticity import point_law
+from eigencontact_verification.crosscheck.case import Outer
+from eigencontact_verification.crosscheck.plasticity import point_law
 from eigencontact_verification.fem.yielding import Indentation, YieldingRegion
 
 __all__ = ["contact_model", "junctions", "pliancy"]

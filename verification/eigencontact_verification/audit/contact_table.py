@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eigencontact_verification.campaign.judge import JudgedCase
+    from eigencontact_verification.crosscheck.judge import JudgedCase
 
 __all__ = ["main", "row_of"]
 
@@ -28,7 +28,7 @@ def row_of(one: JudgedCase) -> dict[str, Any]:
     """Line of the table: verdicts, largest difference by kind, effort."""
     words = [row.word for row in one.rows]
     found: dict[str, Any] = {
-        "scene": one.case.kernel,
+        "scene": one.case.subject,
         "verdicts": f"{words.count('agrees')} / {words.count('inconclusive')} / {words.count('disagrees')}",
         "seconds": sum(outcome.seconds for task, outcome in one.outcomes if task.level is not None),
         "memory": max((outcome.memory or 0 for _, outcome in one.outcomes), default=0),
@@ -43,7 +43,7 @@ def row_of(one: JudgedCase) -> dict[str, Any]:
 
 
 def _rank(row: Any) -> int:
-    from eigencontact_verification.campaign.judge import WORDS
+    from eigencontact_verification.reporting.verdict import WORDS
 
     return WORDS.index(row.word)
 
@@ -51,12 +51,12 @@ def _rank(row: Any) -> int:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 1 where something disagrees or failed."""
     from eigencontact_verification.audit.contact_cases import contact_cases_of
-    from eigencontact_verification.benchmarks.machine import describe, facts
-    from eigencontact_verification.benchmarks.table import Column, check_section, replace_section, table
-    from eigencontact_verification.campaign.judge import judge
-    from eigencontact_verification.campaign.progress import Bar
-    from eigencontact_verification.campaign.run import in_processes, run_campaign
-    from eigencontact_verification.campaign.store import Store
+    from eigencontact_verification.crosscheck.judge import judge
+    from eigencontact_verification.crosscheck.progress import Bar
+    from eigencontact_verification.crosscheck.run import in_processes, run_cases
+    from eigencontact_verification.crosscheck.store import Store
+    from eigencontact_verification.reporting.machine import describe, facts
+    from eigencontact_verification.reporting.table import Column, check_section, replace_section, table
 
     parser = argparse.ArgumentParser(
         prog="python -m eigencontact_verification.audit.contact_table", description=__doc__
@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     cases = [case for cases, _ in found for case in cases]
     with Bar(show=sys.stderr.isatty()) as bar:
         store = Store(given.output / "solutions")
-        solved = run_campaign(cases, store, executor=partial(in_processes, workers=given.workers), progress=bar)
+        solved = run_cases(cases, store, executor=partial(in_processes, workers=given.workers), progress=bar)
     judged = [judge(one) for one in solved]
     columns = [
         Column("scene", "scene"),
@@ -84,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ]
     text = table([row_of(one) for one in judged], columns)
     notes = [f"- {row.case}, {row.profile}, {row.component}: {row.word}, {row.reason}" for row in _open(judged)]
-    gaps = [f"- {gap.kernel}: {gap.reason}." for _, gaps in found for gap in gaps]
+    gaps = [f"- {gap.subject}: {gap.reason}." for _, gaps in found for gap in gaps]
     parts = [text, *(["Not agreed:", "\n".join(notes)] if notes else [])]
     parts += [*(["Left out, or taken otherwise:", "\n".join(gaps)] if gaps else []), f"{describe(facts())}."]
     whole = "\n\n".join(parts)
@@ -98,7 +98,7 @@ def _open(judged: Sequence[JudgedCase]) -> list[Any]:
     """Rows without agreement, each with the scene in place of its case."""
     from dataclasses import replace
 
-    return [replace(row, case=row.kernel) for one in judged for row in one.rows if row.word != "agrees"]
+    return [replace(row, case=row.subject) for one in judged for row in one.rows if row.word != "agrees"]
 
 
 if __name__ == "__main__":

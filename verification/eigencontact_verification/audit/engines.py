@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.audit.loads import less, smoothed
-from eigencontact_verification.campaign.case import Level, Outer
+from eigencontact_verification.crosscheck.case import Level, Outer
 from eigencontact_verification.fem.loaded_body import LoadedBody, Tractions
 from eigencontact_verification.fem.loaded_parity import parities
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.bodies import AuditedBody
 from eigencontact_verification.audit.stored import StoredRegion, StoredStep
-from eigencontact_verification.campaign.case import Gap, Profile
+from eigencontact_verification.crosscheck.case import Gap, Profile
 
 __all__ = ["Line", "Middle", "judged_points", "middle_of", "stress_lines", "surface_lines"]
 
@@ -150,13 +150,13 @@ def stress_lines(
     lines, gaps = [], []
     numbers = {body.number: body for body in bodies}
     if not stored.regions:
-        gaps.append(Gap(kernel=stored.name, what="stress", reason="the scene stores no region of stress"))
+        gaps.append(Gap(subject=stored.name, what="stress", reason="the scene stores no region of stress"))
     for region in stored.regions:
         if region.body not in numbers:
             continue  # a gap says why there is no such body
         body = numbers[region.body]
         fit, lost = judged_points(stored, region, body, middle)
-        gaps += [Gap(kernel=stored.name, what=f"stress in '{region.name}'", reason=text) for text in lost]
+        gaps += [Gap(subject=stored.name, what=f"stress in '{region.name}'", reason=text) for text in lost]
         strained = _strained(body, region.points)
         ways = [(way, part) for way in _through(region, body, middle) for part in (False, True)]
         for (words, whole, abscissa, label), part in ways:

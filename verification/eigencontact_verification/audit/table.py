@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any
 
 from eigencontact_verification.audit.cases import AuditCase
-from eigencontact_verification.campaign.case import Gap
-from eigencontact_verification.campaign.judge import WORDS, JudgedCase, Row
+from eigencontact_verification.crosscheck.case import Gap
+from eigencontact_verification.crosscheck.judge import JudgedCase, Row
+from eigencontact_verification.reporting.page import markdown_table, measured
+from eigencontact_verification.reporting.verdict import WORDS
 
 __all__ = ["ENOUGH", "SceneAudit", "line_of", "markdown_of"]
 
@@ -132,8 +133,6 @@ def line_of(one: SceneAudit) -> dict[str, Any]:
 
 def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
     """Sentences and two tables, for a page, of what `line_of` says of runs."""
-    from eigencontact_verification.benchmarks.machine import describe, facts
-
     words = Counter(line["word"] for line in lines)
     verdicts: Counter[str] = Counter()
     for line in lines:
@@ -146,12 +145,10 @@ def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
         f"inconclusive, {verdicts['disagrees']} disagree, {verdicts['failed']} failed. {checks} checks without "
         f"elements: {hold} hold."
     )
-    measured = f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}."
-    return "\n\n".join([said, _table(_VERDICTS, lines), "Meshes and cost:", _table(_EFFORT, lines), measured])
+    return "\n\n".join([said, _table(_VERDICTS, lines), "Meshes and cost:", _table(_EFFORT, lines), measured()])
 
 
 def _table(names: Sequence[str], lines: Sequence[dict[str, Any]]) -> str:
     """Some columns of the lines."""
     columns = [_HEAD.index(name) for name in names]
-    rows = [[line["cells"][at].replace("|", "\\|") for at in columns] for line in lines]
-    return "\n".join("| " + " | ".join(row) + " |" for row in [list(names), ["---"] * len(names), *rows])
+    return markdown_table(names, ([line["cells"][at] for at in columns] for line in lines))

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 from eigencontact_verification.benchmarks.campaign import Campaign, run_campaign
 from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 from eigencontact_verification.benchmarks.codes import CODES
-from eigencontact_verification.benchmarks.machine import describe, facts
 from eigencontact_verification.benchmarks.process import run_fresh
-from eigencontact_verification.benchmarks.table import replace_section, table
 from eigencontact_verification.benchmarks.task import Sample, Task
+from eigencontact_verification.reporting.machine import describe, facts
+from eigencontact_verification.reporting.table import replace_section, table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,8 +14,8 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from eigencontact_verification.benchmarks.clock import timed
-from eigencontact_verification.benchmarks.memory import PeakMemory
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.reporting.memory import PeakMemory
+from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code

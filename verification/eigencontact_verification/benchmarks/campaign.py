@@ -11,8 +11,8 @@ from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from eigencontact_verification.benchmarks.table import Row
     from eigencontact_verification.benchmarks.task import Sample, Task
+    from eigencontact_verification.reporting.table import Row
 
 __all__ = ["Campaign", "run_campaign"]
 

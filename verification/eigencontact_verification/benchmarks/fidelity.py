@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.table import Column
+from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -136,7 +136,7 @@ def _of_gathering(count: int, summary: str) -> dict[tuple[str, str], float]:
 
 def written(costs: Sequence[Cost], workers: int) -> str:
     """Costs as a table of Markdown, with the machine."""
-    from eigencontact_verification.benchmarks.machine import describe, facts
+    from eigencontact_verification.reporting.machine import describe, facts
 
     counts = sorted(costs[0].values)
     head = [
@@ -157,7 +157,7 @@ def written(costs: Sequence[Cost], workers: int) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, print, and write where wanted."""
-    from eigencontact_verification.benchmarks.table import check_section, replace_section
+    from eigencontact_verification.reporting.table import check_section, replace_section
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--variants", type=int, nargs=2, default=(2000, 20000), help="two numbers of variants")

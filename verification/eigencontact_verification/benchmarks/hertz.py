@@ -16,7 +16,7 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, one
 from eigencontact_verification.benchmarks.clock import sample
 from eigencontact_verification.benchmarks.codes import PEERS
 from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code, Solution

@@ -18,7 +18,7 @@ import numpy as np
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.clock import timed
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.table import Column
+from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task

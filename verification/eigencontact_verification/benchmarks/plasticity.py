@@ -19,8 +19,8 @@ import numpy as np
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.clock import timed
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.memory import PeakMemory
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.reporting.memory import PeakMemory
+from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, once
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.table import Column
+from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial, once, one_and_all
 from eigencontact_verification.benchmarks.measure import HertzProblem
-from eigencontact_verification.benchmarks.table import Column
+from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code

@@ -20,7 +20,7 @@ from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
 from eigencontact_verification.benchmarks.clock import sample, timed
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.benchmarks.sliding import ShearConvolution, SlidingProblem, judge_sliding
-from eigencontact_verification.benchmarks.table import Column, Row
+from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.task import Sample, Task

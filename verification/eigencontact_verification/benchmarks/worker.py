@@ -11,8 +11,8 @@ from pathlib import Path
 
 from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 from eigencontact_verification.benchmarks.codes import find_code
-from eigencontact_verification.benchmarks.machine import installed
 from eigencontact_verification.benchmarks.task import Sample, Task
+from eigencontact_verification.reporting.machine import installed
 
 __all__ = ["main", "perform"]
 

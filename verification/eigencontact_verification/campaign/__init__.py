@@ -1,1 +1,1 @@
-"""Campaign: every kernel against a finite-element model whose own error is known."""
+"""Campaigns over parameters: where in the space of parameters a model is as good as its file says, and where not."""

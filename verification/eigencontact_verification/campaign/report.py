@@ -1,343 +1,219 @@
-"""Report of a campaign: report.json with everything, report.md and report.html to read."""
+"""Report of a campaign: the map, every verdict, and what both sides cost; JSON, Markdown and one HTML page."""
 
 from __future__ import annotations
 
-import base64
 import html
-import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from eigencontact.core.units import time_in_words
+from eigencontact_verification.campaign.answer import answers, totals
+from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_of, levels_of, quantities_of
+from eigencontact_verification.campaign.tables import csv_table, latex_table
+from eigencontact_verification.reporting.files import report_names, write_report_files, write_text
+from eigencontact_verification.reporting.page import (
+    gigabytes,
+    html_items,
+    html_page,
+    html_picture,
+    html_table,
+    markdown_table,
+    measured,
+)
+from eigencontact_verification.reporting.verdict import MARKS, percent
+from eigencontact_verification.studies.run import source_in_words
+from eigencontact_verification.studies.study import plain
 
-from eigencontact_verification.campaign.brief import MARKS, totals
-from eigencontact_verification.campaign.case import Gap
-from eigencontact_verification.campaign.figures import draw
-from eigencontact_verification.campaign.judge import WORDS, Coverage, JudgedCase, Row, coverage
+if TYPE_CHECKING:
+    from eigencontact_verification.campaign.campaign import Campaign
+    from eigencontact_verification.campaign.finding import Judged
 
-__all__ = ["Report", "write_report"]
+__all__ = ["FILES", "MapReport", "as_section", "write_map"]
 
 _METHOD = (
-    "Each kernel is compared with a finite-element model that shares no code with it. The model's own uncertainty, "
-    "u_FE, is the sum of a grid convergence index (three meshes) and half the distance of fixed and free outer faces. "
-    "A component agrees if |SA − FE| ≤ u_FE at every point of a profile and u_FE is at most {limit} of the field's "
-    "largest value there; it disagrees if the difference exceeds u_FE anywhere; otherwise it is inconclusive, which is "
-    "no agreement. Differences and uncertainties below are parts of the field's largest value. For wear, rings of "
-    "uniform pressure stand for the finite elements, in three divisions of space and time."
+    "Errors are largest differences on what is compared, as parts of the scale of the quantity; after ± stands the "
+    "reference's own uncertainty, from three refinements. A point agrees where error and uncertainty together are "
+    "within the tolerance, disagrees where the error is beyond it even less the uncertainty, and is inconclusive "
+    "between, which is no agreement. Disagreement outside of what is claimed is a finding; inside it is a fault."
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Report:
+_TRADE_METHOD = (
+    "Times are wall times when each was computed, those of the reference of its finest solution and of all solutions "
+    "that its own error needs; memory is the peak of the process, which of several runs in one is that of the largest."
+)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MapReport:
     """What a campaign found.
 
     Attributes
     ----------
-    cases : tuple of JudgedCase
-    gaps : tuple of Gap
-        What no case covers.
-    limit : float
-        Largest u_FE that allows agreement, as a part of the field.
-    quick : bool
-        Whether only the quick cases were run.
+    campaign : Campaign
+    found : tuple of Judged
+    coarse : bool
+        Whether it was a first look.
     seconds : float
-        Wall time of the campaign.
-    notes : tuple of str
-        Anything else that a reader has to know: pictures that could not be made.
-    pictures : dict of str to tuple of Path
-        Mesh and field of some cases, by key; in the folder of the report.
-    method : str
-        How verdicts are found, with ``{limit}`` in place of the limit.
+        Wall time.
     """
 
-    cases: tuple[JudgedCase, ...]
-    gaps: tuple[Gap, ...] = ()
-    limit: float = 0.02
-    quick: bool = False
+    campaign: Campaign
+    found: tuple[Judged, ...]
+    coarse: bool = False
     seconds: float = 0.0
-    notes: tuple[str, ...] = ()
-    pictures: dict[str, tuple[Path, ...]] = field(default_factory=dict)
-    method: str = _METHOD
-
-    @property
-    def rows(self) -> tuple[Row, ...]:
-        """Verdicts of all cases."""
-        return tuple(row for case in self.cases for row in case.rows)
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of verdicts by word."""
-        return {word: sum(row.word == word for row in self.rows) for word in WORDS}
-
-    @property
-    def inconclusive(self) -> float:
-        """Part of the verdicts that is inconclusive, 0 to 1."""
-        return self.counts["inconclusive"] / max(1, len(self.rows))
-
-    @property
-    def solves(self) -> tuple[tuple[float, int | None], ...]:
-        """Wall time [s] and peak memory [byte] of each finite-element solution that was tried."""
-        return tuple(
-            (outcome.seconds, outcome.memory)
-            for case in self.cases
-            for task, outcome in case.outcomes
-            if task.level is not None and outcome.seconds is not None
-        )
-
-    @property
-    def computed(self) -> bool:
-        """Whether any of them was computed by this campaign: the others were found in the store."""
-        outcomes = (outcome for case in self.cases for task, outcome in case.outcomes if task.level is not None)
-        return any(not outcome.cached for outcome in outcomes)
 
     @property
     def exit_code(self) -> int:
-        """0 unless something disagrees or could not be solved."""
-        return 1 if self.counts["disagrees"] or self.counts["failed"] else 0
+        """0 unless something disagrees, or has no numbers, where agreement is claimed; or has none anywhere."""
+        broken = any(one.breaks_claim for one in self.found)
+        return 1 if broken or all(one.word == "failed" for one in self.found) else 0
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the curves, for JSON."""
-        from eigencontact_verification.benchmarks.machine import facts
+        """Everything, for JSON."""
+        from eigencontact_verification.reporting.machine import facts
 
         return {
-            "made": datetime.now(UTC).isoformat(timespec="seconds"),
-            "machine": facts(),
-            "quick": self.quick,
-            "limit": self.limit,
-            "seconds": self.seconds,
-            "counts": self.counts,
-            "inconclusive": self.inconclusive,
-            "longest_solve_seconds": max((seconds for seconds, _ in self.solves), default=None),
-            "largest_solve_bytes": max((memory for _, memory in self.solves if memory is not None), default=None),
+            "campaign": self.campaign.name, "title": self.campaign.title, "judge": self.campaign.judge,
+            "made": datetime.now(UTC).isoformat(timespec="seconds"), "machine": facts(), "coarse": self.coarse,
+            "seconds": self.seconds, "tolerance": self.campaign.tolerance, "expect": self.campaign.expect,
+            "summary": totals(self.campaign, self.found), "answers": answers(self.campaign, self.found),
             "exit_code": self.exit_code,
-            "coverage": [asdict(one) for one in coverage(self.rows)],
-            "not_covered": [asdict(gap) for gap in self.gaps],
-            "notes": list(self.notes),
-            "cases": [_case_data(case) for case in self.cases],
-        }
-
-
-def _case_data(found: JudgedCase) -> dict[str, Any]:
-    case = found.case
-    return {
-        "kernel": case.kernel,
-        "name": case.name,
-        "quick": case.quick,
-        "parameters": case.parameters,
-        "verdict": found.word,
-        "tasks": [
-            {
-                "task": task.label,
-                "status": outcome.status,
-                "reason": outcome.reason,
-                "seconds": outcome.seconds,
-                "peak_memory_bytes": outcome.memory,
-                "cached": outcome.cached,
-            }
-            for task, outcome in found.outcomes
-        ],
-        "rows": [asdict(row) for row in found.rows],
-    }
-
-
-def _curves(found: JudgedCase) -> dict[str, Any]:
-    """Numbers behind the figure of a case; what is not finite becomes null."""
-
-    def numbers(values: Any) -> Any:
-        if values is None:
-            return None
-        shown = np.asarray(values).astype(object)
-        shown[~np.isfinite(values)] = None
-        return shown.tolist()
-
-    curves = {}
-    for profile in found.case.profiles:
-        reference = found.estimates.get(profile.name)
-        curves[profile.name] = {
-            "quantity": profile.quantity,
-            "unit": profile.unit,
-            "components": list(profile.components),
-            "label": profile.label,
-            "along": profile.along.tolist(),
-            "points": profile.points.tolist(),
-            "semi_analytical": numbers(found.judged.get(profile.name)),
-            "finite_elements": numbers(reference.value) if reference else None,
-            "uncertainty": numbers(reference.uncertainty) if reference else None,
-        }
-    return curves
+            "points": [
+                {
+                    "label": one.point.label, "values": dict(one.point.values),
+                    "verdict": one.word, "findings": [asdict(finding) for finding in one.findings],
+                    "model_seconds": one.point.model.seconds, "model_memory_bytes": one.point.model.memory,
+                    "reference_seconds": one.reference_seconds, "reference_seconds_all": one.all_seconds,
+                    "reference_memory_bytes": one.reference_memory,
+                    "not_judged": list(one.gaps),
+                    "warnings": [said["code"] for said in (one.point.model.summary or {}).get("warnings", ())],
+                }
+                for one in self.found
+            ],
+        }  # fmt: skip
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
 
-
-def _percent(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:.2g} %"
-
-
-def _gigabytes(value: int | None) -> str:
-    return "–" if value is None else f"{value / 1e9:.2f} GB"
+_HEAD = ("point", "claimed", "quantity", "verdict", "error", "u_ref", "tolerance", "why")
+_TRADE = ("point", "largest error", "model", "reference", "with its own error", "memory: model", "reference")
 
 
-_COVERAGE_HEAD = (
-    "kernel",
-    "quantity",
-    "component",
-    "verdict",
-    "profiles that agree",
-    "largest u_FE",
-    "largest |SA−FE|",
-)
+def _rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+    for one in found:
+        for finding in one.findings:
+            yield (
+                one.point.label, "yes" if finding.claimed else "no", finding.quantity,
+                f"{MARKS[finding.word]} {finding.word}", percent(finding.error), percent(finding.uncertainty),
+                percent(finding.tolerance), finding.reason,
+            )  # fmt: skip
 
 
-def _coverage_cells(one: Coverage) -> tuple[str, ...]:
-    agreed = f"{one.counts['agrees']} of {sum(one.counts.values())}"
-    return (
-        one.kernel, one.quantity, one.component, f"{MARKS[one.word]} {one.word}", agreed, _percent(one.uncertainty),
-        _percent(one.difference),
-    )  # fmt: skip
+def _trade_rows(found: Sequence[Judged]) -> Iterable[tuple[str, ...]]:
+    for one in found:
+        model = one.point.model
+        yield (
+            one.point.label, percent(one.error), _time(model.seconds), _time(one.reference_seconds),
+            _time(one.all_seconds), gigabytes(model.memory), gigabytes(one.reference_memory),
+        )  # fmt: skip
 
 
-_ROW_HEAD = ("profile", "component", "verdict", "u_FE", "mesh", "truncation", "|SA−FE|", "order", "why")
+def _time(value: float | None) -> str:
+    return "–" if value is None else time_in_words(value)
 
 
-def _row_cells(row: Row) -> tuple[str, ...]:
-    order = "–" if row.order is None else f"{row.order:.2f}" + ("" if row.credible else " (not credible)")
-    return (
-        row.profile, row.component, f"{MARKS[row.word]} {row.word}", _percent(row.uncertainty),
-        _percent(row.discretisation), _percent(row.truncation), _percent(row.difference), order, row.reason,
-    )  # fmt: skip
+def _maps(report: MapReport) -> list[str]:
+    """Map of each quantity as a table; none where there are not two parameters."""
+    x, y, others = axes_of_map(report.campaign, report.found)
+    if y is None or others:
+        return []
+    across, up = levels_of(report.found, x), levels_of(report.found, y)
+    rows_and_columns = f"Rows are {label_of(report.campaign, y)}, columns {label_of(report.campaign, x)}"
+    parts = [f"{rows_and_columns}; what stands in parentheses is not claimed."]
+    for name in quantities_of(report.campaign, report.found):
+        cells = {}
+        for one in report.found:
+            for finding in one.findings:
+                if finding.quantity == name:
+                    words = f"{MARKS[finding.word]} {percent(finding.error)} ± {percent(finding.uncertainty)}"
+                    key = one.point.values[y], one.point.values[x]
+                    cells[key] = words if finding.claimed else f"({words})"
+        rows = [[plain(row), *(cells.get((row, column), "–") for column in across)] for row in reversed(up)]
+        parts.append(markdown_table([name, *map(plain, across)], rows))
+    return parts
 
 
-_TASK_HEAD = ("solution", "status", "time", "peak memory")
+def _gaps(report: MapReport) -> list[str]:
+    """What cannot be judged, each reason once, with the number of points that have it."""
+    told = [gap for one in report.found for gap in dict.fromkeys(one.gaps)]
+    return [f"{gap} ({told.count(gap)} of {len(report.found)} points)" for gap in dict.fromkeys(told)]
 
 
-def _task_cells(found: JudgedCase) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = []
-    for task, outcome in found.outcomes:
-        status = f"{outcome.status} (from the store)" if outcome.cached else outcome.status
-        said = f"{status}: {outcome.reason}" if outcome.reason else status
-        seconds = "–" if outcome.seconds is None else f"{outcome.seconds:.2f} s"
-        rows.append((task.label, said, seconds, _gigabytes(outcome.memory)))
-    return rows
+def _told(report: MapReport) -> list[str]:
+    campaign = report.campaign
+    words = [totals(campaign, report.found)]
+    if campaign.trend:
+        words.append(campaign.trend)
+    words += [f"After {source_in_words(one)}." for one in campaign.sources]
+    return words
 
 
-def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    def line(cells: Sequence[str]) -> str:
-        return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
-
-    return [line(head), "|" + "---|" * len(head), *(line(row) for row in rows), ""]
-
-
-def _markdown(report: Report, folder: Path, pictures: dict[str, str]) -> str:
-    gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
-    lines = [
-        "# Finite-element cross-check",
-        "",
-        totals(report),
-        "",
-        report.method.format(limit=_percent(report.limit)),
-        "",
-    ]
-    lines += ["## Coverage", "", *_markdown_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows)))]
-    lines += ["## Not covered", ""]
-    lines += _markdown_table(("kernel", "what", "why"), gaps) if gaps else ["Nothing is listed.", ""]
-    if report.notes:
-        lines += ["## Notes", "", *(f"- {note}" for note in report.notes), ""]
-    lines += ["## Cases", ""]
-    for found in report.cases:
-        lines += [f"### {found.case.key}: {found.word}", ""]
-        if found.case.key in pictures:
-            lines += [f"![{found.case.key}]({pictures[found.case.key]})", ""]
-        for file in report.pictures.get(found.case.key, ()):
-            lines += [f"![{found.case.key}, {file.stem}]({file.relative_to(folder).as_posix()})", ""]
-        lines += _markdown_table(_ROW_HEAD, map(_row_cells, found.rows))
-        lines += _markdown_table(_TASK_HEAD, _task_cells(found))
-    return "\n".join(lines)
+def as_section(report: MapReport, *, trade: bool = False) -> str:
+    """Markdown between the markers of a page: sentences, what agrees from where on, one table; not the whole report."""
+    campaign = report.campaign
+    parts = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
+    parts += _told(report)
+    said = answers(campaign, report.found)
+    if said:
+        parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    if trade:
+        parts += [markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
+    else:
+        parts += _maps(report) or [markdown_table(_HEAD[:-1], (row[:-1] for row in _rows(report.found)))]
+    return "\n\n".join([*parts, measured("Computed")]) + "\n"
 
 
-_STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; }
-table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }
-th { border-bottom: 2px solid #888; }
-.agrees { color: #005a8c; } .inconclusive { color: #7a5200; } .failed, .disagrees { color: #b33c00; font-weight: 600; }
-summary { cursor: pointer; padding: 0.2rem 0; } img { max-width: 100%; }
-"""
+def _markdown(report: MapReport) -> str:
+    parts = [f"# {report.campaign.title}", *_told(report), _METHOD, "![map](map.png)"]
+    said = answers(report.campaign, report.found)
+    if said:
+        parts.append("\n".join([said[0], "", *(f"- {line}" for line in said[1:])]))
+    parts += ["## Verdicts", markdown_table(_HEAD, _rows(report.found))]
+    if gaps := _gaps(report):
+        parts += ["## Not judged", "\n".join(f"- {gap}" for gap in gaps)]
+    parts += ["## What both cost", markdown_table(_TRADE, _trade_rows(report.found)), _TRADE_METHOD]
+    parts.append(measured("Computed"))
+    return "\n\n".join(parts) + "\n"
 
 
-def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    def cell(text: str) -> str:
-        word = text.partition(" ")[2]
-        mark = f' class="{word}"' if word in WORDS else ""
-        return f"<td{mark}>{html.escape(text)}</td>"
-
-    top = "".join(f"<th>{html.escape(text)}</th>" for text in head)
-    body = "".join("<tr>" + "".join(map(cell, row)) + "</tr>\n" for row in rows)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>\n{body}</tbody></table>\n"
-
-
-def _html_picture(file: Path, text: str) -> str:
-    data = base64.b64encode(file.read_bytes()).decode("ascii")
-    return f"<img loading='lazy' alt='{html.escape(text)}' src='data:image/png;base64,{data}'>"
+def _html(report: MapReport, picture: Path) -> str:
+    parts = [f"<p>{html.escape(words)}</p>" for words in (*_told(report), _METHOD)]
+    parts.append(html_picture(picture, f"map of {report.campaign.title}"))
+    said = answers(report.campaign, report.found)
+    if said:
+        parts.append(f"<p>{html.escape(said[0])}</p>{html_items(said[1:])}")
+    parts.append(f"<h2>Verdicts</h2>{html_table(_HEAD, _rows(report.found))}")
+    if gaps := _gaps(report):
+        parts.append(f"<h2>Not judged</h2>{html_items(gaps)}")
+    parts.append(f"<h2>What both cost</h2>{html_table(_TRADE, _trade_rows(report.found))}")
+    parts.append(f"<p>{html.escape(_TRADE_METHOD)}</p><p>{html.escape(measured('Computed'))}</p>")
+    return html_page(report.campaign.title, parts)
 
 
-def _html(report: Report, folder: Path, pictures: dict[str, str]) -> str:
-    gaps = [(gap.kernel, gap.what, gap.reason) for gap in report.gaps]
-    parts = [
-        "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>Finite-element cross-check</title>",
-        f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body>",
-        f"<h1>Finite-element cross-check</h1><p>{html.escape(totals(report))}</p>",
-        f"<p>{html.escape(report.method.format(limit=_percent(report.limit)))}</p><h2>Coverage</h2>",
-        _html_table(_COVERAGE_HEAD, map(_coverage_cells, coverage(report.rows))),
-        "<h2>Not covered</h2>",
-        _html_table(("kernel", "what", "why"), gaps) if gaps else "<p>Nothing is listed.</p>",
-    ]
-    if report.notes:
-        items = "".join(f"<li>{html.escape(note)}</li>" for note in report.notes)
-        parts.append(f"<h2>Notes</h2><ul>{items}</ul>")
-    parts.append("<h2>Cases</h2>\n")
-    for found in report.cases:
-        opened = "" if found.word == "agrees" else " open"
-        title = f"{html.escape(found.case.key)}: <span class='{found.word}'>{MARKS[found.word]} {found.word}</span>"
-        parts.append(f"<details{opened}><summary>{title}</summary>")
-        if found.case.key in pictures:
-            parts.append(_html_picture(folder / pictures[found.case.key], f"profiles of {found.case.key}"))
-        drawn = report.pictures.get(found.case.key, ())
-        parts += [_html_picture(file, f"{file.stem} of {found.case.key}") for file in drawn]
-        parts.append(_html_table(_ROW_HEAD, map(_row_cells, found.rows)))
-        parts.append(_html_table(_TASK_HEAD, _task_cells(found)))
-        parts.append("</details>\n")
-    return "".join(parts) + "</body></html>\n"
+#: Names of the files of a campaign by format.
+FILES = {"map": "map.png", **report_names(), "csv": "table.csv", "latex": "table.tex"}
 
 
-def write_report(report: Report, folder: Path) -> dict[str, Path]:
-    """Write report.json, report.md, report.html, one figure a case and the numbers behind it.
+def write_map(report: MapReport, folder: Path) -> dict[str, Path]:
+    """Write map.png, the report (JSON, Markdown, HTML) and the table (CSV, LaTeX); earlier files are replaced."""
+    from eigencontact.viz.style import paper_style, save
 
-    Parameters
-    ----------
-    report : Report
-        What was found.
-    folder : Path
-        Made if it is not there; files of an earlier report are replaced.
-
-    Returns
-    -------
-    dict of str to Path
-        ``"json"``, ``"markdown"``, ``"html"``, ``"figures"`` (folder).
-    """
-    figures = folder / "figures"
-    figures.mkdir(parents=True, exist_ok=True)
-    pictures = {}
-    for found in report.cases:
-        name = found.case.key.replace("/", "-")
-        if found.judged or found.estimates:
-            pictures[found.case.key] = draw(found, figures / f"{name}.png").relative_to(folder).as_posix()
-        (figures / f"{name}.json").write_text(json.dumps(_curves(found)), encoding="utf-8")
-    files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
-    files["json"].write_text(json.dumps(report.to_dict(), indent=2) + "\n", encoding="utf-8")
-    files["markdown"].write_text(_markdown(report, folder, pictures), encoding="utf-8")
-    files["html"].write_text(_html(report, folder, pictures), encoding="utf-8")
-    return {**files, "figures": figures}
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {form: folder / name for form, name in FILES.items()}
+    with paper_style():
+        save(draw_map(report.campaign, report.found), files["map"])
+    page = _html(report, files["map"])
+    write_report_files(folder, report.to_dict(), markdown=_markdown(report), html=page, default=plain)
+    write_text(files["csv"], csv_table(report.found))
+    write_text(files["latex"], latex_table(report.campaign, report.found))
+    return files

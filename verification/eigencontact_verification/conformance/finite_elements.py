@@ -10,7 +10,7 @@ from eigencontact.core.places import place_field
 from eigencontact_verification.conformance.report import check, ensure
 
 if TYPE_CHECKING:
-    from eigencontact_verification.campaign.judge import Row
+    from eigencontact_verification.crosscheck.judge import Row
 
 __all__ = ["check_against_finite_elements"]
 
@@ -68,11 +68,11 @@ def check_against_finite_elements(component: Any) -> None:
 
 def _rows(component: Any) -> list[Row]:
     """Verdicts on all components of all profiles."""
-    from eigencontact_verification.campaign.inclusions import inclusion_case
-    from eigencontact_verification.campaign.judge import judge
-    from eigencontact_verification.campaign.run import Solved, tasks_of
-    from eigencontact_verification.campaign.strangers import is_mirrored, is_revolved, point_inside
-    from eigencontact_verification.campaign.worker import perform
+    from eigencontact_verification.crosscheck.inclusions import inclusion_case
+    from eigencontact_verification.crosscheck.judge import judge
+    from eigencontact_verification.crosscheck.run import Solved, tasks_of
+    from eigencontact_verification.crosscheck.strangers import is_mirrored, is_revolved, point_inside
+    from eigencontact_verification.crosscheck.worker import perform
 
     shape = _placed(component)
     revolved, anchor = is_revolved(shape), point_inside(shape)

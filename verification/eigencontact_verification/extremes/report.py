@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import html
-import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from eigencontact_verification.extremes.judge import Found, FoundFeature
+from eigencontact_verification.reporting.files import write_report_files
+from eigencontact_verification.reporting.page import html_page, html_table, markdown_table, measured
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -64,7 +65,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
-        from eigencontact_verification.benchmarks.machine import facts
+        from eigencontact_verification.reporting.machine import facts
 
         return {
             "made": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -129,68 +130,35 @@ def table(report: Report) -> Table:
     return found
 
 
-def _markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
-
-
 def as_markdown(report: Report) -> str:
     """The whole report as one page."""
-    from eigencontact_verification.benchmarks.machine import describe, facts
-
     parts = ["# Extremes", report.summary, METHOD]
     parts.append("Written by `eigencontact extremes --markdown FILE`; errors are parts of the largest value.")
-    parts.append(_markdown_table(_HEAD, _rows(report)))
+    parts.append(markdown_table(_HEAD, _rows(report)))
     for one in report.features:
         parts += [
             f"## {one.feature.key}",
             f"{one.feature.title}. Compared with: {one.feature.reference}.",
-            _markdown_table(_CORNER_HEAD, _corner_rows(one)),
+            markdown_table(_CORNER_HEAD, _corner_rows(one)),
         ]
-    parts.append(f"Measured {datetime.now(UTC):%Y-%m-%d} on {describe(facts())}.")
+    parts.append(measured())
     return "\n\n".join(parts) + "\n"
-
-
-_STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; }
-table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-variant-numeric: tabular-nums; }
-th, td { padding: 0.2rem 0.7rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }
-th { border-bottom: 2px solid #888; }
-.fails { color: #b33c00; font-weight: 600; } .refused { color: #7a5200; }
-summary { cursor: pointer; padding: 0.2rem 0; }
-"""
-
-
-def _html_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    def line(row: Sequence[str]) -> str:
-        mark = row[-1].partition(":")[0]
-        return f"<tr class='{mark}'>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n"
-
-    top = "".join(f"<th>{html.escape(text)}</th>" for text in head)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>\n{''.join(map(line, rows))}</tbody></table>\n"
 
 
 def as_html(report: Report) -> str:
     """The whole report as one page that needs no other file; features at fault are open."""
     parts = [
-        "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>Extremes</title>",
-        f"<meta name='viewport' content='width=device-width'><style>{_STYLE}</style></head><body>",
-        f"<h1>Extremes</h1><p>{html.escape(report.summary)}</p><p>{html.escape(METHOD)}</p>",
-        _html_table(_HEAD, _rows(report)),
+        f"<p>{html.escape(report.summary)}</p><p>{html.escape(METHOD)}</p>",
+        html_table(_HEAD, _rows(report)),
     ]
     for one in report.features:
         opened = " open" if one.word == "fails" else ""
         parts.append(f"<details{opened}><summary>{html.escape(f'{one.feature.key}: {one.feature.title}')}</summary>")
         parts.append(f"<p>Compared with: {html.escape(one.feature.reference)}.</p>")
-        parts.append(_html_table(_CORNER_HEAD, _corner_rows(one)) + "</details>\n")
-    return "".join(parts) + "</body></html>\n"
+        parts.append(html_table(_CORNER_HEAD, _corner_rows(one)) + "</details>\n")
+    return html_page("Extremes", parts)
 
 
 def write_report(report: Report, folder: Path) -> dict[str, Path]:
     """Write report.json, report.md and report.html; files of an earlier report are replaced."""
-    folder.mkdir(parents=True, exist_ok=True)
-    files = {"json": folder / "report.json", "markdown": folder / "report.md", "html": folder / "report.html"}
-    files["json"].write_text(json.dumps(report.to_dict(), indent=2) + "\n", encoding="utf-8")
-    files["markdown"].write_text(as_markdown(report), encoding="utf-8")
-    files["html"].write_text(as_html(report), encoding="utf-8")
-    return files
+    return write_report_files(folder, report.to_dict(), markdown=as_markdown(report), html=as_html(report))

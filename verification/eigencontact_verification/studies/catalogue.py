@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from eigencontact_verification.bundled import bundled_names, find_file
+from eigencontact_verification.reporting.bundled import bundled_names, find_file
 from eigencontact_verification.studies.study import Study, read_study
 
 __all__ = ["FOLDER", "find", "names", "studies"]

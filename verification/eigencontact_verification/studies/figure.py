@@ -10,10 +10,10 @@ import numpy as np
 
 from eigencontact.errors import SceneError
 from eigencontact.viz.style import COLOURS, new_figure
+from eigencontact_verification.reporting.typeset import subscripts
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.run import source_in_words
 from eigencontact_verification.studies.study import Finished, Study, formatted, number_of, plain
-from eigencontact_verification.typeset import subscripts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +13,7 @@ from typing import Any
 from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.sweeps.variants import Variant
+from eigencontact_verification.reporting.files import write_json
 from eigencontact_verification.studies.checks import verdicts
 from eigencontact_verification.studies.study import Finished, Study
 
@@ -142,7 +142,7 @@ def write_study(study: Study, found: Sequence[Finished | Failed], folder: Path) 
         "failed": {one.label: one.reason for one in found if isinstance(one, Failed)},
         "warnings": {one.label: list(one.warnings) for one in done if one.warnings},
     }  # fmt: skip
-    files[-1].write_text(json.dumps(content, indent=2, ensure_ascii=False, default=str) + "\n", encoding="utf-8")
+    write_json(files[-1], content, default=str)
     return files
 
 

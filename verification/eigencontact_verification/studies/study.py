@@ -12,7 +12,7 @@ import numpy as np
 
 from eigencontact.core.units import NUMBER
 from eigencontact.errors import SceneError, nearest, shown
-from eigencontact_verification.bundled import read_toml
+from eigencontact_verification.reporting.bundled import read_toml
 from eigencontact_verification.studies.form import checked
 from eigencontact_verification.studies.formula import Context, evaluate
 from eigencontact_verification.studies.template import changed, filled

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from eigencontact_verification.reporting.page import markdown_table
 from eigencontact_verification.tradeoff.study import standing
 
 if TYPE_CHECKING:
@@ -53,11 +54,10 @@ def study_table(study: Study, width: int) -> Table:
 def as_markdown(study: Study) -> str:
     """Markdown: the table, what was not solved, and how to read it."""
     head, lines = _lines(study)
-    text = [f"| {' | '.join(head)} |", f"| {' | '.join('---' for _ in head)} |"]
-    text += [f"| {' | '.join(line)} |" for line in lines]
     how = f"Error: {study.headline} against the reference (first line), relative. "
     how += "Front: T, no other variant is as accurate, within 2 %, in less time; M, in less memory."
-    return "\n".join([f"# {study.name}", "", *text, "", how, "", *(f"- {line}" for line in remarks(study))]) + "\n"
+    items = "\n".join(f"- {line}" for line in remarks(study))
+    return "\n\n".join([f"# {study.name}", markdown_table(head, lines), how, items]) + "\n"
 
 
 def as_data(study: Study, machine: dict[str, Any]) -> dict[str, Any]:

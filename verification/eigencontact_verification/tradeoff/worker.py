@@ -8,7 +8,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from eigencontact_verification.benchmarks.memory import PeakMemory
+from eigencontact_verification.reporting.memory import PeakMemory
 
 __all__ = ["FIELDS", "main", "solve"]
 

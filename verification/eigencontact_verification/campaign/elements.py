@@ -1,0 +1,164 @@
+"""Judge of a campaign: finite elements, under the tractions of each run, or with a contact of their own.
+
+The verdict of a map asks how far the run is from the truth, its cells included. What the run says of its own error (see
+`campaign.case.own_error`) is therefore no part of the uncertainty here, as it is where a code is verified.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.errors import EigencontactError
+from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.crosscheck.judge import JudgedCase, judge
+from eigencontact_verification.crosscheck.run import Limits, in_processes, run_cases
+from eigencontact_verification.crosscheck.store import Store
+from eigencontact_verification.reporting.verdict import largest, word_of
+
+if TYPE_CHECKING:
+    from eigencontact.engines.cluster import Cluster
+    from eigencontact_verification.campaign.campaign import Campaign
+    from eigencontact_verification.campaign.runs import Point
+    from eigencontact_verification.crosscheck.case import Case, Gap, Profile
+    from eigencontact_verification.crosscheck.run import Executor, Progress
+
+__all__ = ["CasesOf", "cases_for", "executor_of", "judge_by_elements"]
+
+#: Cases of a folder of results, and what cannot be judged of it.
+CasesOf = Callable[[Path], "tuple[Sequence[Case], Sequence[Gap]]"]
+
+
+def cases_for(campaign: Campaign, *, coarse: bool) -> CasesOf:
+    """What makes the cases of a run for the judge of a campaign."""
+    quick = coarse or not campaign.full_meshes
+    from eigencontact_verification.audit import cases_of, contact_cases_of
+
+    return partial(contact_cases_of if campaign.judge == "contact" else cases_of, quick=quick)
+
+
+def executor_of(
+    points: Sequence[Point], *, workers: int = 1, cluster: Cluster | None = None, memory: float | None = None
+) -> Executor:
+    """Who performs the solutions: processes within limits, or a cluster; both get plugin files of the scenes."""
+    scenes = [point.model.variant.scene for point in points]
+    plugins = dict.fromkeys(str(path.resolve()) for scene in scenes if scene is not None for path in scene.plugin_files)
+    if cluster is None:
+        limits = Limits() if memory is None else Limits(memory=memory)
+        return partial(in_processes, workers=workers, limits=limits, plugins=tuple(plugins))
+    from eigencontact_verification.crosscheck.cluster import on_cluster
+
+    return partial(on_cluster, engine=cluster, plugins=tuple(plugins))
+
+
+@dataclass(kw_only=True, eq=False)
+class _Asked:
+    """A point with the names of its cases, or why it has none."""
+
+    point: Point
+    keys: list[str] = field(default_factory=list)
+    gaps: list[str] = field(default_factory=list)
+    failed: str = ""
+
+
+def judge_by_elements(
+    campaign: Campaign, points: Sequence[Point], folder: Path, *, cases_of: CasesOf, executor: Executor,
+    progress: Progress | None = None,
+) -> list[Judged]:  # fmt: skip
+    """Verdicts of points.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Its tolerance and claim.
+    points : sequence of Point
+        With what came of their runs.
+    folder : Path
+        With ``runs``; solutions go to ``solutions``.
+    cases_of : callable
+        See `cases_for`.
+    executor : callable
+        See `executor_of`.
+    progress : Progress, optional
+        Told of the solutions.
+    """
+    asked: list[_Asked] = []
+    cases: list[Case] = []
+    for point in points:
+        one = _Asked(point=point, failed=point.model.failed)
+        asked.append(one)
+        if one.failed:
+            continue
+        try:
+            made, gaps = cases_of(folder / "runs" / point.model.variant.label)
+        except (EigencontactError, ValueError, OSError) as problem:
+            one.failed = " ".join(str(problem).split())
+            continue
+        one.gaps = [f"{gap.what}: {gap.reason}" for gap in gaps]
+        named = [replace(case, name=f"{point.model.variant.label}_{case.name}") for case in made]
+        one.keys = [case.key for case in named]
+        cases += named
+        if not named:
+            one.failed = f"nothing of it can be judged: {'; '.join(one.gaps) or 'no reason is given'}"
+    solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=progress)
+    by_key = {one.case.key: judge(one) for one in solved}
+    return [_judged(campaign, one, [by_key[key] for key in one.keys]) for one in asked]
+
+
+def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> Judged:
+    tolerance, claimed = campaign.tolerance, campaign.claimed(asked.point.model.names)
+    if asked.failed:
+        nothing = MapFinding(quantity="all", word="failed", reason=asked.failed, tolerance=tolerance, claimed=claimed)
+        return Judged(point=asked.point, findings=(nothing,), gaps=tuple(asked.gaps))
+    groups: dict[str, list[tuple[JudgedCase, Profile]]] = {}
+    for case in cases:
+        for profile in case.case.profiles:
+            name = profile.name if campaign.judge == "contact" else profile.quantity
+            groups.setdefault(name, []).append((case, profile))
+    findings = tuple(_found(name, group, tolerance, claimed=claimed) for name, group in groups.items())
+    solves = [(task, outcome) for case in cases for task, outcome in case.outcomes if task.level is not None]
+    finest = _sum(outcome.seconds for task, outcome in solves if task.level == 2 and task.outer == "fixed")
+    return Judged(
+        point=asked.point, findings=findings, gaps=tuple(asked.gaps), reference_seconds=finest,
+        all_seconds=_sum(outcome.seconds for _, outcome in solves),
+        reference_memory=largest(outcome.memory for _, outcome in solves),
+    )  # fmt: skip
+
+
+def _found(name: str, group: Sequence[tuple[JudgedCase, Profile]], tolerance: float, *, claimed: bool) -> MapFinding:
+    """Worst of all profiles of a name; errors are parts of the largest value of all."""
+    known = [(case, profile) for case, profile in group if profile.name in case.estimates]
+    if len(known) < len(group):
+        reasons = {row.reason for case, _ in group for row in case.rows if row.word == "failed"}
+        return MapFinding(
+            quantity=name, word="failed", reason="; ".join(sorted(reasons)), tolerance=tolerance, claimed=claimed
+        )
+    values = [(case.judged[profile.name], case.estimates[profile.name]) for case, profile in known]
+    scale = max(float(np.abs(reference.value).max()) for _, reference in values)
+    if not scale > 0.0:
+        return MapFinding(quantity=name, word="failed", reason="zero everywhere", tolerance=tolerance, claimed=claimed)
+    error, uncertainty = 0.0, 0.0
+    for judged, reference in values:
+        own: Any = reference.parts.get("judged", 0.0)
+        error = _larger(error, float(np.abs(judged - reference.value).max()) / scale)
+        uncertainty = _larger(uncertainty, float((reference.uncertainty - own).max()) / scale)
+    word, reason = word_of(error, uncertainty, tolerance)
+    return MapFinding(
+        quantity=name, word=word, reason=reason, tolerance=tolerance, claimed=claimed, error=error,
+        uncertainty=uncertainty, scale=scale,
+    )  # fmt: skip
+
+
+def _larger(one: float, other: float) -> float:
+    """Larger of two numbers; nan counts as the largest."""
+    return float(np.maximum(one, other))
+
+
+def _sum(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) if known else None

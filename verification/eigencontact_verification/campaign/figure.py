@@ -1,0 +1,190 @@
+"""Picture of a campaign: a map with error and verdict in each cell, or a curve with the reference's own error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eigencontact.viz.style import COLOURS, new_figure
+from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.reporting.typeset import subscripts
+from eigencontact_verification.reporting.verdict import MARKS, percent
+from eigencontact_verification.studies.study import number_of, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from eigencontact_verification.campaign.campaign import Campaign
+
+__all__ = ["axes_of_map", "draw_map", "label_of", "levels_of", "quantities_of"]
+
+#: Light tints that differ in brightness as well: blue, yellow, vermilion, grey.
+_TINTS = {"agrees": "#b5d8ee", "inconclusive": "#f7ecae", "disagrees": "#f0a17a", "failed": "#d0d0d0"}
+
+
+def axes_of_map(campaign: Campaign, found: Sequence[Judged]) -> tuple[str, str | None, list[str]]:
+    """Parameter across, parameter upwards or None, and those that make a panel for each of their values."""
+    varied = [name for name in _parameters(campaign) if len(levels_of(found, name)) > 1] or _parameters(campaign)[:1]
+    x = str(campaign.drawn.get("x", varied[0]))
+    rest = [name for name in varied if name != x]
+    y = campaign.drawn.get("y", rest[0] if rest else None)
+    y = y if y in rest else None  # one value, as in a first look, needs no axis
+    return x, y, [name for name in rest if name != y]
+
+
+def quantities_of(campaign: Campaign, found: Sequence[Judged]) -> list[str]:
+    """Names of quantities that were judged; those that the file wants drawn."""
+    every = list(dict.fromkeys(one.quantity for point in found for one in point.findings))
+    wanted = campaign.drawn.get("quantities", every)
+    return [name for name in every if name in wanted] or every
+
+
+def draw_map(campaign: Campaign, found: Sequence[Judged]) -> Figure:
+    """One panel for each quantity, and for each value of further parameters.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        What was asked.
+    found : sequence of Judged
+        Its points.
+    """
+    x, y, others = axes_of_map(campaign, found)
+    names = quantities_of(campaign, found)
+    groups = list(product(*(levels_of(found, name) for name in others)))
+    panels = [(name, group) for group in groups for name in names]
+    across, up = levels_of(found, x), [None] if y is None else levels_of(found, y)
+    columns = min(len(panels), 3 if y is None else max(1, 10 // max(3, len(across))))
+    rows = -(-len(panels) // columns)
+    width, height = (4.2, 3.3) if y is None else (1.5 + 0.84 * len(across), 1.3 + 0.6 * len(up))
+    figure = new_figure(max(5.0, columns * width), rows * height + 0.6)
+    places = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    for place, (name, group) in zip(places, panels, strict=False):
+        at = dict(zip(others, group, strict=True))
+        chosen = [one for one in found if all(one.point.values.get(key) == value for key, value in at.items())]
+        panel = ", ".join([name, *(f"{label_of(campaign, key)} {plain(value)}" for key, value in at.items())])
+        place.set_title(subscripts(panel))
+        if y is None:
+            _curve(place, chosen, name, x, across)
+        else:
+            _cells(place, chosen, name, (x, across), (y, up))
+            place.set_ylabel(subscripts(str(campaign.drawn.get("y-label", label_of(campaign, y)))))
+        place.set_xlabel(subscripts(str(campaign.drawn.get("x-label", label_of(campaign, x)))))
+    for place in places[len(panels) :]:
+        place.set_axis_off()
+    _key(figure, found, cells=y is not None)
+    figure.suptitle(subscripts(f"{campaign.title}\n{campaign.words}, judged by {campaign.reference}"), fontsize=9)
+    return figure
+
+
+def _parameters(campaign: Campaign) -> list[str]:
+    return list(dict.fromkeys(one.name for model in campaign.models for one in model.study.parameters))
+
+
+def label_of(campaign: Campaign, name: str) -> str:
+    """Text of a parameter."""
+    return next(one.label for model in campaign.models for one in model.study.parameters if one.name == name)
+
+
+def levels_of(found: Sequence[Judged], name: str) -> list[Any]:
+    """Values of a parameter, in order."""
+    levels = list(dict.fromkeys(one.point.values[name] for one in found if name in one.point.values))
+    numbers = all(isinstance(number_of(one), int | float) for one in levels)
+    return sorted(levels, key=number_of) if numbers else levels
+
+
+def _of(one: Judged, name: str) -> MapFinding | None:
+    return next((finding for finding in one.findings if finding.quantity == name), None)
+
+
+def _cells(
+    axes: Axes, chosen: Sequence[Judged], name: str, x: tuple[str, Sequence[Any]], y: tuple[str, Sequence[Any]]
+) -> None:
+    """Cell for each point: tint and mark are the verdict, the number is the error; thick lines bound the claim."""
+    from matplotlib.patches import Rectangle
+
+    claimed = np.full((len(y[1]), len(x[1])), fill_value=False)
+    for one in chosen:
+        column, row = x[1].index(one.point.values[x[0]]), y[1].index(one.point.values[y[0]])
+        finding = _of(one, name)
+        if finding is None:
+            continue
+        claimed[row, column] = finding.claimed
+        axes.add_patch(Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor=_TINTS[finding.word], edgecolor="white"))
+        words = f"{MARKS[finding.word]} {finding.word}"
+        if finding.error is not None:
+            words += f"\n{percent(finding.error)}\n±{percent(finding.uncertainty)}"
+        axes.text(column, row, words, ha="center", va="center", fontsize=6.5)
+    for row, column in product(*map(range, claimed.shape)):
+        if column and claimed[row, column] != claimed[row, column - 1]:
+            axes.plot([column - 0.5] * 2, [row - 0.5, row + 0.5], color="black", linewidth=1.8)
+        if row and claimed[row, column] != claimed[row - 1, column]:
+            axes.plot([column - 0.5, column + 0.5], [row - 0.5] * 2, color="black", linewidth=1.8)
+    axes.set_xlim(-0.5, len(x[1]) - 0.5)
+    axes.set_ylim(-0.5, len(y[1]) - 0.5)
+    axes.set_xticks(range(len(x[1])), [plain(value) for value in x[1]])
+    axes.set_yticks(range(len(y[1])), [plain(value) for value in y[1]])
+    axes.tick_params(length=0)
+
+
+def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequence[Any]) -> None:
+    """Error against the parameter with the reference's own error as a band, tolerance and claim."""
+    numbers = all(isinstance(number_of(one), int | float) for one in levels)
+    points = []
+    for one in sorted(chosen, key=lambda one: levels.index(one.point.values[x])):
+        finding = _of(one, name)
+        at = number_of(one.point.values[x]) if numbers else levels.index(one.point.values[x])
+        if finding is not None and finding.error is not None and finding.uncertainty is not None:
+            points.append((at, 100 * finding.error, 100 * finding.uncertainty, finding))
+    if points:
+        across, error, own = (np.array([one[k] for one in points], dtype=float) for k in range(3))
+        style = "o-" if numbers else "o"
+        if len(points) > 1 and numbers:
+            axes.fill_between(
+                across, np.maximum(error - own, 0), error + own, color=COLOURS[0], alpha=0.25, linewidth=0
+            )
+        else:
+            axes.errorbar(across, error, yerr=own, fmt="none", color=COLOURS[0], capsize=3)
+        axes.plot(across, error, style, color=COLOURS[0])
+        for at, height, _, finding in points:
+            axes.annotate(f"{MARKS[finding.word]} {finding.word}", (at, height), xytext=(0, 5),
+                          textcoords="offset points", ha="center", fontsize=6.5)  # fmt: skip
+        axes.axhline(100 * points[0][3].tolerance, color="black", linestyle="--", linewidth=0.9)
+        top = max(float((error + own).max()), 100 * points[0][3].tolerance)
+        axes.set_ylim(0.0, 1.18 * top)
+        if numbers:
+            axes.margins(x=0.14)  # room for the words of the outermost points
+    for one in chosen:
+        finding = _of(one, name)
+        if finding is not None and finding.claimed and len(levels) > 1:
+            at = number_of(one.point.values[x]) if numbers else levels.index(one.point.values[x])
+            axes.plot([at], [0.0], marker="^", color="black", markersize=5, clip_on=False, zorder=5)
+    if not numbers:
+        axes.set_xticks(range(len(levels)), [plain(value) for value in levels], rotation=30, ha="right")
+        axes.set_xlim(-0.6, len(levels) - 0.4)
+    axes.set_ylabel("error [%]")
+
+
+def _key(figure: Figure, found: Sequence[Judged], *, cells: bool) -> None:
+    """What tints, marks and lines mean."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    some = len({finding.claimed for one in found for finding in one.findings}) > 1
+    entries: list[tuple[Any, str]] = []
+    if cells:
+        used = {finding.word for one in found for finding in one.findings}
+        entries = [(Patch(color=tint), f"{MARKS[word]} {word}") for word, tint in _TINTS.items() if word in used]
+        entries += [(Line2D([], [], color="black", linewidth=1.8), "border of the claim")] if some else []
+    else:
+        band = Patch(color=COLOURS[0], alpha=0.25)
+        entries = [(band, "own error of the reference"),
+                   (Line2D([], [], color="black", linestyle="--", linewidth=0.9), "tolerance")]  # fmt: skip
+        if some:
+            entries.append((Line2D([], [], color="black", marker="^", linestyle="none"), "agreement is claimed"))
+    handles, words = zip(*entries, strict=True)
+    figure.legend(handles, words, loc="outside lower center", ncols=len(entries), fontsize=8, frameon=False)

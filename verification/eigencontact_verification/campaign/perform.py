@@ -1,0 +1,102 @@
+"""From a campaign to its report: all runs, then whoever judges them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from eigencontact_verification.campaign.report import MapReport
+from eigencontact_verification.campaign.runs import perform_runs, points_of
+from eigencontact_verification.campaign.scenes import judge_by_scene
+
+if TYPE_CHECKING:
+    from eigencontact.engines.cluster import Cluster
+    from eigencontact_verification.campaign.campaign import Campaign
+    from eigencontact_verification.campaign.elements import CasesOf
+    from eigencontact_verification.crosscheck.worker import Outcome, Task
+
+__all__ = ["perform"]
+
+#: Told what has ended, how many have, and how many there are by now.
+Told = Callable[[str, int, int], None]
+
+
+def perform(
+    campaign: Campaign,
+    folder: Path,
+    *,
+    coarse: bool = False,
+    workers: int = 1,
+    cluster: Cluster | None = None,
+    memory: float | None = None,
+    cases_of: CasesOf | None = None,
+    told: Told | None = None,
+) -> MapReport:
+    """Run and judge; what is finished in the folder is read, not computed again.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        What is asked.
+    folder : Path
+        Runs go into ``runs``, solutions of finite elements into ``solutions``.
+    coarse : bool
+        Fewer points and cells, for a first look.
+    workers : int
+        Processes at a time.
+    cluster : Cluster, optional
+        Who performs runs and solutions instead.
+    memory : float, optional
+        Memory of a finite-element solution [byte]; 6 GB by default.
+    cases_of : callable, optional
+        What makes cases of a folder of results, for a judge of your own; by default what the file says.
+    told : callable, optional
+        Told of runs and solutions as they end.
+    """
+    began = time.perf_counter()
+    points = points_of(campaign, coarse=coarse)
+    counted = _Counted(told, sum(1 + len(point.reference) for point in points))
+    counted.labels = {point.model.variant.label: point.label for point in points}
+    ran = perform_runs(
+        points, folder / "runs", workers=workers, cluster=cluster, alone=campaign.whole_scenes, told=counted.one
+    )
+    if campaign.judge == "scene":
+        ratio = campaign.coarse_ratio if coarse else campaign.ratio
+        found = [judge_by_scene(campaign, point, folder / "runs", ratio=ratio) for point in ran]
+    else:
+        from eigencontact_verification.campaign.elements import cases_for, executor_of, judge_by_elements
+
+        found = judge_by_elements(
+            campaign, ran, folder, cases_of=cases_of or cases_for(campaign, coarse=coarse),
+            executor=executor_of(ran, workers=workers, cluster=cluster, memory=memory), progress=counted,
+        )  # fmt: skip
+    return MapReport(campaign=campaign, found=tuple(found), coarse=coarse, seconds=time.perf_counter() - began)
+
+
+class _Counted:
+    """Counts runs and then solutions in one row; a `Progress` of the campaign of solutions."""
+
+    def __init__(self, told: Told | None, total: int) -> None:
+        self._told, self._total, self._done = told, total, 0
+        #: Label of each point by the name of its folder, with which the names of its cases begin.
+        self.labels: dict[str, str] = {}
+
+    def one(self, label: str) -> None:
+        """Something has ended."""
+        self._done += 1
+        if self._told is not None:
+            self._told(label, self._done, self._total)
+
+    def started(self, tasks: Sequence[Task]) -> None:
+        """Solutions are to come."""
+        self._total += len(tasks)
+
+    def finished(self, task: Task, outcome: Outcome) -> None:
+        """A solution has ended."""
+        folders = [folder for folder in self.labels if task.case.name.startswith(f"{folder}_")]
+        folder = max(folders, key=len, default="")
+        name = task.case.name.removeprefix(f"{folder}_").replace("-", " ")
+        label = ", ".join(text for text in (self.labels.get(folder, ""), name) if text)
+        self.one(f"{label}: {task.label}{f': {outcome.reason}' if outcome.reason else ''}")

@@ -1,0 +1,105 @@
+"""Judge of a campaign: another semi-analytical model, refined three times so that its own error is known."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eigencontact.errors import SceneError
+from eigencontact_verification.campaign.finding import Judged, MapFinding
+from eigencontact_verification.fem.uncertainty import estimate
+from eigencontact_verification.reporting.verdict import largest, word_of
+from eigencontact_verification.studies.formula import Context, evaluate
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from eigencontact_verification.campaign.campaign import Campaign, Quantity
+    from eigencontact_verification.campaign.runs import Point
+
+__all__ = ["judge_by_scene"]
+
+
+def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: float) -> Judged:
+    """Verdicts of a point.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Its quantities.
+    point : Point
+        With what came of its runs.
+    folder : Path
+        Of the runs.
+    ratio : float
+        Of the refinements of the reference.
+    """
+    runs = (point.model, *point.reference)
+    missing = "; ".join(f"{run.variant.label}: {run.failed}" for run in runs if run.failed)
+    findings = []
+    with ExitStack() as opened:
+        # each file is opened once, which takes longer than what is read of it
+        contexts = [] if missing else [Context(run.names, opened.enter_context(run.results(folder))) for run in runs]
+        names = Context(point.model.names)
+        for quantity in campaign.quantities:
+            if quantity.condition and not evaluate(quantity.condition, names, f"{quantity.name}: if"):
+                continue
+            try:
+                finding = _failed(quantity, missing) if missing else _found(quantity, contexts, ratio)
+            except SceneError as problem:
+                finding = _failed(quantity, str(problem))
+            findings.append(replace(finding, claimed=campaign.claimed(names.names, quantity)))
+    seconds = [run.seconds for run in point.reference if run.seconds is not None]
+    return Judged(
+        point=point, findings=tuple(findings), reference_seconds=point.reference[-1].seconds,
+        all_seconds=sum(seconds) if seconds else None, reference_memory=largest(run.memory for run in point.reference),
+    )  # fmt: skip
+
+
+def _failed(quantity: Quantity, reason: str) -> MapFinding:
+    return MapFinding(quantity=quantity.name, word="failed", reason=reason, tolerance=quantity.tolerance, claimed=False)
+
+
+def _values(quantity: Quantity, context: Context) -> NDArray[np.float64]:
+    """Values of a quantity of a run, (n, 1)."""
+    found = evaluate(quantity.formula, context, f"quantity {quantity.name!r}")
+    return np.asarray(found, dtype=float).reshape(-1, 1)
+
+
+def _found(quantity: Quantity, contexts: list[Context], ratio: float) -> MapFinding:
+    model, coarse, medium, fine = values = [_values(quantity, context) for context in contexts]
+    sizes = [len(one) for one in values]
+    if len(set(sizes)) > 1:
+        raise SceneError(
+            f"quantity {quantity.name!r} must have as many values in all models (got {sizes}); use interp at places of "
+            "your choice"
+        )
+    if not all(np.all(np.isfinite(one)) for one in values):
+        return _failed(quantity, "a value is not finite")
+    found = estimate(coarse, medium, fine, ratio=ratio, formal_order=quantity.order)
+    scale = _scale(quantity, found.value, contexts[-1])
+    error = float(np.abs(model - found.value).max()) / scale
+    uncertainty = float(found.uncertainty.max()) / scale
+    word, reason = word_of(error, uncertainty, quantity.tolerance)
+    single = len(model) == 1
+    return MapFinding(
+        quantity=quantity.name, word=word, reason=reason, tolerance=quantity.tolerance, claimed=False, error=error,
+        uncertainty=uncertainty, value=float(model[0, 0]) if single else None,
+        reference=float(found.value[0, 0]) if single else None, scale=scale,
+    )  # fmt: skip
+
+
+def _scale(quantity: Quantity, value: NDArray[np.float64], context: Context) -> float:
+    """What errors are parts of: that of the formula, on the finest reference; else the largest value there."""
+    if not quantity.scale:
+        scale = float(np.abs(value).max())
+    else:
+        given = evaluate(quantity.scale, context, f"quantity {quantity.name!r}: scale")
+        scale = float(np.max(np.abs(np.asarray(given))))
+    if not scale > 0.0:
+        raise SceneError(f"quantity {quantity.name!r}: scale must be positive (got {scale:g}); give a formula for it")
+    return scale

@@ -1,0 +1,173 @@
+"""The command `eigencontact campaign`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from eigencontact.engines.options import ClusterAddress, TaskThreads
+from eigencontact_verification.commands.options import (
+    AsJson,
+    Coarse,
+    Form,
+    Name,
+    Output,
+    Show,
+    Workers,
+    cluster_or_none,
+    show_bundled,
+    show_form,
+    with_clear_errors,
+)
+
+if TYPE_CHECKING:
+    from eigencontact_verification.campaign.report import MapReport
+
+__all__ = ["campaign"]
+
+
+def campaign(
+    name: Name = None,
+    *,
+    output: Output = Path("campaigns"),
+    coarse: Coarse = False,
+    workers: Workers = 1,
+    cluster: ClusterAddress = None,
+    memory: Annotated[
+        float | None,
+        typer.Option("--memory", metavar="GB", min=0.1, help="Of a solution by elements (6); on a cluster, of all."),
+    ] = None,
+    threads: TaskThreads = None,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            "--markdown", metavar="FILE",
+            help="Also write the verdicts between `<!-- campaign:NAME -->` and `<!-- /campaign:NAME -->` of FILE.",
+        ),
+    ] = None,
+    trade: Annotated[
+        bool, typer.Option("--trade", help="Write what both sides cost there instead: error, time, memory.")
+    ] = False,
+    as_json: AsJson = False,
+    form: Form = False,
+    show: Show = False,
+) -> None:  # fmt: skip
+    """Map where a model is accurate: its error over a range of parameters, with a verdict at each point.
+
+    Re-running resumes; finished runs and solutions are reused.
+
+    A campaign is a TOML file: scenes, what is varied, who judges (another model, finite elements under the tractions of
+    each run, a contact by finite elements), the tolerance, and where agreement is claimed. `--form` tells its keys.
+
+    Exit codes: 0 nothing disagrees where agreement is claimed, 1 something does or could not be solved, 2 wrong input,
+    130 interrupted.
+
+    Example: `eigencontact campaign inclusions-by-depth --coarse`
+    """
+    with with_clear_errors():
+        if form:
+            _print_form()
+        elif name is None:
+            _list()
+        elif show:
+            _show(name)
+        else:
+            on = cluster, memory, threads
+            report = _run(name, output, coarse=coarse, workers=workers, on=on, markdown=markdown, trade=trade,
+                          as_json=as_json)  # fmt: skip
+            raise typer.Exit(report.exit_code)
+
+
+def _list() -> None:
+    from rich.table import Table
+
+    from eigencontact.core.text_table import print_table
+    from eigencontact_verification.campaign.campaign import find, names
+
+    table = Table("campaign", "question", "judge", box=None, pad_edge=False)
+    for item in map(find, names()):
+        table.add_row(item.name, item.title, item.judge)
+    print_table(table)
+
+
+def _print_form() -> None:
+    from eigencontact_verification.campaign.form import FORM
+
+    show_form(FORM, "campaign")
+    typer.echo("\n`source`, `vary` and `when` are those of a study, and so are formulas: `eigencontact study --form`")
+
+
+def _show(name: str) -> None:
+    from eigencontact_verification.campaign.campaign import FOLDER, find
+
+    find(name)  # refuses what is none
+    show_bundled(name, "campaign", FOLDER)
+
+
+def _run(
+    name: str, output: Path, *, coarse: bool, workers: int | None, on: tuple[str | None, float | None, int | None],
+    markdown: Path | None, trade: bool, as_json: bool,
+) -> MapReport:  # fmt: skip
+    from eigencontact.errors import SceneError
+    from eigencontact_verification.campaign.campaign import find
+    from eigencontact_verification.campaign.perform import perform
+    from eigencontact_verification.campaign.report import FILES, as_section, write_map
+    from eigencontact_verification.reporting.files import open_folder
+    from eigencontact_verification.reporting.progress import counted
+    from eigencontact_verification.reporting.table import check_section, replace_section
+
+    item = find(name)
+    address, gigabytes, threads = on
+    needed = None if gigabytes is None else 1e9 * gigabytes
+    cluster = cluster_or_none(workers, address, None if address is None else gigabytes, threads)
+    try:
+        if markdown is not None:
+            check_section(markdown, item.name, family="campaign")
+    except ValueError as problem:
+        raise SceneError(f"--markdown: {problem}") from None
+    folder = output / item.name
+    open_folder(folder, FILES.values())
+    with counted(item.name) as tell:
+        report = perform(item, folder, coarse=coarse, workers=workers or 1, cluster=cluster, memory=needed, told=tell)
+    files = write_map(report, folder)
+    if markdown is not None:
+        replace_section(markdown, item.name, as_section(report, trade=trade), family="campaign")
+    if as_json:
+        typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
+    else:
+        _report(report)
+        typer.echo(f"written: {', '.join(str(path) for path in files.values())}")
+    return report
+
+
+def _report(report: MapReport) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from eigencontact.core.text_table import print_table
+    from eigencontact_verification.campaign.answer import answers, totals
+    from eigencontact_verification.campaign.figure import quantities_of
+    from eigencontact_verification.reporting.verdict import MARKS, percent
+
+    campaign, found = report.campaign, report.found
+    typer.echo(campaign.title)
+    names = quantities_of(campaign, found)
+    table = Table("point", "claimed", *names, box=None, pad_edge=False)
+    for one in found:
+        cells = {f.quantity: f"{MARKS[f.word]} {percent(f.error)} ± {percent(f.uncertainty)}" for f in one.findings}
+        count = sum(finding.claimed for finding in one.findings)
+        claimed = "no" if not count else "yes" if count == len(one.findings) else "in part"
+        style = "bold red" if one.breaks_claim else None
+        table.add_row(one.point.label, claimed, *(cells.get(name, "") for name in names), style=style)
+    console = Console(highlight=False)
+    width = console.width if console.is_terminal else 40 + 24 * (len(names) + 1)
+    print_table(table, Console(highlight=False, width=width))
+    for one in found:
+        for finding in one.findings:
+            if finding.word == "failed":
+                typer.echo(f"{one.point.label}, {finding.quantity}: {finding.reason}", err=True)
+    for line in answers(campaign, found):
+        typer.echo(line)
+    typer.echo(totals(campaign, found))

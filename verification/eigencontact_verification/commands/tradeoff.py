@@ -1,0 +1,143 @@
+"""The command `eigencontact tradeoff`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from eigencontact_verification.commands.options import AsJson, Quiet, leave
+
+if TYPE_CHECKING:
+    from eigencontact_verification.tradeoff.study import Study
+
+__all__ = ["tradeoff"]
+
+
+def tradeoff(
+    scene: Annotated[
+        str, typer.Argument(help="A TOML file, or the name of a bundled scene (see `gallery`).", metavar="SCENE")
+    ],
+    *,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a value of the scene; repeatable."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="KEY", help="Vary only this: `--only grid`; repeatable.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Half the cells each way, a reference with those of the scene.")
+    ] = False,
+    reference: Annotated[
+        float | None,
+        typer.Option("--reference", metavar="FACTOR", min=0.1, help="Cells each way of the reference; by default 2."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder; by default ./SCENE-tradeoff.")
+    ] = None,
+    time: Annotated[
+        float, typer.Option("--time", metavar="S", min=1.0, help="A variant that takes longer is left out.")
+    ] = 600.0,
+    memory: Annotated[
+        float, typer.Option("--memory", metavar="GB", min=0.1, help="A variant predicted to need more is left out.")
+    ] = 4.0,
+    repeat: Annotated[
+        int, typer.Option("--repeat", metavar="N", min=1, help="Processes for each variant; the median time counts.")
+    ] = 1,
+    plan: Annotated[bool, typer.Option("--plan", help="List the variants with predicted time and memory.")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown instead of a table.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compare fidelities of one scene: error, time and memory of each, and which are worth their cost.
+
+    What is varied follows from the scene: grid, precision and tolerance of a contact, coupling with friction, treatment
+    of the half-space, cells of inclusions and of what yields, error of plastic steps and of cycles that are left out,
+    layers that are exact or cells, sums over many inclusions. Each is solved in a process of its own, one after the
+    other, and compared with a reference that has the finest of everything; what the reference itself is wrong by is not
+    seen.
+
+    Exit codes: 0 done (read what failed), 1 nothing to compare, 2 wrong input, 130 interrupted.
+
+    Example: `eigencontact tradeoff hertz --quick --only grid`
+    """
+    from rich.console import Console
+
+    from eigencontact import app
+    from eigencontact.core.text_table import print_table
+    from eigencontact.errors import EigencontactError, ResultsError
+    from eigencontact_verification.reporting.files import open_folder
+    from eigencontact_verification.tradeoff import report
+    from eigencontact_verification.tradeoff.study import predict, study
+    from eigencontact_verification.tradeoff.variant import Fidelities, variants
+
+    console = Console(highlight=False)
+    try:
+        planned = app.plan(app.load_scene(scene, changes or []))
+        _check(planned, only or [])
+    except (EigencontactError, ValueError) as problem:
+        leave(str(problem), getattr(problem, "exit_code", 2))
+    fidelities = Fidelities(coarser=(0.25,), base=0.5, reference=1.0) if quick else Fidelities()
+    if reference is not None:
+        fidelities = Fidelities(coarser=fidelities.coarser, base=fidelities.base, reference=reference)
+    resolved = planned.scene.resolved()
+    predictions = predict(resolved, variants(planned, fidelities, only or []))
+    if plan:
+        if as_json:
+            typer.echo(json.dumps(report.plan_data(predictions), indent=2))
+        else:
+            print_table(report.plan_table(predictions), console)
+        return
+
+    def told(words: str) -> None:
+        if not (quiet or as_json or markdown):
+            typer.echo(words, err=True)
+
+    folder = output or Path(f"{planned.name}-tradeoff")
+    try:
+        open_folder(folder, ("tradeoff.json", "tradeoff.md", "tradeoff.png"))
+        found = study(
+            planned.name, resolved, predictions, limit=time, memory=1e9 * memory, repeat=repeat, told=told
+        )  # fmt: skip
+        files = _write(found, folder)
+    except (EigencontactError, ValueError, OSError) as problem:
+        leave(str(problem), problem.exit_code if isinstance(problem, ResultsError) else 1)
+    except KeyboardInterrupt:
+        leave("interrupted; nothing is kept", 130)
+    if as_json or markdown:
+        typer.echo(files["json" if as_json else "markdown"].read_text(encoding="utf-8"), nl=False)
+    elif not quiet:
+        print_table(report.study_table(found, console.width), console)
+        for line in report.remarks(found):
+            typer.echo(line)
+        typer.echo(f"\nin {folder.resolve()}: {', '.join(file.name for file in files.values())}")
+    raise typer.Exit(0 if any(row.error is not None for row in found.rows) else 1)
+
+
+def _check(planned: Any, only: list[str]) -> None:
+    from eigencontact.errors import nearest
+    from eigencontact_verification.tradeoff.variant import keys_of
+
+    known = keys_of(planned)
+    for key in only:
+        if key not in known:
+            raise ValueError(
+                f"--only must be one of {', '.join(known)} (got {key!r}){nearest(key, known)}; "
+                "what can be varied follows from the scene"
+            )
+
+
+def _write(found: Study, folder: Path) -> dict[str, Path]:
+    """Table, data and picture of a study."""
+    from eigencontact_verification.reporting.files import write_report_files
+    from eigencontact_verification.reporting.machine import facts
+    from eigencontact_verification.tradeoff.figure import draw
+    from eigencontact_verification.tradeoff.report import as_data, as_markdown
+
+    files = write_report_files(folder, as_data(found, facts()), markdown=as_markdown(found), stem="tradeoff")
+    files["picture"] = folder / "tradeoff.png"
+    draw(found, files["picture"])
+    return files

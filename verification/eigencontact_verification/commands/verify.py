@@ -1,0 +1,353 @@
+"""The command `eigencontact verify`; this module imports little, because the help of `eigencontact` loads it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol
+
+import typer
+
+from eigencontact.engines.options import ClusterAddress, TaskThreads
+from eigencontact_verification.commands.options import (
+    AsJson,
+    Output,
+    Quiet,
+    cluster_or_none,
+    leave,
+    with_clear_errors,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from eigencontact_verification.crosscheck.case import Case, Gap
+    from eigencontact_verification.crosscheck.report import Report
+    from eigencontact_verification.crosscheck.run import Executor
+
+__all__ = ["CaseList", "verify"]
+
+
+class CaseList(Protocol):
+    """What the module with the cases offers."""
+
+    def kernels(self) -> tuple[str, ...]:
+        """Keys that can be verified."""
+
+    def cases_of(self, kernel: str) -> tuple[Case, ...]:
+        """Cases of one key."""
+
+    def gaps(self) -> tuple[Gap, ...]:
+        """What no case covers."""
+
+    def why_not(self, kernel: str) -> str:
+        """Why something that is installed, or should be, cannot be verified; empty if there is no such thing."""
+
+
+def verify(
+    kernels: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="What to verify: kernels, or runs to audit (folders or their results.nc); by default all kernels.",
+            metavar="[KERNEL|RESULTS]...",
+        ),
+    ] = None,
+    *,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only the quick cases, or lighter meshes: minutes on two cores.")
+    ] = False,
+    step: Annotated[
+        int | None, typer.Option("--step", metavar="N", min=1, help="Step of a run, from 1; by default the last.")
+    ] = None,
+    contact: Annotated[
+        bool, typer.Option("--contact", help="Of a run of revolution: also solve the whole contact by finite elements.")
+    ] = False,
+    kernel: Annotated[
+        list[str] | None, typer.Option("--kernel", metavar="KEY", help="The same as KERNEL; repeatable.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements ask as well; repeatable."),
+    ] = None,
+    plugin: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--plugin",
+            metavar="FILE",
+            help="A plugin file; without names, what it registers is verified; repeatable.",
+        ),
+    ] = None,
+    output: Output = Path("cross-check"),
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", min=1, help="Processes at a time; by default one a core.")
+    ] = None,
+    limit: Annotated[
+        float, typer.Option("--limit", metavar="PART", help="Largest u_FE for agreement, as a part of the field.")
+    ] = 0.02,
+    refine: Annotated[
+        float,
+        typer.Option(
+            "--refine",
+            metavar="FACTOR",
+            min=1.0,
+            help="Finer meshes and cells by this factor, where a verdict is inconclusive: laws, plasticity, layers.",
+        ),
+    ] = 1.0,
+    memory: Annotated[
+        float | None,
+        typer.Option(
+            "--memory",
+            metavar="GB",
+            min=0.1,
+            help="A task that needs more is ended and reported (6); on a cluster, what a worker must have.",
+        ),
+    ] = None,
+    cluster: ClusterAddress = None,
+    threads: TaskThreads = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures", help="Also write mesh and field of one case a kernel (VTU, PNG).")
+    ] = False,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            "--markdown",
+            metavar="FILE",
+            help="Also write the coverage between `<!-- verify:SECTION -->` and `<!-- /verify:SECTION -->` of FILE.",
+        ),
+    ] = None,
+    section: Annotated[
+        str, typer.Option("--section", metavar="SECTION", help="Name in these markers; a part has one of its own.")
+    ] = "coverage",
+    figure: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--figure",
+            metavar="CASE=FILE",
+            help="Also copy the figure of a case there: `--figure sphere/depth-1-5-zz-nu-30=sphere.png`; repeatable.",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Cross-check kernels, laws, or one stored run against finite elements with an error estimate.
+
+    Of a run the stored tractions of a step load the elements, which have its layers, inclusions, and what its bodies
+    remember as their own; compared are displacement of the surface and stored stress.
+
+    Finished solutions are kept in the folder: an interrupted cross-check continues, a repeated one only judges again.
+
+    Exit codes: 0 nothing disagrees (read what is inconclusive), 1 something disagrees or could not be solved,
+    2 wrong input, 130 interrupted.
+
+    With --law the finite elements ask the law itself in their integration points: what is judged is all around it.
+
+    Examples: `eigencontact verify --quick --kernel cuboid`, `eigencontact verify --quick ./hertz`
+    """
+    from eigencontact.errors import EigencontactError
+    from eigencontact_verification.reporting.table import check_section
+
+    names, laws = [*(kernels or []), *(kernel or [])], law or []
+    files_given = [*(plugin or []), *(name for name in names if name.endswith(".py"))]
+    names = [name for name in names if name not in files_given]
+    if not 0.0 < limit < 1.0:
+        _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
+    solve: Callable[[], tuple[Report, dict[str, Path]]]
+    try:
+        from eigencontact_verification.audit.command import audit_results, is_results
+        from eigencontact_verification.audit.stored import plugin_files
+        from eigencontact_verification.crosscheck import cases
+        from eigencontact_verification.crosscheck.whole import crosscheck
+
+        runs = [name for name in names if is_results(name) and name not in cases.kernels()]
+        own_shapes, own_laws = _of_files(files_given)
+        if not (names or laws):
+            names, laws = own_shapes, own_laws
+        needed = [*files_given, *(file for run in runs for file in plugin_files(run))]
+        executor = _executor(workers, (cluster, memory, threads), list(dict.fromkeys(needed)))
+        options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
+        options["show"] = not (quiet or as_json)
+        chosen: tuple[Case, ...] = ()
+        _refuse_together(runs, names, laws, figure, step, contact=contact, refine=refine)
+        if runs:
+            solve = partial(audit_results, runs, output, step=step, contact=contact, **options)
+        else:
+            chosen = _chosen(cases, names, quick=quick) if names or not laws else ()
+            chosen += _of_laws(laws, quick=quick)
+            chosen = chosen if refine == 1.0 else tuple(case.refined(refine) for case in chosen)
+            solve = partial(crosscheck, chosen, _gaps(cases, names, laws), output, **options)
+        copies = _copies(chosen, figure or [])
+        if markdown is not None:
+            check_section(markdown, section, family="verify")
+    except (EigencontactError, ValueError, ImportError, OSError) as problem:
+        _refuse(str(problem))
+    try:
+        with with_clear_errors("finished solutions are kept, run the same again to continue"):
+            report, files = solve()
+    except ValueError as problem:
+        if not runs:
+            raise
+        _refuse(str(problem))
+    trouble = _written(report, files, markdown, section, copies)
+    if as_json:
+        typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
+    elif not quiet:
+        from eigencontact_verification.crosscheck.progress import print_report
+
+        print_report(report, files)
+    if trouble:
+        _refuse(trouble)
+    raise typer.Exit(report.exit_code)
+
+
+def _refuse(problem: str) -> NoReturn:
+    leave(problem, 2)
+
+
+def _refuse_together(
+    runs: Sequence[str], names: Sequence[str], laws: Sequence[str], figures: Sequence[str] | None, step: int | None, *,
+    contact: bool, refine: float,
+) -> None:  # fmt: skip
+    """Refuse runs together with kernels and laws, and what only the one or the other has."""
+    if not runs:
+        if step is not None:
+            raise ValueError(f"--step must be given with a run (got {step}); name its folder")
+        if contact:
+            raise ValueError("--contact must be given with a run (got none); name its folder")
+        return
+    others = [*(name for name in names if name not in runs), *laws]
+    if others:
+        raise ValueError(f"runs must be audited by themselves (got {runs[0]} and {others[0]}); leave one of them out")
+    if refine != 1.0:
+        raise ValueError(f"--refine must be of kernels or laws (got {refine:g} with a run); refine the scene itself")
+    if figures:
+        raise ValueError(f"--figure must be of kernels (got {figures[0]}); the report of an audit has its figures")
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Keys of the shapes and of the laws that files register; this process knows them from now on."""
+    if not files:
+        return [], []
+    from eigencontact.scene.installed import add_plugin_files, installed_plugins
+
+    before = {entry.component for entry in installed_plugins()}
+    add_plugin_files(files)
+    own = [entry for entry in installed_plugins() if entry.component not in before]
+    shapes = [entry.key for entry in own if entry.kind == "inclusion-shape"]
+    laws = [entry.key for entry in own if entry.kind in ("constitutive-law", "hardening-law", "damage-law")]
+    if not (shapes or laws):
+        raise ValueError(
+            f"--plugin must register a shape or a law (got {', '.join(entry.kind for entry in own) or 'nothing new'}); "
+            "`eigencontact check` asks the conformance kit about other kinds"
+        )
+    return shapes, laws
+
+
+def _executor(workers: int | None, on: tuple[str | None, float | None, int | None], plugins: Sequence[str]) -> Executor:
+    from eigencontact_verification.crosscheck.cluster import on_cluster
+    from eigencontact_verification.crosscheck.run import Limits, in_processes
+
+    address, memory, threads = on
+    engine = cluster_or_none(workers, address, None if address is None else memory, threads)
+    if engine is not None:
+        return partial(on_cluster, engine=engine, plugins=plugins)
+    limits = Limits() if memory is None else Limits(memory=memory * 1e9)
+    return partial(in_processes, workers=workers or _cores(), limits=limits, plugins=plugins)
+
+
+def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
+    """Cases of the keys asked for, in the order of the list, each key once."""
+    from eigencontact.errors import nearest
+
+    known = cases.kernels()
+    for name in names:
+        if name not in known:
+            if reason := cases.why_not(name):
+                raise ValueError(reason)
+            raise ValueError(
+                f"kernel must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; "
+                "`eigencontact plugins` lists what is installed"
+            )
+    found = [case for key in known if not names or key in names for case in cases.cases_of(key)]
+    if quick and not any(case.quick for case in found):
+        raise ValueError(
+            f"--quick must be given a kernel with a quick case, as a shape of revolution about z has (got "
+            f"{', '.join(names)}); without --quick: {_cost(found)}"
+        )
+    return tuple(case for case in found if case.quick or not quick)
+
+
+def _cost(cases: Sequence[Case]) -> str:
+    """What cases cost, in words; meshes without a symmetry of revolution are what takes memory."""
+    from eigencontact_verification.crosscheck.run import tasks_of
+
+    solves = sum(task.level is not None for case in cases for task in tasks_of(case))
+    return f"{len(cases)} cases, {solves} finite-element solves, many minutes, up to some 5 GB for each process"
+
+
+def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
+    """Files of ``CASE=FILE`` by case, each of a case that will be solved."""
+    from eigencontact.errors import nearest
+    from eigencontact.results.ownership import refuse_foreign_file
+
+    known, copies = [case.key for case in chosen], {}
+    for text in figures:
+        case, equals, file = text.rpartition("=")
+        if not (equals and case and file.endswith(".png")):
+            raise ValueError(f"--figure must be CASE=FILE.png (got {text}); the report lists the cases")
+        if case not in known:
+            raise ValueError(
+                f"--figure must name a case of this cross-check (got {case!r}){nearest(case, known)}; "
+                f"there are {len(known)}, such as {known[0]}"
+            )
+        refuse_foreign_file(Path(file))
+        copies[case] = Path(file)
+    return copies
+
+
+def _written(
+    report: Report, files: dict[str, Path], markdown: Path | None, section: str, copies: dict[str, Path]
+) -> str:
+    """Write what is wanted outside the folder of the report; the first problem in words, or nothing."""
+    from eigencontact_verification.crosscheck.brief import brief
+    from eigencontact_verification.reporting.table import replace_section
+
+    try:
+        if markdown is not None:
+            replace_section(markdown, section, brief(report), family="verify")
+        for case, file in copies.items():
+            drawn = files["figures"] / f"{case.replace('/', '-')}.png"
+            if not drawn.is_file():
+                return f"--figure must name a case that was solved (got {case}); see why not in {files['markdown']}"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(drawn, file)
+    except (ValueError, OSError) as problem:
+        return str(problem)
+    return ""
+
+
+def _of_laws(keys: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
+    """Cases of laws, each once."""
+    if not keys:
+        return ()
+    from eigencontact_verification.crosscheck.laws import law_cases
+
+    return tuple(case for key in dict.fromkeys(keys) for case in law_cases(key) if case.quick or not quick)
+
+
+def _gaps(cases: CaseList, names: Sequence[str], laws: Sequence[str]) -> tuple[Gap, ...]:
+    """Gaps of what was asked for, and the kernels that were not."""
+    from eigencontact_verification.crosscheck.case import Gap
+
+    some = bool(names or laws)
+    told = tuple(gap for gap in cases.gaps() if not some or gap.subject in names)
+    told += tuple(Gap(subject=f"law-{key}", what="the law by itself", reason="its kit judges it") for key in laws)
+    left = [key for key in cases.kernels() if some and key not in names]
+    return told + tuple(Gap(subject=key, what="everything", reason="not asked for in this run") for key in left)

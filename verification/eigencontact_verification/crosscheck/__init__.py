@@ -1,0 +1,1 @@
+"""Cross-check: every kernel against a finite-element model whose own error is known."""

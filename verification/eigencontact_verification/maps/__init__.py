@@ -1,1 +1,0 @@
-"""Campaigns over parameters: where in the space of parameters a model is as good as its file says, and where not."""

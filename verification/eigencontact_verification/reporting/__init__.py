@@ -1,0 +1,1 @@
+"""Reports of verification: verdicts in words, tables, pages and their sections, progress, facts of the machine."""
