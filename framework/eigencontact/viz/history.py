@@ -34,7 +34,7 @@ class Quantity:
     words: str
     unit: str
 
-    def begun(self, start: float | None) -> Quantity:
+    def from_start(self, start: float | None) -> Quantity:
         """The same with a value before the first step."""
         return self if start is None else Quantity(np.append(start, self.values), self.words, self.unit)
 
@@ -106,11 +106,16 @@ def history_panels(dataset: Results) -> list[Panel]:
     if varies(way.values):
         curve = Quantity(way.values[steps], way.words, way.unit), Quantity(force.values[steps], force.words, force.unit)
         panels.append(
-            Panel(curve[0].begun(start), curve[1].begun(None if start is None else 0.0), start is not None, steps)
+            Panel(
+                curve[0].from_start(start),
+                curve[1].from_start(None if start is None else 0.0),
+                start is not None,
+                steps,
+            )
         )
     else:
-        values, words, unit = course(dataset)
-        curve = Quantity(values[steps], words, unit), Quantity(force.values[steps], force.words, force.unit)
+        values, label, unit = course(dataset)
+        curve = Quantity(values[steps], label, unit), Quantity(force.values[steps], force.words, force.unit)
         panels.append(Panel(*curve, False, steps))
     if area_varies(dataset) and not worn:  # the history of wear shows the area
         area = np.asarray(dataset["contact_area"].values, dtype=float)

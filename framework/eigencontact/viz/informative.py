@@ -81,5 +81,5 @@ def zones_change(dataset: Results, zones: NDArray[np.intp]) -> bool:
     for values in histories:
         change = np.abs(np.diff(values, prepend=values[:1]))
         moved |= change > CONSTANT * np.abs(values).max(initial=0.0)
-    shown = zones[moved]
-    return bool((shown == 2).any() and (shown == 1).any())
+    zones_in_motion = zones[moved]
+    return bool((zones_in_motion == 2).any() and (zones_in_motion == 1).any())

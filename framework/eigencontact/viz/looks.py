@@ -124,8 +124,8 @@ class Look:
         """
         if not self.column:
             return self.growth[0] * min(width, PAGE), self.growth[1] * height
-        wanted = COLUMN if width < TWO_PANELS else BOTH_COLUMNS
-        return wanted, ROOM * height * wanted / width if wanted < width else height
+        column_width = COLUMN if width < TWO_PANELS else BOTH_COLUMNS
+        return column_width, ROOM * height * column_width / width if column_width < width else height
 
 
 #: By name; the first is that of runs.
@@ -150,8 +150,8 @@ def look_of(name: str) -> Look:
         Names the nearest one.
     """
     if name not in LOOKS:
-        known = ", ".join(map(repr, LOOKS))
-        raise SceneError(f"style must be one of {known} (got {shown(name)}){nearest(str(name), LOOKS)}")
+        names = ", ".join(map(repr, LOOKS))
+        raise SceneError(f"style must be one of {names} (got {shown(name)}){nearest(str(name), LOOKS)}")
     return LOOKS[name]
 
 

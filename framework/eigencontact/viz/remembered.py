@@ -100,10 +100,10 @@ def remembered_fields(dataset: Results, step: int, quantity: str) -> Iterator[Ce
         name = f"{quantity}_{body}"
         if name not in dataset or dataset[name].ndim != 4:
             continue
-        kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
-        if not kept.size:
+        positions = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
+        if not positions.size:
             continue
-        values = np.asarray(dataset[name][int(kept[0])].values, dtype=float)
+        values = np.asarray(dataset[name][int(positions[0])].values, dtype=float)
         if float(values.max(initial=0.0)) > 0.0:
             axes = {axis: np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "zyx"}
             yield CellField(body, values, axes)
