@@ -68,8 +68,8 @@ class CellMeans:
 def _neighbours(places: FloatArray, first: float, pitch: float) -> tuple[NDArray[np.int64], FloatArray]:
     """Number of the last cell centre before each place, and the share of the next one."""
     number = (places - first) / pitch
-    whole = np.round(number)
-    number = np.where(np.abs(number - whole) < 1e-9, whole, number)
+    nearest = np.round(number)
+    number = np.where(np.abs(number - nearest) < 1e-9, nearest, number)
     before = np.floor(number)
     return before.astype(np.int64), number - before
 
