@@ -67,10 +67,10 @@ class Number:
         listed = list(values)
         if self.over == "last":
             return listed[-1] if listed else None
-        known = [value for value in listed if value is not None]
-        if not known:
+        step_values = [value for value in listed if value is not None]
+        if not step_values:
             return None
-        return fsum(known) if self.over == "sum" else max(known)
+        return fsum(step_values) if self.over == "sum" else max(step_values)
 
     def attributes(self) -> dict[str, str | int]:
         """Attributes of its variable in a results file."""
