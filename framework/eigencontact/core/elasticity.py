@@ -57,7 +57,7 @@ class ElasticityOfCells(Protocol):
     """Elastic constants that differ from cell to cell of a box."""
 
     def of_cells(self, index: NDArray[np.intp]) -> Elasticity:
-        """Those of chosen cells, by flat index; its factors are ``(n, 6, 6)``."""
+        """Elasticity of chosen cells, by flat index; its factors are ``(n, 6, 6)``."""
         ...
 
 

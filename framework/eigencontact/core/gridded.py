@@ -226,7 +226,7 @@ def _arrays_of(where: str, file: str) -> dict[str, StoredArray]:
 
 @contextmanager
 def _readable(where: str, file: str) -> Iterator[None]:
-    """Refuse a file that cannot be read: readers raise errors of many kinds for files that are none of their own."""
+    """Refuse an unreadable file with one kind of error; readers raise many kinds for foreign files."""
     try:
         yield
     except Exception as problem:

@@ -153,7 +153,7 @@ class Jet:
 
     @classmethod
     def from_gradient(cls, value: ArrayLike, gradient: tuple[Jet, Jet, Jet]) -> Jet:
-        """The jet, one order higher, that has this gradient: for integrals whose derivatives are elementary."""
+        """Jet, one order higher, with this gradient: for integrals with elementary derivatives."""
         order = min(derivative.order for derivative in gradient) + 1
         exponents = monomials(order)
         coefficients = np.zeros((len(exponents), *gradient[0].value.shape))

@@ -1,4 +1,4 @@
-"""Scalars that the steps of a run give: each is declared once, by the block, law or observer that computes it."""
+"""Declarations of the scalars of a run, each beside the block, law or observer that computes it."""
 
 from __future__ import annotations
 

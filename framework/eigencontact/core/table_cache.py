@@ -165,14 +165,14 @@ class TableCache:
                         yield Entry(Path(file.path), about.st_size, about.st_mtime)
 
     def _count(self, new_bytes: int) -> None:
-        """Note what a new table takes; the folder is searched at the first one, and where it may be full."""
+        """Add the size of a new table; search the folder at the first table, and when it may be full."""
         self._size = None if self._size is None else self._size + new_bytes
         limit = self.limit
         if self._size is None or self._size > limit:
             self._evict(limit, int(_KEPT * limit))
 
     def _evict(self, limit: int, target: int) -> None:
-        """Where tables exceed the limit, remove those used longest ago until they are within the target."""
+        """Remove the tables used longest ago down to the target size, if the tables exceed the limit."""
         for file in self._files():
             if file.path.suffix == _UNFINISHED and file.used < time.time() - _ABANDONED:
                 file.path.unlink(missing_ok=True)
@@ -188,7 +188,7 @@ class TableCache:
 
 
 def table_cache() -> TableCache | None:
-    """Tables of this user, where the platform keeps such files; None where they are turned off."""
+    """Cache of this user in the folder of the platform; None where the user turned it off."""
     setting = os.environ.get(VARIABLE)
     if setting is not None:
         return None if setting.strip().lower() in ("", "off") else _of_folder(Path(setting).expanduser())

@@ -163,7 +163,7 @@ def _factors(symbol: str) -> dict[str, float]:
 
 
 def _unknown_unit(problem: Any, symbol: str) -> str:
-    """Name the unit that is not known and the nearest that would fit; upper and lower case differ in meaning."""
+    """Message with the unknown unit and the nearest fitting unit; upper and lower case differ in meaning."""
     names = problem.unit_names
     name = names if isinstance(names, str) else ", ".join(names)
     prefixes = ("", "n", "u", "m", "k", "M", "G")

@@ -21,7 +21,7 @@ DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeEr
 
 @contextmanager
 def of_this_version(file: Path, damage: tuple[type[Exception], ...] = DAMAGE) -> Iterator[None]:
-    """Run code that takes the contents of a results file for granted; what is damaged or missing is one clear error.
+    """Run code that relies on the contents of a results file; damage raises one clear error.
 
     Parameters
     ----------

@@ -144,7 +144,7 @@ def skips_cycles(history: Mapping[str, ArrayLike]) -> bool:
 
 
 def friction_work(history: Mapping[str, ArrayLike]) -> NDArray[np.float64] | None:
-    """Work of friction at each step [J], with that of skipped cycles; None where it is not stored.
+    """Work of friction at each step [J], including skipped cycles; None where it is not stored.
 
     Where cycles are skipped it is the work up to the last cycle that ended.
 

@@ -201,7 +201,7 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
 
 
 def axis_attributes(axis: str) -> dict[str, str | int]:
-    """Attributes of a coordinate along x, y or z, by the conventions CF: which axis it is, and that z points down."""
+    """Attributes of a coordinate along x, y or z by the CF conventions: its axis, and the downward direction of z."""
     down = {"positive": "down", "standard_name": "depth"} if axis == "z" else {}
     return {**described("coordinate", AXES[axis]), "axis": axis.upper(), **down}
 

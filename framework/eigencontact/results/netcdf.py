@@ -107,7 +107,7 @@ def fill(target: Any, start: int, values: NDArray[Any]) -> None:
 
 
 def _bands(shape: tuple[int, ...], dtype: DTypeLike) -> tuple[int, ...] | None:
-    """Bands of whole rows in which a large array of fields is stored; None where it is stored in one piece."""
+    """Shape of the bands of whole rows that store a large array of fields; None for storage in one piece."""
     if len(shape) < 3:
         return None
     row = np.dtype(dtype).itemsize * shape[-1]

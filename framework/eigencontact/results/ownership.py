@@ -57,7 +57,7 @@ def refuse_foreign(
     vtk: bool,
     animation: bool = False,
 ) -> None:
-    """Refuse a folder that holds files of others under names that a run or its drawings may use.
+    """Refuse a folder with foreign files under names of a run or of its pictures.
 
     Parameters
     ----------

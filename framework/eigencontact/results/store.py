@@ -281,7 +281,7 @@ def _files(steps: Path, pattern: re.Pattern[str]) -> dict[int, Path]:
 
 
 def _kept_hash(path: Path, read: Callable[[Path], str], *, overwrite: bool) -> str | None:
-    """Scene hash of what is stored; None where there is nothing, or damage that will be overwritten."""
+    """Scene hash of stored files; None without files, or for damaged files that the run overwrites."""
     if not path.exists():
         return None
     try:

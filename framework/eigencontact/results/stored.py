@@ -58,7 +58,7 @@ class Variable(Protocol):
 
     @property
     def attrs(self) -> Mapping[Any, Any]:
-        """What is said of it: units, long name, role."""
+        """Attributes: units, long name, role."""
 
     def __getitem__(self, index: Any) -> Values: ...
     def __float__(self) -> float: ...
@@ -153,7 +153,7 @@ class _Variable:
 
     @cached_property
     def attrs(self) -> dict[str, Any]:
-        """What is said of it: units, long name, role."""
+        """Attributes: units, long name, role."""
         return {name: _plain(value) for name, value in self._stored.attrs.items() if name not in _INNER}
 
     @property

@@ -138,7 +138,7 @@ class CellSweeps:
         return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 
     def _caused(self, eigenstrain: FloatArray) -> FloatArray:
-        """Stress by an eigenstrain; that of the last one is known, so that elastic increments apply nothing."""
+        """Stress by an eigenstrain, stored for the last eigenstrain so that elastic increments apply nothing."""
         if self._last is None or not np.array_equal(self._last[0], eigenstrain):
             self._last = eigenstrain, self._stress_of(eigenstrain)
         return self._last[1]

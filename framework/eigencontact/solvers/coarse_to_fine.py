@@ -73,7 +73,7 @@ class CoarseToFine:
         return self._finest(fixed, self._from_below(ladder))
 
     def _from_below(self, ladder: list[tuple[Grid, FloatArray, tuple[int, int]]]) -> FloatArray | None:
-        """Start on the finest grid of a ladder, which is given up; None where there is no coarser one."""
+        """Start on the finest grid from a ladder of coarser grids, which is released; None without a coarser grid."""
         pressure: FloatArray | None = None
         while len(ladder) > 1:
             grid, field_, factors = ladder.pop()
@@ -88,7 +88,7 @@ class CoarseToFine:
         return compliance.unit
 
     def _prolonged(self, pressure: FloatArray, grid: Grid, finer: Grid, factors: tuple[int, int]) -> FloatArray:
-        """Pressure on the next finer grid; where springs jump, what it does to a cell is smooth, and not itself."""
+        """Pressure on the next finer grid; the product with the relative compliance is smooth and interpolated."""
         if not self._springs:
             return prolong(pressure, factors, finer.shape)
         coarse, fine = (self._springs[level] / self._cell_compliance(level) for level in (grid, finer))

@@ -238,7 +238,7 @@ class _Iteration:
         return min(least), sum(forces)
 
     def carry(self, forces: Array) -> bool:
-        """Make `rest`, which carries some forces, carry those that are prescribed; whether it can."""
+        """Scale `rest` from its present forces to the prescribed ones; returns whether a positive pressure can."""
         factor = self.modes.factor(forces, self.problem.forces)
         if factor is None:
             self.rest = self.modes.carry(self.rest, self.problem.forces)

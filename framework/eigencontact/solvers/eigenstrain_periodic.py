@@ -168,7 +168,7 @@ class PeriodicHalfSpace:
     def _waves(
         self, rows: NDArray[np.intp], fractions: tuple[float, float]
     ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], FloatArray, FloatArray, ComplexArray]]:
-        """Waves that look alike on the grid as `rows` do: which rows and columns, ky, kx and their weights."""
+        """Aliases of `rows` on the grid: their rows and columns, ky, kx and weights."""
         ny, nx = self.shape
         for shift_y in self._shifts:
             kept_rows, ky, weight_y = self._axis(rows, shift_y, ny, self.grid.dy, fractions[0])

@@ -140,7 +140,7 @@ class Compliance:
         return BoxOperator(self.convolver(layout), spectrum)
 
     def convolver(self, layout: Layout) -> Convolver:
-        """Convolver of one spectrum, in threads where that pays."""
+        """Convolver of one spectrum, with threads where they save time."""
         threads = self.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
         return Convolver(layout, precision=self.precision, threads=threads)
 

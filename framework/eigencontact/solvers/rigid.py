@@ -83,7 +83,7 @@ class RigidModes:
         return RigidModes([field[rows] if field.shape[0] > 1 else field for field in self.fields])
 
     def factor(self, carried: Array, forces: Array) -> float | None:
-        """Factor with which a pressure that carries so much carries the forces; None where a factor will not do."""
+        """Factor that scales the resultants of a pressure to the forces; None where no factor does."""
         if not self.fields:
             return 1.0
         if not self._only_uniform:
@@ -125,7 +125,7 @@ class RigidModes:
         return pressure
 
     def shortage(self, pressure: Array, forces: Array) -> float:
-        """Largest part of the forces that a pressure does not carry; 0 for a load alone, which always can be carried.
+        """Largest part of the forces that a pressure does not carry; 0 for a normal load without moments.
 
         Relative to a force, or to what the pressure would exert if all of it pushed one way.
         """

@@ -1,4 +1,4 @@
-"""Stress next to the surface as means over cells, where a shear that is uniform on cells has infinite stress on edges.
+"""Mean stress of cells next to the surface: a uniform shear on cells has infinite stress at their edges.
 
 A step of a shear between two cells makes the stress along their edge infinite at z = 0, logarithmically, however small
 the step. The stress of the smooth shear that the cells stand for is near its mean over each cell. The mean of four

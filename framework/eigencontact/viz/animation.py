@@ -50,7 +50,7 @@ ROOM = 0.09
 
 @dataclass(frozen=True)
 class Subject:
-    """What the frames of an animation show.
+    """Content of the frames of an animation.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Subject:
 
 
 def subject_of(dataset: Results) -> Subject | None:
-    """Pictures for the frames of a history; None where it has one step, or nothing that is drawn.
+    """Pictures for the frames of a history; None for a single step and for results without a picture.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def thinned(dataset: Results, most: int = FRAMES) -> tuple[int, ...]:
 
 
 def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
-    """What the frames leave out, in words; empty where each step and each cycle has a frame."""
+    """Note on steps or cycles without a frame; empty where each of them has a frame."""
     if "cycles" in dataset and wears(dataset):
         most = float(np.diff(np.asarray(dataset["cycles"].values, dtype=float)[list(steps)]).max(initial=0.0))
         if most > 1:

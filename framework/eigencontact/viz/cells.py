@@ -29,8 +29,10 @@ if TYPE_CHECKING:
 
 __all__ = ["cells_map"]
 
-#: Cells with more than this part of the largest value are framed, with this room in cells.
-MATTERS, ROOM = 1e-3, 3
+#: Cells with more than this part of the largest value are framed.
+MATTERS = 1e-3
+#: Room around the framed cells, in cells.
+ROOM = 3
 
 
 def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View) -> Figure:

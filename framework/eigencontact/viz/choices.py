@@ -1,4 +1,4 @@
-"""Which fields results hold, by the names that a user gives, and the numbers of one of them."""
+"""Fields of results by name, and the numbers of a chosen field."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def region_fields(dataset: Results, region: str) -> dict[str, Field]:
 
 
 def cell_fields(dataset: Results) -> dict[str, Field]:
-    """What the cells of bodies remember, by name with the number of the body, and by name alone of the first body."""
+    """History fields in the cells of bodies by name: with the number of the body, and without it for the first body."""
     fields: dict[str, Field] = {}
     for name in map(str, dataset.data_vars):
         variable = dataset[name]
@@ -239,7 +239,7 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
 
 
 def _component_of(values: NDArray[Any], component: str) -> NDArray[Any]:
-    """One component (of stress or strain); zero where it is round-off beside the others, which has no picture."""
+    """One component of stress or strain; zero where it is round-off relative to the other components."""
     field = values[COMPONENTS.index(component)]
     small = np.nanmax(np.abs(field), initial=0.0) <= ROUND_OFF * np.nanmax(np.abs(values), initial=0.0)
     return np.zeros_like(field) if small else field

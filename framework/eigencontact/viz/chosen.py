@@ -220,7 +220,7 @@ def _surface(dataset: Results, field: Field, component: str, step: int, view: Vi
 
 
 def _zoomed(dataset: Results, box: Box, view: View) -> Box:
-    """Cells whose middles lie in what a user has chosen."""
+    """Cells with their middles inside the zoom."""
     ends = []
     for axis, zoom, low, high in (("y", view.vertical, box.y0, box.y1), ("x", view.horizontal, box.x0, box.x1)):
         at = np.asarray(dataset[axis].values, dtype=float)

@@ -1,4 +1,4 @@
-"""Where the contact begins and ends: marks on profiles and above sections."""
+"""Ends of the contact: marks on profiles and above sections."""
 
 from __future__ import annotations
 

@@ -27,13 +27,19 @@ __all__ = ["colour_ends", "contour_lines", "contours_by_side", "draw_sides", "gr
 #: Number of filled contours.
 LEVELS = 14
 #: Values beyond so many times the quantile do not set the range of the colours.
-OUTLYING, COMMON = 1.3, 0.995
+OUTLYING = 1.3
+#: Quantile of the values that sets the range of the colours.
+COMMON = 0.995
 #: Colours begin at zero, unless all values are larger than this part of the largest.
 NARROW = 0.3
-#: Levels grow by ratios where so much of a section lies below this part of the end of the colours,
-MOSTLY, LOW = 0.8, 0.12
-#: over so many decades, by these numbers in each.
-DECADES, IN_A_DECADE = 2, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+#: Levels grow by ratios where more than this part of a section has low values.
+MOSTLY = 0.8
+#: Values are low below this part of the end of the colours.
+LOW = 0.12
+#: Decades of levels that grow by ratios.
+DECADES = 2
+#: Levels in each decade.
+IN_A_DECADE = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 
 
 def colour_ends(values: FloatArray) -> tuple[float, float]:

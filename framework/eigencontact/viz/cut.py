@@ -28,8 +28,10 @@ MATTERS = 0.1
 ROOM = 0.15
 #: unless so much of the section would be left out or more than this part of it stays anyway.
 WORTH_IT = 0.6
-#: A largest value that more than this part of the points reach, within this part of it, is a plateau.
-PLATEAU, LEVEL = 0.05, 0.02
+#: A largest value is a plateau where more than this part of the points reach it.
+PLATEAU = 0.05
+#: Points reach the largest value within this part of it.
+LEVEL = 0.02
 #: A first row of points this many spacings below the surface is the middle of the first layer of cells.
 FIRST_CELL = 0.75
 
@@ -57,13 +59,13 @@ class Shown:
 
     @property
     def nothing(self) -> str:
-        """What is said in a picture of zeros."""
+        """Text of a picture of zeros."""
         return "no stress" if self.unit == "Pa" else "zero everywhere"
 
 
 @dataclass(frozen=True)
 class View:
-    """What a user chooses of a picture.
+    """Choices of a user for a picture.
 
     Attributes
     ----------
@@ -138,7 +140,7 @@ class Cut:
 
     @property
     def normal(self) -> str:
-        """Axis that the plane is normal to; empty where the results do not say."""
+        """Normal axis of the plane; empty where the results do not give it."""
         return next((axis for axis in "xyz" if axis in self.cut), "")
 
     def largest(self, points: tuple[slice, slice]) -> tuple[int, int]:
@@ -149,7 +151,7 @@ class Cut:
 
 
     def flat(self, points: tuple[slice, slice]) -> bool:
-        """Whether the largest magnitude among some points is that of a plateau, which has no place."""
+        """Whether the largest magnitude among some points belongs to a plateau."""
         size = np.abs(np.where(self.sides.trusted, self.values, np.nan)[points])
         share = np.mean(size >= (1.0 - LEVEL) * np.nanmax(size)) if np.isfinite(size).any() else 0.0
         return bool(share > PLATEAU)
@@ -183,7 +185,7 @@ class Seen:
 
     @staticmethod
     def of(dataset: Results, section: Cut, view: View, step: int, *, framed: bool) -> Seen:
-        """What a user chose of a section; else, where it is to be framed, what matters in it."""
+        """Limits of a section: the choice of the user, else the frame of its large values or the whole section."""
         h, v = section.h, section.v
         limits = ((float(h[0]), float(h[-1])), (float(v[0]), float(v[-1])))
         if view.horizontal is None and view.vertical is None:
@@ -194,7 +196,7 @@ class Seen:
 
 
 def _framed(dataset: Results, section: Cut, step: int, limits: tuple[Range, Range]) -> tuple[Range, Range]:
-    """Contact and large values with some room, where that leaves out enough of the section."""
+    """Frame of the contact and large values with some room; the whole section where the frame saves little."""
     size = np.where(section.sides.whole, np.abs(np.nan_to_num(section.values)), 0.0)
     matters = size >= MATTERS * size.max()
     if not size.any():

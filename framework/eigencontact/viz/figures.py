@@ -179,7 +179,7 @@ def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool 
 
 
 def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
-    """Pictures of what has yielded, where that was kept, and of a load that rises and falls."""
+    """Pictures of plastic strain and damage, and of loading and unloading."""
     if not yields(dataset):
         return []
     pictures: list[Picture] = []

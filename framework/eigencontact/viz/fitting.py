@@ -1,4 +1,4 @@
-"""Titles that stay above their axes, and legends that stay inside the width of their figure."""
+"""Layout of titles above their axes and of legends inside the width of their figure."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ __all__ = ["broken", "finish", "fit_titles", "legend_below"]
 
 #: Where a line of a title is broken, the first of them that it holds: what comes before stays, what follows goes on.
 BREAKS = ((";  ", ""), (" (", "("), (", ", ""), (" at ", "at "), (" by ", "by "), (" ", ""))
-#: Room beside a title and beside an entry of a legend, in parts of the size of letters.
-_ROOM, _HANDLE = 0.3, 4.6
+#: Room beside a title, in parts of the size of letters.
+_ROOM = 0.3
+#: Room beside an entry of a legend, in parts of the size of letters.
+_HANDLE = 4.6
 #: Room above and below what a figure holds [inch].
 _MARGIN = 0.05
 #: Lines are broken so many times at most.
@@ -73,14 +75,14 @@ def fit_titles(figure: Figure) -> bool:
 def _room_for(axes: Axes, panels: list[Axes]) -> tuple[float, float]:
     """Left and right end of the room for a title: the figure's, or half the way to a panel beside."""
     title_box = axes.get_window_extent()
-    others = [panel.get_window_extent() for panel in panels if panel is not axes]
-    before = [0.5 * (box.x1 + title_box.x0) for box in others if box.x1 <= title_box.x0]
-    after = [0.5 * (box.x0 + title_box.x1) for box in others if box.x0 >= title_box.x1]
+    boxes = [panel.get_window_extent() for panel in panels if panel is not axes]
+    before = [0.5 * (box.x1 + title_box.x0) for box in boxes if box.x1 <= title_box.x0]
+    after = [0.5 * (box.x0 + title_box.x1) for box in boxes if box.x0 >= title_box.x1]
     return max([0.0, *before]), min([float(axes.figure.bbox.width), *after])
 
 
 def _renderer(figure: Figure) -> Any:
-    """What measures texts; of a figure that pyplot draws by other means, one like ours."""
+    """Renderer that measures texts; a new one for figures of other backends."""
     from matplotlib.backends.backend_agg import RendererAgg
 
     canvas: Any = figure.canvas
@@ -90,7 +92,7 @@ def _renderer(figure: Figure) -> Any:
 
 
 def broken(text: str) -> str:
-    """Text with its longest line broken in two; as it is where that line is one word.
+    """Text with its longest line broken in two; unchanged where this line has no place to break.
 
     Examples
     --------

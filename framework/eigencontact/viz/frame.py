@@ -1,4 +1,4 @@
-"""What the frames of an animation share: window, scales and colours over all its steps, and the place to draw in."""
+"""Window, scales and colours that all frames of an animation share, and the place of a frame in its figure."""
 
 from __future__ import annotations
 

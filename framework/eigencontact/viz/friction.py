@@ -34,8 +34,12 @@ if TYPE_CHECKING:
 
 __all__ = ["dissipation_map", "shear_map", "shear_profiles"]
 
-#: Arrows across the longer side of the contact, about; fewer and longer ones where it is in patches.
-ARROWS, FEWER, LONGER = 13, 14, 1.5
+#: Arrows across the longer side of the contact, about.
+ARROWS = 13
+#: Arrows across the longer side of a contact in patches, about.
+FEWER = 14
+#: Arrows of a contact in patches are this many times longer.
+LONGER = 1.5
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
 #: Components below this part of the largest shear on the lines are not drawn.
@@ -93,7 +97,7 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
 
 
 def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window: Any, on: Frame | None) -> list[Any]:
-    """Arrows on some cells; an entry for the legend that says what the longest of all cells stands for."""
+    """Draw arrows on some cells; returns an entry of the legend with the value of the longest arrow."""
     from matplotlib.lines import Line2D
 
     loaded = zone > 0
@@ -135,7 +139,7 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
 
 
 def _thinned(low: int, side: int, spacing: int) -> NDArray[np.int_]:
-    """Evenly spaced cells of one side of the contact, the same room left at both of its ends where that is possible."""
+    """Evenly spaced cells along one side of the contact, with equal room at both ends where possible."""
     return np.arange(low + ((side - 1) % spacing) // 2, low + side, spacing)
 
 

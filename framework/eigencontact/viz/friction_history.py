@@ -208,7 +208,7 @@ def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], NDArray[np.float6
 
 
 def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
-    """Loads that change over the steps, relative to their largest size, which the legend names."""
+    """Draw the loads that change over the steps, relative to their largest size in the legend."""
     symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
     curves = [("normal_load", "$P$", "N", "0.35", ":")]
     curves += [

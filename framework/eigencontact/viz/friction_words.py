@@ -1,4 +1,4 @@
-"""What the pictures of friction say alike: zones and their colours, loads that count, titles."""
+"""Common text of the pictures of friction: zones and their colours, driving loads, titles."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def history_of(dataset: Results) -> dict[str, NDArray[Any]]:
 
 
 def driven(dataset: Results) -> list[str]:
-    """Which of ``x``, ``y`` and ``twist`` the history loads; by-products of the others do not count."""
+    """Driven motions among ``x``, ``y`` and ``twist``; by-products of other loads do not count."""
     return driven_motions(history_of(dataset))
 
 
 def friction_heading(dataset: Results, step: int, subject: str) -> str:
-    """Title of a picture: what is shown, at which normal load and which tangential load or torsion moment."""
+    """Title of a picture: its subject, the normal load, and the tangential load or torsion moment."""
     loads_in_title = [("normal_load", "P", "N")]
     loads = driven(dataset)
     if set(loads) & {"x", "y"}:

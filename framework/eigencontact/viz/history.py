@@ -83,7 +83,7 @@ class Panel:
 
 
 def history_panels(dataset: Results) -> list[Panel]:
-    """Curves of a load history that tell something; none where loads and displacements stay as they are.
+    """Curves of a load history; none where loads and displacements are constant.
 
     Normal load over approach, and contact area over load; where the load is constant and a moment or a tilt changes,
     moment over tilt, and contact area over moment. A load under a constant approach is drawn over the cycles, the path
@@ -149,12 +149,12 @@ def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> F
 
 
 def history_words(panels: list[Panel]) -> str:
-    """What the picture shows, in a sentence."""
+    """Caption of the picture."""
     return " and ".join(panel.title.lower() for panel in panels).capitalize() + "."
 
 
 def first_touch(dataset: Results) -> float | None:
-    """Approach [m] at which the bodies touch first; None where the results do not tell it.
+    """Approach [m] at first touch; None where the results do not give it.
 
     Eigenstrain and a tilt move the surfaces before anything is loaded.
     """

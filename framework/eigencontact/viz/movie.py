@@ -1,4 +1,4 @@
-"""Films from figures: GIF by Pillow, which matplotlib brings along, and MP4 where the program ffmpeg is installed."""
+"""Films from figures: GIF by Pillow, a dependency of matplotlib, and MP4 by the program ffmpeg."""
 
 from __future__ import annotations
 
@@ -24,8 +24,12 @@ if TYPE_CHECKING:
 
 __all__ = ["refuse_animation", "write_movie"]
 
-#: A film takes so long [s] if its frames are not shown for less or more [ms] than these.
-LENGTH, SHORTEST, LONGEST = 9.0, 80, 500
+#: Length of a film [s] whose frames stay within the next two limits.
+LENGTH = 9.0
+#: Shortest time of a frame [ms].
+SHORTEST = 80
+#: Longest time of a frame [ms].
+LONGEST = 500
 #: The last frame stays [ms].
 LAST = 1500
 #: Frames whose colours make the palette, which all frames of a GIF share so that colours do not flicker.

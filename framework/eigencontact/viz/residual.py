@@ -38,7 +38,7 @@ _STYLES = {"z": "-", "x": "--", "y": ":"}
 
 
 def cause(dataset: Results) -> str:
-    """What displaces the surface besides the tractions, in words: inclusions of another material, or eigenstrain."""
+    """Cause of the surface displacement without tractions, as text: inclusions of another material, or eigenstrain."""
     if any(str(name).startswith("plastic_strain_") for name in dataset):
         return "plastic strain"
     return "the inclusions" if "inclusion_residual" in dataset else "eigenstrain"

@@ -166,7 +166,7 @@ def equivalent_of(dataset: Results, region: str) -> str | None:
 
 
 def default_field(dataset: Results, region: str, step: int) -> Shown:
-    """Equivalent stress that a section shows where nothing else is chosen."""
+    """Equivalent stress that a section shows by default."""
     field = equivalent_of(dataset, region) or next(iter(EQUIVALENT))
     name = f"{region}_{field}"
     return Shown(EQUIVALENT[field], "Pa", np.asarray(dataset[name][step].values, dtype=float), name)
@@ -178,7 +178,7 @@ def _near_zero(places: NDArray[np.float64], index: int) -> float:
 
 
 def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
-    """Where the plane lies; beside an interface, on which side of it."""
+    """Position of the plane as text, with the side of an interface next to it."""
     places = []
     for axis, at in cut.cut.items():
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
@@ -191,6 +191,6 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
 
 
 def _mark(axes: Axes, at: tuple[float, float]) -> None:
-    """Cross at a point, which shows on all colours; what it marks is said in the title, where it hides nothing."""
+    """Draw a cross at a point, visible on all colours; the title names it."""
     axes.plot(*at, "+", color="black", markersize=9, markeredgewidth=2.6, zorder=8, clip_on=False)
     axes.plot(*at, "+", color="white", markersize=8, markeredgewidth=1.2, zorder=9, clip_on=False)

@@ -1,4 +1,4 @@
-"""Which side of interfaces and borders of inclusions the points of a section lie on, so that nothing crosses a jump.
+"""Sides of interfaces and borders of inclusions for the points of a section: contours do not cross a jump.
 
 Stress jumps where the material does: at interfaces of layers, at borders of inclusions. A picture must not join points
 of both sides. Three kinds of points carry the stress of neither side: points in cells that a border cuts, points finer
@@ -68,7 +68,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Side:
-    """What lies on one side of all interfaces and borders.
+    """Region between interfaces and borders.
 
     Attributes
     ----------
@@ -167,8 +167,8 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
             points = (owner == number) & (layer == n)
             if points.any():
                 sides.append(Side(points, closed[number] if number >= 0 else None, depths))
-    whole, trusted = _uncut_points(dataset, plane, closed)
-    return Sides(tuple(sides), whole, trusted & ~_on_border(plane, closed), cuts)
+    uncut, trusted = _uncut_points(dataset, plane, closed)
+    return Sides(tuple(sides), uncut, trusted & ~_on_border(plane, closed), cuts)
 
 
 def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.bool_]) -> FloatArray:
@@ -220,7 +220,7 @@ def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
 def _uncut_points(
     dataset: Results, plane: Plane, paths: list[FloatArray]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Points that lie in no cell which a path cuts, and the trusted of them; all where no cells are stored."""
+    """Points outside of the cells that paths cut, and the trusted points among them; all without stored cells."""
     uncut = np.ones((plane.v.size, plane.h.size), dtype=bool)
     grids = [f"cells_{plane.body}_{axis}" for axis in plane.dims]
     if not paths or any(name not in dataset.variables for name in grids):
@@ -279,7 +279,7 @@ def _touching(cells: NDArray[np.bool_], places: list[FloatArray], first: NDArray
 
 
 def _cells_cut(path: FloatArray, edges: list[float], starts: list[float]) -> set[tuple[int, int]]:
-    """Cells (row, column) that a path runs through, along whose faces it does not run alone."""
+    """Cells (row, column) with a path in their interior, not only along their faces."""
     lengths = np.abs(np.diff(path, axis=0)) / np.array(edges[::-1])
     counts = np.maximum(1, np.ceil(PER_CELL * lengths.max(axis=1)).astype(int))
     shares = [(np.arange(count) + 0.5) / count for count in counts]

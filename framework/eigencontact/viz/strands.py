@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Strand", "draw_strands"]
 
-#: Colours of the numbers: viridis without its yellow end, which white paper swallows.
-COLOUR_MAP, BRIGHTEST = "viridis", 0.88
+#: Colours of the numbers.
+COLOUR_MAP = "viridis"
+#: End of the colour map in use: white paper swallows the yellow beyond it.
+BRIGHTEST = 0.88
 #: Ticks of a colour bar lie at least this part of its length apart.
 TICK_ROOM = 0.08
 #: Numbers of which half lie below this part of the largest have a logarithmic colour bar.

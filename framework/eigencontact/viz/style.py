@@ -1,4 +1,4 @@
-"""What all figures share: engineering units, colour ranges, sizes, words of titles, and how they are stored."""
+"""Common parts of all figures: engineering units, colour ranges, sizes, titles, storage."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ def place(axis: str, value: float) -> str:
 
 
 def heading(dataset: Results, step: int, subject: str) -> str:
-    """Title of a picture: what is shown, at which load, and at which step where that is not the last."""
+    """Title of a picture: its subject, the load, and the step unless it is the last."""
     title = subject
     if "normal_load" in dataset:
         load = float(dataset["normal_load"][step])
@@ -202,7 +202,7 @@ def instant(dataset: Results, step: int) -> str:
 
 
 def moment(dataset: Results, step: int) -> str:
-    """Step of several that a picture shows, for its caption; of surfaces that wear after how many cycles."""
+    """Step of a picture for its caption, with the number of cycles of surfaces that wear; empty for a single step."""
     if dataset.sizes["step"] == 1:
         return ""
     number = int(dataset["step"][step])
@@ -212,7 +212,7 @@ def moment(dataset: Results, step: int) -> str:
 
 
 def _cycles(dataset: Results, step: int) -> str:
-    """Number of cycles that a step stands for, in words; empty where nothing wears in cycles."""
+    """Number of cycles of a step, as text; empty without wear in cycles."""
     if "cycles" not in dataset or not float(np.nanmax(dataset["cycles"].values)) > 0:
         return ""
     count = float(dataset["cycles"][step])

@@ -151,7 +151,7 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
 
 
 def homogeneous_words(dataset: Results) -> str:
-    """What the closed form beside a contact of inhomogeneous bodies is that of; empty where there is none."""
+    """Body that the closed form beside a contact of inhomogeneous bodies describes; empty without a closed form."""
     if "homogeneous_pressure" not in dataset:
         return ""
     return "homogeneous body" if "residual_displacement_z" in dataset else "bare substrate"
@@ -166,7 +166,7 @@ def relative_difference(pressure: NDArray[Any], reference: NDArray[Any]) -> tupl
 
 
 def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None, view: Box) -> str:
-    """How far the pressure is from the closed form; both are zero outside of a view."""
+    """Label of the closed form with its relative difference from the pressure; both are zero outside the view."""
     if reference is None:
         return "closed form"
     in_norm, peak = relative_difference(pressure[view.slices], reference[view.slices])

@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_profiles", "draw_sweep"]
 
-#: Values of each of two numbers from which on a map shows more than curves; curves that a legend can hold.
-_MAP, _CURVES = 5, len(COLOURS)
+#: Values of each of two numbers from which on a map shows more than curves.
+_MAP = 5
+#: Curves that a legend can hold.
+_CURVES = len(COLOURS)
 #: Values spaced by ratios that are marked one by one.
 _MARKED = 8
 #: Least range of an axis as a part of the largest value: where values differ by less, it shows that they hardly differ.
@@ -149,7 +151,7 @@ def _curves(
 
 
 def _along(dataset: xarray.Dataset, dim: str) -> Any:
-    """What the axis shows: the parameter of its dimension, of paired ones the first that is a number."""
+    """Parameter along the axis: that of its dimension, or the first number among paired parameters."""
     if dim in dataset.coords:
         return dataset[dim]
     paired = [field for field in dataset.coords.values() if field.dims == (dim,)]

@@ -91,7 +91,7 @@ def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
 
 
 def _remembered(dataset: Results, body: int, folder: Path) -> list[Path]:
-    """Files of what the cells of a body remember, in the steps after which that was kept."""
+    """Files of the history fields in the cells of a body, for the steps that store them."""
     series, times = [], []
     for at, index in enumerate(int(step) for step in dataset["history_step"].values):
         series.append(_save(_cells(dataset, body, at), folder, f"cells_{body}_{index:04d}"))

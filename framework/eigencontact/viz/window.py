@@ -1,4 +1,4 @@
-"""What the pictures of the surface share: which cells are shown, their edges, the outline of the contact, a map."""
+"""Common parts of pictures of the surface: visible cells, their edges, the outline of the contact, a map."""
 
 from __future__ import annotations
 
@@ -51,9 +51,10 @@ __all__ = [
 
 #: Cells along a side that a map shows at most: somewhat more than its dots.
 DOTS = 1000
-#: Colours of maps of ragged contacts, and the part of them in use: small spots of low values must not stand out from
-#: the light ground, nor vanish in it.
-PALE_FIRST, USED = "YlGnBu", (0.15, 1.0)
+#: Colours of maps of ragged contacts, light for low values.
+PALE_FIRST = "YlGnBu"
+#: Part of these colours in use: small spots of low values must not stand out from the light ground, nor vanish in it.
+USED = (0.15, 1.0)
 #: A line this many cells from the origin passes through it, as near as the cells are.
 NEAR = 0.51
 #: Profiles that differ by at most this part of the largest value are drawn once.
@@ -263,7 +264,7 @@ def _smooth_border(window: Window, region: NDArray[np.bool_]) -> Path | None:
 
 
 def _sampled(field: NDArray[Any]) -> NDArray[Any]:
-    """Cells that a picture can show, evenly spread: a dot on paper would be that of one of several cells anyway."""
+    """Evenly spread cells of a field, no more than the dots of a picture."""
     if max(field.shape) <= DOTS:
         return field
     counts = [min(side, DOTS) for side in field.shape]

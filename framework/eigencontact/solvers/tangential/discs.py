@@ -135,7 +135,7 @@ class RigidPlane:
         return float(np.sum(np.where(outside, bound * size - 0.5 * bound**2, inside))) - float(self.forces @ amounts)
 
     def fitted(self, unit: FloatArray, loaded: BoolArray) -> FittedModes:
-        """The modes over the directions in which tractions may still change: where loaded, across the unit vectors."""
+        """Modes over the free directions of tractions: in loaded cells, across the unit vectors."""
         return FittedModes(self, unit, loaded)
 
 
@@ -160,7 +160,7 @@ class FittedModes:
             self._basis = np.linalg.svd(across.reshape(len(modes), -1).T, full_matrices=False)
 
     def amounts(self, field: FloatArray) -> FloatArray:
-        """Amounts ``(m,)`` of the modes that leave least of a field, which has no part along the unit vectors."""
+        """Amounts ``(m,)`` of the modes that fit a field best; the field has no component along the unit vectors."""
         if self._gram is not None:
             return np.asarray(np.linalg.solve(self._gram, self._modes.work(field)))
         left, size, right = self._basis

@@ -169,7 +169,7 @@ class _Iteration:
         return slip, wrong, (unit, curvature)
 
     def _fit(self, slip: FloatArray, unit: FloatArray) -> FloatArray:
-        """Free rigid modes that leave the least slip in the directions that stick."""
+        """Free rigid modes with the least slip in the sticking directions."""
         modes = self.problem.modes
         if not len(modes):
             return np.zeros(0)
