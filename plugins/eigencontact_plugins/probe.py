@@ -59,8 +59,8 @@ class Probe(Observer):
         from scipy.ndimage import map_coordinates
 
         if self.field not in step.fields:
-            known = ", ".join(repr(name) for name in sorted(step.fields))
-            raise SceneError(f"{self.key}.field must be one of {known} (got {self.field!r})")
+            names = ", ".join(repr(name) for name in sorted(step.fields))
+            raise SceneError(f"{self.key}.field must be one of {names} (got {self.field!r})")
         grid = step.grid
         x, y = np.transpose(self.points)
         column = (x - grid.center[0]) / grid.dx + 0.5 * (grid.nx - 1)

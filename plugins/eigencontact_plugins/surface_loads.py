@@ -43,7 +43,7 @@ def _unit_of_length(half_widths: HalfWidths) -> float:
 
 
 class _UniformLoad(CornerInfluence):
-    """What the three loads share; `direction` is the axis of the traction."""
+    """Base of the three loads; `direction` is the axis of the traction."""
 
     direction: ClassVar[str]
 

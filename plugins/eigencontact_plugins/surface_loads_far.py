@@ -93,7 +93,7 @@ def _distance(points: tuple[FloatArray, FloatArray, FloatArray], half_widths: Ha
 
 
 def is_far(points: tuple[FloatArray, FloatArray, FloatArray], half_widths: HalfWidths) -> NDArray[np.bool_]:
-    """Where Gauss sums are to be used instead of corner sums; the points broadcast."""
+    """Points for Gauss sums instead of corner sums, as booleans; the points broadcast."""
     elongated = max(half_widths) > 8 * min(half_widths)
     return np.asarray(_distance(points, half_widths) >= (SHELLS[0] if elongated else SHELLS[2]))
 

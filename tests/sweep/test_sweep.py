@@ -20,7 +20,7 @@ from eigencontact.results.atomic import Sink
 from eigencontact.sweeps.axes import axes_of, axis_of_text
 from eigencontact.sweeps.identity import scene_digest, sweep_digest
 from eigencontact.sweeps.runner import outcomes
-from eigencontact.sweeps.sweep import _drawn, read_sweep_file, sweep
+from eigencontact.sweeps.sweep import _scalars_to_draw, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
 from eigencontact.sweeps.warned import warnings_in_words
 from eigencontact.viz.sweep import draw_profiles, draw_sweep
@@ -425,7 +425,7 @@ def test_numbers_that_differ_by_their_residual_alone_are_not_drawn():
     data = xr.Dataset({"normal_load": loads, "max_pressure": ("a", [1.0, 1.1])}, {"a": [1.0, 2.0]})
     for name in data.data_vars:
         data[name].attrs["headline"] = 1
-    assert _drawn(data, []) == ["max_pressure"]
+    assert _scalars_to_draw(data, []) == ["max_pressure"]
 
 
 def noise(size, spread, shape=None):

@@ -103,12 +103,12 @@ def _pyfftw() -> Any:
         del sys.modules[name]
     vars(fftw).pop("interfaces", None)
 
-    def wanted(attribute: str) -> Any:
+    def interface_of(attribute: str) -> Any:
         if attribute == "interfaces":
             return import_module(name)
         raise AttributeError(f"module 'pyfftw' has no attribute {attribute!r}")
 
-    fftw.__getattr__ = wanted
+    fftw.__getattr__ = interface_of
     return fftw
 
 

@@ -95,12 +95,12 @@ def contract(
                 if begin == end:
                     weight[g] = 0.0
                 for t in range(begin, end):
-                    for part in range(2):
-                        kernel = kernels[numbers[t], part, start : start + m]
+                    for component in range(2):
+                        kernel = kernels[numbers[t], component, start : start + m]
                         if t == begin:
-                            _scaled(weight[g, part], kernel, coefficients[t], m)
+                            _scaled(weight[g, component], kernel, coefficients[t], m)
                         else:
-                            _add_scaled(weight[g, part], kernel, coefficients[t], m)
+                            _add_scaled(weight[g, component], kernel, coefficients[t], m)
             at = columns[first]
             for q in range(2 * signs):
                 _add_products(total[q], weight, column[q, at : at + GROUP], m)

@@ -16,7 +16,7 @@ Array = NDArray[Any]
 
 
 class _Contraction:
-    """What both ways share: coefficients, weights of the depths, signs at -ky."""
+    """Common data of both contractions: coefficients, weights of the depths, signs at -ky."""
 
     def __init__(self, sums: WeightedSums, active: Sequence[int], depths: Array, size: int, dtype: Any) -> None:
         layout = sums.kernels.layout
@@ -26,15 +26,15 @@ class _Contraction:
         self._matrices = sums.matrices(active)
         self._flips = np.array([parity[0] for parity in sums.outputs], self._real)
         self._first, self._targets = layout.z.target_start, layout.z.targets
-        found = [
+        products = [
             (output, number, factor * depths**power)
             for number, row in enumerate(sums.rows)
             for output, power, factor in row.into
         ]
-        found.sort(key=lambda item: item[:2])
-        self._starts = np.searchsorted([output for output, *_ in found], np.arange(len(sums.outputs) + 1))
-        self._rows = np.array([row for _, row, _ in found])
-        self._weights = np.array([weight for *_, weight in found], self._real)
+        products.sort(key=lambda item: item[:2])
+        self._starts = np.searchsorted([output for output, *_ in products], np.arange(len(sums.outputs) + 1))
+        self._rows = np.array([row for _, row, _ in products])
+        self._weights = np.array([weight for *_, weight in products], self._real)
         self._buffers: list[Array] = []
 
     @property
@@ -84,9 +84,9 @@ class BlockContraction(_Contraction):
         if self._signs == 2:
             np.conjugate(mirrored, out=columns[:n, 1])
             np.conjugate(waves[..., :kz], out=columns[n:, 1])
-        for part, values in enumerate((self._assembled.real, self._assembled.imag)):
-            parts = self._matrix @ kernels[:, part, piece].reshape(len(kernels), -1)
-            values[..., :size, :] = parts.reshape(-1, 1, 1, size, kz)
+        for component, values in enumerate((self._assembled.real, self._assembled.imag)):
+            combined = self._matrix @ kernels[:, component, piece].reshape(len(kernels), -1)
+            values[..., :size, :] = combined.reshape(-1, 1, 1, size, kz)
         upper, position = slice(1, out.shape[-1] - kz + 1), 0
         for row, (first, last, matrix) in enumerate(self._matrices):
             weights = self._assembled[position : position + len(matrix), :, :, :size]
@@ -137,9 +137,9 @@ class CompiledContraction(_Contraction):
             entries.append(len(columns))
         self._tables = [np.array(table, np.int64) for table in (entries, columns, terms, numbers)]
         self._tables.append(np.array(coefficients, self._real))
-        pairs, values, held = 2 * self._signs, size * self._kz, max(2 * len(active), *columns) + 1
+        pairs, values, rows_in_cache = 2 * self._signs, size * self._kz, max(2 * len(active), *columns) + 1
         self._work = [
-            self._empty(pairs, held, 2, values, dtype=self._real),
+            self._empty(pairs, rows_in_cache, 2, values, dtype=self._real),
             self._empty(compiled.GROUP, 2, values, dtype=self._real),
             self._empty(pairs, 2, values, dtype=self._real),
         ]

@@ -162,13 +162,13 @@ class Convolver:
             return self._sum_planes(sources, kernels, targets)
         groups = [kernels[first : first + _TOGETHER] for first in range(0, len(kernels), _TOGETHER)]
         # The half-transformed rows of targets take the place of those of the sources, unless these are needed again.
-        kept = len(sources) if len(groups) > 1 else 0
-        half = self._buffers(max(len(sources), kept + max(map(len, groups), default=0)))
+        first_output = len(sources) if len(groups) > 1 else 0
+        half = self._buffers(max(len(sources), first_output + max(map(len, groups), default=0)))
         self._all([partial(worker.rows_forward, sources, half) for worker in self._workers])
         for number, group in enumerate(groups):
             into = targets[_TOGETHER * number :]
-            self._all([partial(w.columns, len(sources), group, half, half[kept:]) for w in self._workers])
-            self._all([partial(w.rows_inverse, len(group), half[kept:], into) for w in self._workers])
+            self._all([partial(w.columns, len(sources), group, half, half[first_output:]) for w in self._workers])
+            self._all([partial(w.rows_inverse, len(group), half[first_output:], into) for w in self._workers])
         return targets
 
     def _compile(self, pairs: int) -> None:
@@ -184,8 +184,8 @@ class Convolver:
         workers = self._workers[: len(sources)]
         self._all([partial(worker.add_up, sources, kernels) for worker in workers])
         totals = workers[0].totals[: len(kernels)]
-        for other in workers[1:]:
-            totals += other.totals[: len(kernels)]
+        for summand in workers[1:]:
+            totals += summand.totals[: len(kernels)]
         half = self._buffers(len(kernels))
         self._all([partial(worker.columns_inverse, totals, half) for worker in self._workers])
         self._all([partial(worker.rows_inverse, len(kernels), half, targets) for worker in self._workers])
@@ -242,8 +242,8 @@ class _Worker:
     @property
     def nbytes(self) -> int:
         columns = sum(a.nbytes + b.nbytes for a, b, _ in self._sources)
-        own = (self._padded, self._full, self._product, self._sum, self._back, *self._sums, self.totals, self._rows)
-        return int(columns + sum(array.nbytes for array in own))
+        arrays = (self._padded, self._full, self._product, self._sum, self._back, *self._sums, self.totals, self._rows)
+        return int(columns + sum(array.nbytes for array in arrays))
 
     def rows_forward(self, sources: Array, half: Sequence[Array]) -> None:
         """Transform this thread's rows of the sources along x."""
@@ -405,6 +405,6 @@ def _blocks(total: int, size: int) -> list[slice]:
 
 
 def _turn(rows: Array, columns: Array) -> None:
-    """Write rows as columns, so many at a time that what is read of them stays in cache."""
+    """Write rows as columns, in groups of rows that stay in cache."""
     for first in range(0, len(rows), _TURNED):
         columns[:, first : first + _TURNED] = rows[first : first + _TURNED].T

@@ -1,4 +1,4 @@
-"""Where source and target cells lie relative to each other, and the transform lengths that follow."""
+"""Relative positions of source and target cells, and the transform lengths that follow."""
 
 from __future__ import annotations
 
@@ -44,16 +44,16 @@ class Axis:
         """Choose the transform length and whether parity can be used."""
         require(sources >= 1, "convolution", "source", sources, "at least 1 cell")
         require(targets >= 1, "convolution", "target", targets, "at least 1 cell")
-        whole = origin == floor(origin)
+        on_lattice = origin == floor(origin)
         if periodic:
             require(targets == sources, "convolution", "target", targets, "the source's size where periodic")
-            require(whole, "convolution", "origin", origin, "a whole number of cells where periodic")
+            require(on_lattice, "convolution", "origin", origin, "a whole number of cells where periodic")
             return cls(sources, targets, origin, periodic=True, length=length or sources, symmetric=True)
         span = sources + targets - 1
         reach = max(abs(floor(origin) - (sources - 1)), abs(floor(origin) + targets - 1))
-        symmetric = whole and 2 * reach + 1 <= max(_PARITY_WASTE * span, 8)
-        wanted = max(span, 2 * reach + 1) if symmetric else span
-        return cls(sources, targets, origin, periodic=False, length=fast_even(wanted), symmetric=symmetric)
+        symmetric = on_lattice and 2 * reach + 1 <= max(_PARITY_WASTE * span, 8)
+        least_length = max(span, 2 * reach + 1) if symmetric else span
+        return cls(sources, targets, origin, periodic=False, length=fast_even(least_length), symmetric=symmetric)
 
     @property
     def half(self) -> int:
@@ -100,12 +100,12 @@ def fast_even(n: int) -> int:
         return 1
     best, price = 0, float("inf")
     for length in range(n + n % 2, max(int(1.08 * n), n + 8) + 1, 2):
-        rest, cost = length, float(length)
+        cofactor, cost = length, float(length)
         for factor, surcharge in ((2, 1.0), (5, 1.0), (7, 1.0), (3, 1.08), (11, 1.08), (13, 1.08)):
-            while rest % factor == 0:
-                rest //= factor
+            while cofactor % factor == 0:
+                cofactor //= factor
                 cost *= surcharge
-        if rest == 1 and cost < price:
+        if cofactor == 1 and cost < price:
             best, price = length, cost
     if best:
         return best

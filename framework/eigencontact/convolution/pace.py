@@ -1,4 +1,4 @@
-"""How fast this machine convolves: two times measured on the spot, from which prices follow by counting."""
+"""Speed of convolutions on this machine: two measured times, from which prices follow by counting."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ def speed(precision: str, threads: int | None) -> Speed:
 
 def timed(call: Callable[[], object], laps: int = 3) -> float:
     """Shortest of a few times that a call takes [s]."""
-    found = []
+    times = []
     for _ in range(laps):
         began = perf_counter()
         call()
-        found.append(perf_counter() - began)
-    return min(found)
+        times.append(perf_counter() - began)
+    return min(times)

@@ -128,12 +128,12 @@ def _by_extension(table: NDArray[Any], axis: int, sign: int) -> NDArray[Any]:
     """`parity_transform` by the extension itself."""
     along = np.moveaxis(table, axis, -1)
     n = along.shape[-1]
-    whole = np.zeros((*along.shape[:-1], max(1, 2 * n - 2)), np.result_type(table, np.float64))
+    extension = np.zeros((*along.shape[:-1], max(1, 2 * n - 2)), np.result_type(table, np.float64))
     first = 0 if sign > 0 else 1  # what is odd vanishes in the middle and at the end
-    whole[..., first : n - first] = along[..., first : n - first]
-    whole[..., n:] = sign * along[..., n - 2 : 0 : -1]
-    if np.iscomplexobj(whole):
-        values = np.fft.fft(whole)[..., :n]
+    extension[..., first : n - first] = along[..., first : n - first]
+    extension[..., n:] = sign * along[..., n - 2 : 0 : -1]
+    if np.iscomplexobj(extension):
+        values = np.fft.fft(extension)[..., :n]
         return np.moveaxis(values if sign > 0 else 1j * values, -1, axis)
-    values = np.fft.rfft(whole)
+    values = np.fft.rfft(extension)
     return np.moveaxis(values.real if sign > 0 else -values.imag, -1, axis)

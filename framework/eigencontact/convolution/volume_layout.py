@@ -1,4 +1,4 @@
-"""Where a box of source cells and a box of target points lie relative to each other in space, and kernels of the pair.
+"""Relative position of a box of source cells and a box of target points in space, and the kernels of the pair.
 
 Along z a kernel depends either on the difference of target and source (convolution) or on their sum (correlation):
 the response of the mirror image behind a plane depends on the sum. Both use the same transforms, because the spectrum
@@ -161,7 +161,7 @@ class VolumeKernels:
             values = parity_transform(parity_transform(table, 0, parity[2], 1), 1, parity[1], 1)
             spectrum = _along_z(layout, values, parity[0], correlation=correlation)
         else:
-            spectrum = _whole(layout, table, parity, correlation=correlation)
+            spectrum = _full_transform(layout, table, parity, correlation=correlation)
         out = self.values[:, number]
         np.multiply(spectrum.real, factor, out=out[:, 0], casting="same_kind")
         np.multiply(spectrum.imag, factor, out=out[:, 1], casting="same_kind")
@@ -190,7 +190,9 @@ def _ordered_z(layout: VolumeLayout, values: FloatArray, *, correlation: bool) -
     return out
 
 
-def _whole(layout: VolumeLayout, table: FloatArray, parity: VolumeParity, *, correlation: bool) -> NDArray[Any]:
+def _full_transform(
+    layout: VolumeLayout, table: FloatArray, parity: VolumeParity, *, correlation: bool
+) -> NDArray[Any]:
     """Transform a table along all axes without parity; kx >= 0, all ky and kz."""
     from scipy import fft
 

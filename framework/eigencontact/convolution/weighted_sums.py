@@ -1,4 +1,4 @@
-"""Which kernels connect which sources and outputs in space, with which coefficients: a table, not a formula."""
+"""Table of the kernels and coefficients between sources and outputs in space."""
 
 from __future__ import annotations
 
@@ -63,15 +63,15 @@ class WeightedSums:
         self.rows = _independent(table)
 
     def _check(self, output: int, kernel: int, source: int) -> None:
-        """Refuse a kernel that lacks the symmetry of what it connects."""
+        """Refuse a kernel without the symmetry of its source and output."""
         product = tuple(a * b for a, b in zip(self.outputs[output], self.sources[source], strict=True))
-        found = self.kernels.parities[kernel][1:]
+        kernel_parity = self.kernels.parities[kernel][1:]
         where = f"(the product of output {output} and source {source})"
         require(
-            not self.kernels.layout.folded or found == product,
+            not self.kernels.layout.folded or kernel_parity == product,
             "convolution",
             f"kernels[{kernel}].parity",
-            found,
+            kernel_parity,
             f"{product} {where}",
         )
 
@@ -89,7 +89,7 @@ class WeightedSums:
 
         The columns are the active sources' spectra, then these at -kz.
         """
-        width, found = len(active), []
+        width, rows = len(active), []
         place = {source: position for position, source in enumerate(active)}
         for row in self.rows:
             full = np.zeros((2 * width, len(self.kernels)))
@@ -103,8 +103,8 @@ class WeightedSums:
                     full[column, kernel] += sign * value
             used = np.flatnonzero(full.any(axis=1))
             first, last = (int(used[0]), int(used[-1]) + 1) if used.size else (0, 1)
-            found.append((first, last, full[first:last]))
-        return found
+            rows.append((first, last, full[first:last]))
+        return rows
 
 
 def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
@@ -113,7 +113,7 @@ def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
     columns = {key: k for k, key in enumerate(keys)}
     rows: list[Row] = []
     for power in sorted({power for _, power in table}):
-        kept: list[int] = []
+        independent: list[int] = []
         vectors: list[FloatArray] = []
         for output in sorted(output for output, p in table if p == power):
             terms = {key: value for key, value in table[output, power].items() if value}
@@ -122,14 +122,14 @@ def _independent(table: Mapping[tuple[int, int], Coefficients]) -> list[Row]:
             if not terms:
                 continue
             weights = np.linalg.lstsq(np.array(vectors).T, vector)[0] if vectors else np.zeros(0)
-            rest = vector - (weights @ np.array(vectors) if vectors else 0.0)
-            if np.abs(rest).max() <= 1e-13 * np.abs(vector).max():
-                for number, weight in zip(kept, weights, strict=True):
+            remainder = vector - (weights @ np.array(vectors) if vectors else 0.0)
+            if np.abs(remainder).max() <= 1e-13 * np.abs(vector).max():
+                for number, weight in zip(independent, weights, strict=True):
                     if abs(weight) > 1e-13:
                         into = (*rows[number].into, (output, power, float(weight)))
                         rows[number] = Row(rows[number].terms, into)
             else:
-                kept.append(len(rows))
+                independent.append(len(rows))
                 vectors.append(vector)
                 rows.append(Row(terms, ((output, power, 1.0),)))
     return rows

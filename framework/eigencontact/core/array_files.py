@@ -26,7 +26,7 @@ _SHARE = 0.25
 
 @dataclass(frozen=True, eq=False, slots=True)
 class StoredArray:
-    """Array of a file, which is not read yet, with what the file says of it.
+    """Array of a file that is not read yet, with its attributes.
 
     Attributes
     ----------

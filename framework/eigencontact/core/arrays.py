@@ -60,14 +60,14 @@ def real_array(value: Any, where: str, field: str, rule: str, unit: str = "") ->
         raise SceneError(f"{where}.{field} must be {rule}{problem}") from None
 
 
-def real_answer(value: Any, what: str, shape: tuple[int, ...] | None = None) -> FloatArray:
+def real_answer(value: Any, quantity: str, shape: tuple[int, ...] | None = None) -> FloatArray:
     """Array of real numbers that a plugin answers with.
 
     Parameters
     ----------
     value : object
         The answer.
-    what : str
+    quantity : str
         For the message: ``"separation of geometry 'bowl'"``.
     shape : tuple of int, optional
         Shape to which the answer must broadcast.
@@ -88,7 +88,7 @@ def real_answer(value: Any, what: str, shape: tuple[int, ...] | None = None) -> 
         return array if shape is None else np.broadcast_to(array, shape)
     except ValueError as problem:
         reason = str(problem) if str(problem)[:1] in " ," else f" (got shape {np.shape(value)})"
-        raise PluginError(f"{what} must be {rule}{reason}") from None
+        raise PluginError(f"{quantity} must be {rule}{reason}") from None
 
 
 def whole_array(value: Any, where: str, field: str, rule: str) -> NDArray[np.int32]:
@@ -98,7 +98,7 @@ def whole_array(value: Any, where: str, field: str, rule: str) -> NDArray[np.int
     except ValueError as problem:
         raise SceneError(f"{where}.{field} must be {rule}{problem}") from None
     if array.dtype.kind not in "biu":
-        raise SceneError(f"{where}.{field} must be {rule} (got {_words(array)})")
+        raise SceneError(f"{where}.{field} must be {rule} (got {_type_and_shape(array)})")
     return array.astype(np.int32)
 
 
@@ -108,7 +108,7 @@ def _real_numbers(value: Any, unit: str) -> FloatArray:
     if array.dtype.kind == "O" and all(is_real(item) and abs(item) <= LARGEST for item in array.ravel()):
         array = array.astype(float)  # whole numbers of Python, fractions
     if array.dtype.kind not in "fiu":
-        raise ValueError(f", real numbers (got {_words(array)})")
+        raise ValueError(f", real numbers (got {_type_and_shape(array)})")
     return np.asarray(array, dtype=float)
 
 
@@ -147,17 +147,17 @@ def real_points(where: str, *coordinates: Any) -> tuple[FloatArray, ...]:
     >>> [t.shape for t in real_points("here", 1.0, [0.0, 1.0])]
     [(), (2,)]
     """
-    found = tuple(
+    arrays = tuple(
         real_array(values, where, axis, "coordinates [m]") for axis, values in zip("xyz", coordinates, strict=False)
     )
     try:
-        np.broadcast_shapes(*(values.shape for values in found))
+        np.broadcast_shapes(*(values.shape for values in arrays))
     except ValueError:
-        shapes = ", ".join(str(values.shape) for values in found)
+        shapes = ", ".join(str(values.shape) for values in arrays)
         raise SceneError(f"{where}: coordinates must be of shapes that broadcast (got {shapes})") from None
-    return found
+    return arrays
 
 
-def _words(array: NDArray[Any]) -> str:
+def _type_and_shape(array: NDArray[Any]) -> str:
     names = {"b": "booleans", "c": "complex numbers", "U": "text", "S": "bytes", "O": "objects"}
     return f"{names.get(array.dtype.kind, str(array.dtype))} of shape {array.shape}"

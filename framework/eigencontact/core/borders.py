@@ -12,8 +12,10 @@ __all__ = ["Inside", "border"]
 FloatArray = NDArray[np.float64]
 Inside = Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
 
-#: Nodes of the mesh each way; halvings that find a crossing of one of its edges.
-_NODES, _HALVINGS = 49, 24
+#: Nodes of the mesh each way.
+_NODES = 49
+#: Halvings that find a crossing of an edge of the mesh.
+_HALVINGS = 24
 
 
 def border(inside: Inside, low: tuple[float, float], high: tuple[float, float], nodes: int = _NODES) -> FloatArray:
@@ -53,13 +55,13 @@ def border(inside: Inside, low: tuple[float, float], high: tuple[float, float], 
 def _crossings(
     inside: Inside, begin: FloatArray, end: FloatArray, first: NDArray[np.bool_], last: NDArray[np.bool_]
 ) -> FloatArray:
-    """Where the border crosses edges of the mesh, NaN where it does not, ``(..., 2)``."""
+    """Crossings of the border with edges of the mesh ``(..., 2)``; NaN for edges without one."""
     out = np.full(begin.shape, np.nan)
     where = first != last
-    a, b, known = begin[where].copy(), end[where].copy(), first[where]
+    a, b, start_inside = begin[where].copy(), end[where].copy(), first[where]
     for _ in range(_HALVINGS if len(a) else 0):
         middle = 0.5 * (a + b)
-        same = inside(middle[:, 0], middle[:, 1]) == known
+        same = inside(middle[:, 0], middle[:, 1]) == start_inside
         a[same], b[~same] = middle[same], middle[~same]
     out[where] = 0.5 * (a + b)
     return out

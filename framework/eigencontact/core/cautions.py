@@ -1,4 +1,4 @@
-"""What a run or a plan says of its own worth: plain sentences with a code and, where it is known, a number."""
+"""Warnings of a run or a plan: sentences with a code and, where available, an error estimate."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ class Caution:
     error: float | None = None
 
     def to_dict(self) -> dict[str, object]:
-        """As plain data for JSON."""
+        """Plain data for JSON."""
         return {"code": self.code, "words": self.words, "error": self.error}

@@ -57,7 +57,7 @@ class ElasticityOfCells(Protocol):
     """Elastic constants that differ from cell to cell of a box."""
 
     def of_cells(self, index: NDArray[np.intp]) -> Elasticity:
-        """Those of chosen cells, by flat index; its factors are ``(n, 6, 6)``."""
+        """Elasticity of chosen cells, by flat index; its factors are ``(n, 6, 6)``."""
         ...
 
 
@@ -70,8 +70,8 @@ def factors_of_stiffness(stiffness: ArrayLike, shear_modulus: float) -> tuple[Fl
     >>> bool(np.all(soft == np.eye(6))), bool(np.any(stiff))
     (True, False)
     """
-    given, twice = np.asarray(stiffness, dtype=float), 2.0 * shear_modulus
-    values, axes = np.linalg.eigh(0.5 * (given + given.swapaxes(-1, -2)))
+    matrices, twice = np.asarray(stiffness, dtype=float), 2.0 * shear_modulus
+    values, axes = np.linalg.eigh(0.5 * (matrices + matrices.swapaxes(-1, -2)))
     values = np.maximum(values, 0.0)[..., None, :]
     turned = axes.swapaxes(-1, -2)
     return (axes / (values + twice)) @ turned, (axes * (values / (values + twice))) @ turned
@@ -86,9 +86,9 @@ def factors_of_compliance(compliance: ArrayLike, shear_modulus: float) -> tuple[
     >>> bool(np.allclose(stiff, np.eye(6)) and not soft.any())
     True
     """
-    given = np.asarray(compliance, dtype=float)
-    stiff = np.linalg.inv(np.eye(6) + 2.0 * shear_modulus * given)
-    soft = given @ stiff
+    matrix = np.asarray(compliance, dtype=float)
+    stiff = np.linalg.inv(np.eye(6) + 2.0 * shear_modulus * matrix)
+    soft = matrix @ stiff
     return 0.5 * (soft + soft.T), 0.5 * (stiff + stiff.T)
 
 
@@ -161,15 +161,15 @@ def checked_stiffness(where: str, name: str, stiffness: ArrayLike) -> FloatArray
     >>> checked_stiffness("crystal", "stiffness", np.eye(6)).shape
     (6, 6)
     """
-    given = np.asarray(stiffness, dtype=float)
-    require(given.shape == (6, 6), where, name, given.tolist(), "of 6 x 6 Mandel components [Pa]")
-    require(bool(np.isfinite(given).all()), where, name, given.tolist(), "finite [Pa]")
-    size = float(np.abs(given).max())
-    symmetric = float(np.abs(given - given.T).max()) <= _ROUNDING * size
-    require(symmetric, where, name, given.tolist(), "symmetric, 6 x 6 Mandel components [Pa]")
-    least = float(np.linalg.eigvalsh(0.5 * (given + given.T))[0])
-    require(least >= -_ROUNDING * size, where, name, given.tolist(), "without negative eigenvalues [Pa]")
-    return given
+    matrix = np.asarray(stiffness, dtype=float)
+    require(matrix.shape == (6, 6), where, name, matrix.tolist(), "of 6 x 6 Mandel components [Pa]")
+    require(bool(np.isfinite(matrix).all()), where, name, matrix.tolist(), "finite [Pa]")
+    size = float(np.abs(matrix).max())
+    symmetric = float(np.abs(matrix - matrix.T).max()) <= _ROUNDING * size
+    require(symmetric, where, name, matrix.tolist(), "symmetric, 6 x 6 Mandel components [Pa]")
+    least = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0])
+    require(least >= -_ROUNDING * size, where, name, matrix.tolist(), "without negative eigenvalues [Pa]")
+    return matrix
 
 
 def mandel_rotation(rotation: ArrayLike) -> FloatArray:
@@ -188,8 +188,8 @@ def mandel_rotation(rotation: ArrayLike) -> FloatArray:
     out = np.empty((*R.shape[:-2], 6, 6))
     for row, (i, j) in enumerate(pairs):
         for column, (k, l) in enumerate(pairs):
-            both = R[..., i, k] * R[..., j, l] + R[..., i, l] * R[..., j, k]
-            out[..., row, column] = both * (SQRT2 if row > 2 else 1.0) / (SQRT2 if column > 2 else 2.0)
+            products = R[..., i, k] * R[..., j, l] + R[..., i, l] * R[..., j, k]
+            out[..., row, column] = products * (SQRT2 if row > 2 else 1.0) / (SQRT2 if column > 2 else 2.0)
     return out
 
 
@@ -201,11 +201,11 @@ def unit_vector(where: str, name: str, direction: Sequence[float]) -> FloatArray
     >>> unit_vector("crystal", "axis", (0, 3, 4)).tolist()
     [0.0, 0.6, 0.8]
     """
-    given = np.asarray(direction, dtype=float)
-    good = given.shape == (3,) and bool(np.isfinite(given).all()) and bool(given.any())
+    vector = np.asarray(direction, dtype=float)
+    good = vector.shape == (3,) and bool(np.isfinite(vector).all()) and bool(vector.any())
     require(good, where, name, direction, "three finite numbers (x, y, z), not all zero")
-    given = given / np.abs(given).max()
-    return np.asarray(given / np.linalg.norm(given))
+    vector = vector / np.abs(vector).max()
+    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def frame_of(where: str, x_axis: Sequence[float], y_axis: Sequence[float]) -> FloatArray:

@@ -58,7 +58,7 @@ class Box:
 
     @staticmethod
     def around(mask: NDArray[np.bool_]) -> Box | None:
-        """Smallest box that holds every true cell of `mask`; None where there is none."""
+        """Smallest box with all true cells of `mask`; None without a true cell."""
         rows = np.flatnonzero(mask.any(axis=1))
         if rows.size == 0:
             return None

@@ -80,11 +80,11 @@ class GriddedData:
             places = [np.clip(place, axis[0], axis[-1]) for place, axis in zip(places, self.axes, strict=True)]
         values = self.values[name]
         leading = values.ndim - len(self.axes)
-        known = np.moveaxis(values, range(leading), range(-leading, 0))
-        found = RegularGridInterpolator(self.axes, known, method=method, bounds_error=False, fill_value=0.0)(
-            np.stack(np.broadcast_arrays(*places), axis=-1)
-        )
-        return np.moveaxis(np.asarray(found, dtype=float), range(-leading, 0), range(leading))
+        nodes_last = np.moveaxis(values, range(leading), range(-leading, 0))
+        interpolated = RegularGridInterpolator(
+            self.axes, nodes_last, method=method, bounds_error=False, fill_value=0.0
+        )(np.stack(np.broadcast_arrays(*places), axis=-1))
+        return np.moveaxis(np.asarray(interpolated, dtype=float), range(-leading, 0), range(leading))
 
 
 def read_gridded(
@@ -131,30 +131,32 @@ def read_gridded(
     """
     names = tuple(axes)
     if Path(file).suffix.lower() in TEXT_FILES:
-        held = _lattice_of_columns(where, file, names, tuple(values))
+        source = _lattice_of_columns(where, file, names, tuple(values))
     else:
-        held = _stored(where, file)
-    missing = [name for name in (*names, *values) if name not in held]
+        source = _arrays_of(where, file)
+    missing = [name for name in (*names, *values) if name not in source]
     if missing:
-        raise _refusal(where, f"a file with {' and '.join(missing)}", file, f"it holds {', '.join(held) or 'nothing'}")
+        raise _refusal(
+            where, f"a file with {' and '.join(missing)}", file, f"it holds {', '.join(source) or 'nothing'}"
+        )
     coordinates = []
     rule = f"a file with {', '.join(names)} of two numbers or more each, finite and ascending [m]"
     for name in names:
-        if len(held[name].shape) != 1:
+        if len(source[name].shape) != 1:
             raise _refusal(where, rule, file, f"{name} is not")
-        axis = _in_si(where, file, name, held[name], "m", unit)
+        axis = _in_si(where, file, name, source[name], "m", unit)
         if not (axis.size > 1 and bool(np.all(np.diff(axis) > 0)) and np.isfinite(axis).all()):
             raise _refusal(where, rule, file, f"{name} is not")
         coordinates.append(axis)
     shape = tuple(axis.size for axis in coordinates)
     arrays = {}
     for name, symbol in values.items():
-        stored = held[name].ordered(names)
+        array_of_name = source[name].ordered(names)
         allowed = [shape, *([(components[name], *shape)] if components and name in components else [])]
-        if stored.shape not in (*allowed, ()):
+        if array_of_name.shape not in (*allowed, ()):
             rule = f"a file with {name} of shape ({', '.join(names)}) = {' or '.join(map(str, allowed))}, or one number"
-            raise _refusal(where, rule, file, f"{name} has the shape {stored.shape}")
-        array = _in_si(where, file, name, stored, symbol, 1.0)
+            raise _refusal(where, rule, file, f"{name} has the shape {array_of_name.shape}")
+        array = _in_si(where, file, name, array_of_name, symbol, 1.0)
         wrong = ~np.isfinite(array)
         if wrong.any():
             reason = f"{int(wrong.sum())} of {array.size} are not, the first is {float(array[wrong][0])!r}"
@@ -170,7 +172,7 @@ class FileArrays(Mapping[str, FloatArray]):
     """
 
     def __init__(self, where: str, file: str) -> None:
-        self._where, self._file, self._held = where, file, _stored(where, file)
+        self._where, self._file, self._held = where, file, _arrays_of(where, file)
 
     def __getitem__(self, name: str) -> FloatArray:
         return _real(self._where, self._file, name, self._held[name])
@@ -214,7 +216,7 @@ def read_columns(where: str, file: str, names: Sequence[str]) -> list[FloatArray
     return list(table.T)
 
 
-def _stored(where: str, file: str) -> dict[str, StoredArray]:
+def _arrays_of(where: str, file: str) -> dict[str, StoredArray]:
     if file.startswith(PREFIX):
         return _in_memory(where, file)
     path = _existing(where, file)
@@ -224,7 +226,7 @@ def _stored(where: str, file: str) -> dict[str, StoredArray]:
 
 @contextmanager
 def _readable(where: str, file: str) -> Iterator[None]:
-    """Refuse a file that cannot be read: readers raise errors of many kinds for files that are none of their own."""
+    """Refuse an unreadable file with one kind of error; readers raise many kinds for foreign files."""
     try:
         yield
     except Exception as problem:
@@ -249,32 +251,32 @@ def _lattice_of_columns(
     place = np.ravel_multi_index([levels[name][1] for name in names], shape)
     rows = columns[names[0]].size
     if rows != np.prod(shape) or np.unique(place).size != rows:
-        found = " and ".join(f"{size} different {name}" for name, size in sorted(zip(names, shape, strict=True)))
+        counts = " and ".join(f"{size} different {name}" for name, size in sorted(zip(names, shape, strict=True)))
         rule = f"a lattice with one row for every combination of its {', '.join(sorted(names))}"
-        raise _refusal(where, rule, file, f"{rows} rows name {found}")
+        raise _refusal(where, rule, file, f"{rows} rows name {counts}")
     order = np.argsort(place)
     arrays = {name: held_array(columns[name][order].reshape(shape)) for name in values}
     return {name: held_array(levels[name][0]) for name in names} | arrays
 
 
-def _in_si(where: str, file: str, name: str, stored: StoredArray, symbol: str, factor: float) -> FloatArray:
+def _in_si(where: str, file: str, name: str, array: StoredArray, symbol: str, factor: float) -> FloatArray:
     """Real numbers in SI units: by the unit that the file tells, else times `factor`."""
-    if stored.unit and not (symbol == "1" and stored.unit in ("1", "-", "dimensionless")):
+    if array.unit and not (symbol == "1" and array.unit in ("1", "-", "dimensionless")):
         try:
-            factor = float(parse_quantity(f"1 {stored.unit}", symbol, f"{name} in units"))
+            factor = float(parse_quantity(f"1 {array.unit}", symbol, f"{name} in units"))
         except ValueError as problem:
             raise _refusal(where, f"a file with {name} in units of {symbol}", file, f"it says {problem}") from problem
-    return _real(where, file, name, stored) * factor
+    return _real(where, file, name, array) * factor
 
 
-def _real(where: str, file: str, name: str, stored: StoredArray) -> FloatArray:
-    if stored.dtype.kind not in "fiu":
-        raise _refusal(where, "an array of real numbers", file, f"{name or 'its type'} is {stored.dtype}")
-    if reason := stored.too_large:
+def _real(where: str, file: str, name: str, array: StoredArray) -> FloatArray:
+    if array.dtype.kind not in "fiu":
+        raise _refusal(where, "an array of real numbers", file, f"{name or 'its type'} is {array.dtype}")
+    if reason := array.too_large:
         rule = "a file whose arrays fit into memory"
-        raise _refusal(where, rule, file, f"{name or 'it'} has the shape {stored.shape} and fills {reason}")
+        raise _refusal(where, rule, file, f"{name or 'it'} has the shape {array.shape} and fills {reason}")
     with _readable(where, file):
-        return np.array(stored.load(), dtype=float)
+        return np.array(array.load(), dtype=float)
 
 
 def _existing(where: str, file: str) -> Path:

@@ -1,4 +1,4 @@
-"""Arrays of the running process under a name that stands where a scene names a data file.
+"""Arrays of the running process, with names that replace data files in scenes.
 
 A component that takes a data file reads arrays that are held as it reads those of an archive (`core.gridded`), so that
 a library call can hand over what it was given and nothing is written to disk. The name is made of the content: a scene

@@ -50,11 +50,11 @@ def _places(order: int) -> dict[Order, int]:
 
 @cache
 def _product_table(order: int) -> tuple[NDArray[np.intp], ...]:
-    """Where the products of one monomial with all that stay within the order are added, for each monomial."""
-    known, places = monomials(order), _places(order)
+    """Positions of the products of each monomial with all monomials that stay within the order."""
+    exponents, places = monomials(order), _places(order)
     return tuple(
-        np.array([places[i + l, j + m, k + n] for l, m, n in known if i + j + k + l + m + n <= order])
-        for i, j, k in known
+        np.array([places[i + l, j + m, k + n] for l, m, n in exponents if i + j + k + l + m + n <= order])
+        for i, j, k in exponents
     )
 
 
@@ -153,17 +153,17 @@ class Jet:
 
     @classmethod
     def from_gradient(cls, value: ArrayLike, gradient: tuple[Jet, Jet, Jet]) -> Jet:
-        """The jet, one order higher, that has this gradient: for integrals whose derivatives are elementary."""
-        order = min(part.order for part in gradient) + 1
-        known = monomials(order)
-        coefficients = np.zeros((len(known), *gradient[0].value.shape))
+        """Jet, one order higher, with this gradient: for integrals with elementary derivatives."""
+        order = min(derivative.order for derivative in gradient) + 1
+        exponents = monomials(order)
+        coefficients = np.zeros((len(exponents), *gradient[0].value.shape))
         coefficients[0] = value
-        for place in range(1, len(known)):
-            axis = next(a for a in range(3) if known[place][a])
-            i, j, k = (count - (axis == a) for a, count in enumerate(known[place]))
+        for place in range(1, len(exponents)):
+            axis = next(a for a in range(3) if exponents[place][a])
+            i, j, k = (count - (axis == a) for a, count in enumerate(exponents[place]))
             lower = _places(order)[i, j, k]
             if lower < len(gradient[axis].coefficients):
-                coefficients[place] = gradient[axis].coefficients[lower] / known[place][axis]
+                coefficients[place] = gradient[axis].coefficients[lower] / exponents[place][axis]
         return cls(coefficients, order)
 
     def __add__(self, other: Any) -> Jet:
@@ -252,7 +252,10 @@ def _arcsinh(jet: Jet) -> Jet:
 
 def _arctan2(y: Any, x: Any) -> Jet:
     """Angle of (x, y), turned onto the value's own direction first, where the arctangent is regular."""
-    a, b = (part.value if isinstance(part, Jet) else np.asarray(part, dtype=float) for part in (x, y))
+    a, b = (
+        coordinate.value if isinstance(coordinate, Jet) else np.asarray(coordinate, dtype=float)
+        for coordinate in (x, y)
+    )
     return _arctan((y * a - x * b) / (x * a + y * b)) + np.arctan2(b, a)
 
 
@@ -340,8 +343,8 @@ def derivatives_of(
     result = np.empty((len(orders), flat[0].size))
     highest = max((sum(order) for order in orders), default=0)
     for start in range(0, flat[0].size, CHUNK):
-        part = slice(start, start + CHUNK)
-        jet = function(*variables(flat[0][part], flat[1][part], flat[2][part], highest))
+        chunk = slice(start, start + CHUNK)
+        jet = function(*variables(flat[0][chunk], flat[1][chunk], flat[2][chunk], highest))
         for row, order in enumerate(orders):
-            result[row, part] = jet.derivative(order)
+            result[row, chunk] = jet.derivative(order)
     return result.reshape(len(orders), *points[0].shape)

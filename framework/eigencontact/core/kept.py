@@ -15,7 +15,7 @@ __all__ = ["Kept", "kept_or_made"]
 
 
 class Sized(Protocol):
-    """What knows its memory."""
+    """Object with a known memory."""
 
     @property
     def nbytes(self) -> int:
@@ -44,7 +44,7 @@ class Kept:
     @property
     def nbytes(self) -> int:
         """Memory of all that is held [bytes]."""
-        return sum(one.nbytes for one in self._held.values())
+        return sum(item.nbytes for item in self._held.values())
 
     @contextmanager
     def offered(self) -> Iterator[None]:
@@ -57,17 +57,17 @@ class Kept:
 
     def get(self, key: Hashable) -> Sized | None:
         """Return the object of a key, if it is held."""
-        one = self._held.get(key)
-        if one is not None:
+        item = self._held.get(key)
+        if item is not None:
             self._held.move_to_end(key)
             self.found += 1
-        return one
+        return item
 
-    def put(self, key: Hashable, one: Sized) -> None:
+    def put(self, key: Hashable, item: Sized) -> None:
         """Hold an object, unless it alone passes the limit."""
-        if one.nbytes > self.limit:
+        if item.nbytes > self.limit:
             return
-        self._held[key] = one
+        self._held[key] = item
         while self.nbytes > self.limit:
             self._held.popitem(last=False)
 
@@ -101,9 +101,9 @@ def kept_or_made(key: Callable[[], Hashable], make: Callable[[], Made]) -> Made:
     if store is None:
         return make()
     name = key()
-    known = store.get(name)
-    if known is not None:
-        return known  # type: ignore[return-value]  # what a key determines is of one kind
-    made = make()
-    store.put(name, made)
-    return made
+    earlier = store.get(name)
+    if earlier is not None:
+        return earlier  # type: ignore[return-value]  # what a key determines is of one kind
+    item = make()
+    store.put(name, item)
+    return item

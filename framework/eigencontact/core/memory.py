@@ -32,12 +32,12 @@ def peak_bytes() -> int:
 
 
 def largest_child_bytes() -> int:
-    """Largest memory that a process started from this one has had, of those that have ended."""
+    """Largest memory of the finished child processes."""
     return _UNIT * int(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
 
 
 def machine_bytes() -> float:
-    """Memory of this machine; a tebibyte where the system does not tell, so that absurd sizes are seen all the same."""
+    """Memory of this machine; a tebibyte where the system gives none, as a bound on absurd sizes."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):

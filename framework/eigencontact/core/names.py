@@ -1,4 +1,4 @@
-"""Names that become files, folders or variables: which are safe, and which results have taken already."""
+"""Rules for names of files, folders and variables: safe names, and names that results reserve."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def is_folder_name(name: str) -> bool:
 
 
 def to_folder_name(text: str) -> str:
-    """Nearest name that `is_folder_name` accepts; what has no letter or digit becomes ``scene``.
+    """Nearest name that `is_folder_name` accepts; ``scene`` for text without letters and digits.
 
     Examples
     --------
@@ -104,4 +104,6 @@ def clashes(region: str) -> bool:
     [False, True, True, True, True]
     """
     name = region.casefold()
-    return name in (SURFACE, *PICTURES, *_SCALARS) or any(f"{name}_{part}" in QUANTITIES for part in _OF_A_REGION)
+    return name in (SURFACE, *PICTURES, *_SCALARS) or any(
+        f"{name}_{quantity}" in QUANTITIES for quantity in _OF_A_REGION
+    )

@@ -1,4 +1,4 @@
-"""Compiled loops that are kept on disk where that is possible.
+"""Compiled loops with a cache on disk where possible.
 
 Numba keeps them beside the module, else in a folder of the user, else in that of the environment variable
 ``NUMBA_CACHE_DIR``; where it may write to none of them it refuses to compile at all. Then they are compiled anew by

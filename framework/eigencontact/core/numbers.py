@@ -1,4 +1,4 @@
-"""Scalars that the steps of a run give: each is declared once, by the block, law or observer that computes it."""
+"""Declarations of the scalars of a run, each beside the block, law or observer that computes it."""
 
 from __future__ import annotations
 
@@ -67,10 +67,10 @@ class Number:
         listed = list(values)
         if self.over == "last":
             return listed[-1] if listed else None
-        known = [value for value in listed if value is not None]
-        if not known:
+        step_values = [value for value in listed if value is not None]
+        if not step_values:
             return None
-        return fsum(known) if self.over == "sum" else max(known)
+        return fsum(step_values) if self.over == "sum" else max(step_values)
 
     def attributes(self) -> dict[str, str | int]:
         """Attributes of its variable in a results file."""

@@ -23,7 +23,7 @@ def available_threads() -> int:
 
 
 def working_threads(threads: int, gain: float = 0.5) -> float:
-    """How many times faster than one so many threads are, for prices: cores share memory, short calls the interpreter.
+    """Speed-up by threads, for prices: cores share the memory, and short calls share the interpreter.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which field of a component says where it is."""
+"""Field of a component with its position."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["place_field"]
 
 def place_field(cls: type) -> str | None:
     """Name of the field of a dataclass that is annotated `Place`; None without one."""
-    return _found(cls)
+    return _marked_field(cls)
 
 
 @cache
-def _found(cls: type) -> str | None:
+def _marked_field(cls: type) -> str | None:
     if not is_dataclass(cls):
         return None
     hints = get_type_hints(cls, include_extras=True)
@@ -25,4 +25,4 @@ def _found(cls: type) -> str | None:
 
 
 def _is_marked(hint: object) -> bool:
-    return get_origin(hint) is Annotated and any(isinstance(part, PlaceMark) for part in get_args(hint)[1:])
+    return get_origin(hint) is Annotated and any(isinstance(annotation, PlaceMark) for annotation in get_args(hint)[1:])

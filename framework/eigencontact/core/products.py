@@ -33,9 +33,9 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
     out = np.zeros((m, n))
     for z in range(0, k, TILE):
         for x in range(0, n, TILE):
-            part = right[z : z + TILE, x : x + TILE]
+            tile = right[z : z + TILE, x : x + TILE]
             for y in range(0, m, TILE):
-                out[y : y + TILE, x : x + TILE] += left[y : y + TILE, z : z + TILE] @ part
+                out[y : y + TILE, x : x + TILE] += left[y : y + TILE, z : z + TILE] @ tile
     return out
 
 

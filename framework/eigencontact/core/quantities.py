@@ -68,7 +68,7 @@ Angle = Annotated[float, Unit("rad", "an angle")]
 
 
 class AlikeMark:
-    """Mark of an annotated pair, along x and y, for which a scene may give one value where both are alike."""
+    """Mark of an annotated pair along x and y: a scene may give one value for two equal ones."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Tell pydantic to double a single value."""
@@ -86,7 +86,7 @@ Lengths = Annotated[tuple[Length, Length], AlikeMark()]
 
 
 class PlaceMark:
-    """Marks the field that says where a thing is."""
+    """Mark of the field with the position of a component."""
 
 
 #: Point (x, y, z) [m]. The one field with this annotation says where a thing is: another value moves the thing, and

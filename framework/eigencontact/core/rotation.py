@@ -39,7 +39,7 @@ def as_tuple(value: Any) -> Any:
     """
     if isinstance(value, np.ndarray):
         value = value.tolist()
-    return tuple(as_tuple(part) for part in value) if isinstance(value, list | tuple) else value
+    return tuple(as_tuple(item) for item in value) if isinstance(value, list | tuple) else value
 
 
 def rotation_matrix(where: str, rotation: Any) -> FloatArray:
@@ -63,30 +63,30 @@ def rotation_matrix(where: str, rotation: Any) -> FloatArray:
     if rotation is None:
         return np.eye(3)
     try:
-        given = np.array(rotation, dtype=float)
+        numbers = np.array(rotation, dtype=float)
     except (TypeError, ValueError):
-        given = np.full(1, np.nan)
-    require(given.shape in ((3,), (3, 3)) and bool(np.isfinite(given).all()), where, "rotation", rotation, _RULE)
-    if given.shape == (3,):
-        (cz, cy, cx), (sz, sy, sx) = np.cos(given), np.sin(given)
+        numbers = np.full(1, np.nan)
+    require(numbers.shape in ((3,), (3, 3)) and bool(np.isfinite(numbers).all()), where, "rotation", rotation, _RULE)
+    if numbers.shape == (3,):
+        (cz, cy, cx), (sz, sy, sx) = np.cos(numbers), np.sin(numbers)
         about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
         about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
         about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
         return np.asarray(about_z @ about_y @ about_x)
-    error = float(np.abs(given.T @ given - np.eye(3)).max())
-    require(error <= 1e-9 and np.linalg.det(given) > 0, where, "rotation", rotation, _RULE)
-    return np.asarray(given @ (1.5 * np.eye(3) - 0.5 * given.T @ given))  # the nearest rotation, to round-off
+    error = float(np.abs(numbers.T @ numbers - np.eye(3)).max())
+    require(error <= 1e-9 and np.linalg.det(numbers) > 0, where, "rotation", rotation, _RULE)
+    return np.asarray(numbers @ (1.5 * np.eye(3) - 0.5 * numbers.T @ numbers))  # the nearest rotation, to round-off
 
 
 @lru_cache(maxsize=64)
 def _turn(rotation: tuple[float, ...], orders: tuple[_Order, ...]) -> tuple[tuple[_Order, ...], FloatArray]:
     R = np.array(rotation).reshape(3, 3)
     degrees = sorted({sum(order) for order in orders})
-    own = tuple(
+    turned_orders = tuple(
         (i, j, degree - i - j) for degree in degrees for i in range(degree + 1) for j in range(degree - i + 1)
     )  # fmt: skip
-    places = {order: place for place, order in enumerate(own)}
-    matrix = np.zeros((len(orders), len(own)))
+    places = {order: place for place, order in enumerate(turned_orders)}
+    matrix = np.zeros((len(orders), len(turned_orders)))
     for row, order in enumerate(orders):
         # the product of (R_i1 d_1 + R_i2 d_2 + R_i3 d_3)^order_i, multiplied out
         terms: dict[_Order, float] = {(0, 0, 0): 1.0}
@@ -99,7 +99,7 @@ def _turn(rotation: tuple[float, ...], orders: tuple[_Order, ...]) -> tuple[tupl
                 terms = raised
         for key, value in terms.items():
             matrix[row, places[key]] = value
-    return own, matrix
+    return turned_orders, matrix
 
 
 def turned_derivatives(rotation: FloatArray, orders: Sequence[_Order]) -> tuple[tuple[_Order, ...], FloatArray]:

@@ -1,4 +1,4 @@
-"""Tables that are kept on disk between runs, each found by what determines it.
+"""Tables on disk that several runs share, with a hash of their inputs as key.
 
 A table is a few arrays in one ``.npz`` file, named by a hash of all that determines them: numbers, names, and the code
 that computed them (`address`). The folder is bounded; tables used longest ago go first. Files are written under another
@@ -44,7 +44,9 @@ DEFAULT_LIMIT = 1_000_000_000
 _KEPT = 0.8
 #: Unfinished files older than this are left over from processes that were killed [s].
 _ABANDONED = 3600.0
-_TABLE, _UNFINISHED, _LIMIT = ".npz", ".unfinished", "limit"
+_TABLE = ".npz"
+_UNFINISHED = ".unfinished"
+_LIMIT = "limit"
 #: Name of the checksum among the arrays of a file.
 _CHECKSUM = "sha256"
 
@@ -81,8 +83,8 @@ class TableCache:
         """
         path = self._path(key)
         try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-                arrays = {name: stored[name] for name in stored.files}
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                arrays = {name: archive[name] for name in archive.files}
             checksum = arrays.pop(_CHECKSUM, None)
             if checksum is None or checksum.shape or checksum.item() != _checksum(key, arrays):
                 raise ValueError("arrays that do not match the checksum")  # noqa: TRY301 - like any other damage
@@ -155,22 +157,22 @@ class TableCache:
 
     def _files(self) -> Iterator[Entry]:
         """Tables and unfinished files; those that another process removes meanwhile are left out."""
-        with contextlib.suppress(OSError), os.scandir(self.folder) as found:
-            for file in found:
+        with contextlib.suppress(OSError), os.scandir(self.folder) as entries:
+            for file in entries:
                 if file.name.endswith((_TABLE, _UNFINISHED)):
                     with contextlib.suppress(OSError):
                         about = file.stat()
                         yield Entry(Path(file.path), about.st_size, about.st_mtime)
 
-    def _count(self, added: int) -> None:
-        """Note what a new table takes; the folder is searched at the first one, and where it may be full."""
-        self._size = None if self._size is None else self._size + added
+    def _count(self, new_bytes: int) -> None:
+        """Add the size of a new table; search the folder at the first table, and when it may be full."""
+        self._size = None if self._size is None else self._size + new_bytes
         limit = self.limit
         if self._size is None or self._size > limit:
             self._evict(limit, int(_KEPT * limit))
 
     def _evict(self, limit: int, target: int) -> None:
-        """Where tables exceed the limit, remove those used longest ago until they are within the target."""
+        """Remove the tables used longest ago down to the target size, if the tables exceed the limit."""
         for file in self._files():
             if file.path.suffix == _UNFINISHED and file.used < time.time() - _ABANDONED:
                 file.path.unlink(missing_ok=True)
@@ -186,10 +188,10 @@ class TableCache:
 
 
 def table_cache() -> TableCache | None:
-    """Tables of this user, where the platform keeps such files; None where they are turned off."""
-    named = os.environ.get(VARIABLE)
-    if named is not None:
-        return None if named.strip().lower() in ("", "off") else _of_folder(Path(named).expanduser())
+    """Cache of this user in the folder of the platform; None where the user turned it off."""
+    setting = os.environ.get(VARIABLE)
+    if setting is not None:
+        return None if setting.strip().lower() in ("", "off") else _of_folder(Path(setting).expanduser())
     base = os.environ.get("XDG_CACHE_HOME", "")
     try:
         folder = Path(base) if base and Path(base).is_absolute() else _usual_folder()
@@ -211,7 +213,7 @@ def _of_folder(folder: Path) -> TableCache:
 
 
 def address(*parts: Any, code: tuple[object, ...] = ()) -> str | None:
-    """Key of a table: a hash of all that determines it, or None where that cannot be told.
+    """Key of a table: a hash of all its inputs, or None where an input has no hash.
 
     Parameters
     ----------
@@ -223,39 +225,39 @@ def address(*parts: Any, code: tuple[object, ...] = ()) -> str | None:
     """
     sources = {item if isinstance(item, str) else type(item).__module__ for item in code}
     try:
-        told = _told((np.__version__, sorted(_source(name) for name in sources), parts))
+        encoded = _encoded((np.__version__, sorted(_source(name) for name in sources), parts))
     except TypeError:
         return None
-    return sha256(told).hexdigest()
+    return sha256(encoded).hexdigest()
 
 
 def _checksum(key: str, arrays: Mapping[str, FloatArray]) -> str:
     """Hash of the key and the arrays of a table: names, types, shapes and values."""
-    return sha256(_told([key, *((name, arrays[name]) for name in sorted(arrays))])).hexdigest()
+    return sha256(_encoded([key, *((name, arrays[name]) for name in sorted(arrays))])).hexdigest()
 
 
-def _told(part: Any) -> bytes:
-    """Bytes that differ where parts differ."""
-    match part:
+def _encoded(value: Any) -> bytes:
+    """Bytes of a value; different values have different bytes."""
+    match value:
         case bool() | int() | None:
-            kind, body = "whole", repr(part).encode()
+            kind, body = "whole", repr(value).encode()
         case str():
-            kind, body = "text", part.encode()
+            kind, body = "text", value.encode()
         case bytes():
-            kind, body = "bytes", part
+            kind, body = "bytes", value
         case float():
-            kind, body = "number", struct.pack("<d", part)
-        case np.ndarray() | np.generic() if part.dtype != object:
-            kind, body = f"array {part.dtype.str} {part.shape}", np.ascontiguousarray(part).tobytes()
+            kind, body = "number", struct.pack("<d", value)
+        case np.ndarray() | np.generic() if value.dtype != object:
+            kind, body = f"array {value.dtype.str} {value.shape}", np.ascontiguousarray(value).tobytes()
         case Path():
-            kind, body = "path", str(part).encode()
+            kind, body = "path", str(value).encode()
         case tuple() | list():
-            kind, body = "sequence", b"".join(map(_told, part))
-        case _ if dataclasses.is_dataclass(part) and not isinstance(part, type):
-            values = [getattr(part, field.name) for field in dataclasses.fields(part) if field.compare]
-            kind, body = f"{type(part).__module__}.{type(part).__qualname__}", _told(values)
+            kind, body = "sequence", b"".join(map(_encoded, value))
+        case _ if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            values = [getattr(value, field.name) for field in dataclasses.fields(value) if field.compare]
+            kind, body = f"{type(value).__module__}.{type(value).__qualname__}", _encoded(values)
         case _:
-            raise TypeError(f"a part of an address must be text, numbers or dataclasses (got {type(part).__name__})")
+            raise TypeError(f"a part of an address must be text, numbers or dataclasses (got {type(value).__name__})")
     return f"{kind}, {len(body)}: ".encode() + body
 
 
@@ -267,4 +269,4 @@ def _source(name: str) -> bytes:
     if not file or not Path(file).suffix == ".py":
         raise TypeError(f"module {name!r} must have a source file")
     files = sorted(Path(file).parent.glob("*.py")) if module.__package__ else [Path(file)]
-    return sha256(b"".join(_told([path.name, path.read_bytes()]) for path in files)).digest()
+    return sha256(b"".join(_encoded([path.name, path.read_bytes()]) for path in files)).digest()

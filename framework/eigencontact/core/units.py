@@ -13,8 +13,10 @@ __all__ = [
     "LARGEST", "NUMBER", "SMALLEST", "number_and_unit", "parse_quantity", "quantity_text", "readable", "time_in_words",
 ]  # fmt: skip
 
-#: Sizes in SI units between which products of ten of them, and of their inverses, stay within the range of numbers.
-SMALLEST, LARGEST = 1e-30, 1e30
+#: Smallest size in SI units: products of ten sizes, and of their inverses, stay within the range of numbers.
+SMALLEST = 1e-30
+#: Largest size in SI units, for the same reason.
+LARGEST = 1e30
 #: A number as text: a point before decimals, no separators, no leading zeros, nothing to compute.
 NUMBER = re.compile(r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = r"[^\W\d_][^\W\d]*"
@@ -72,11 +74,11 @@ def parse_quantity(value: Any, symbol: str, name: str) -> Any:
     if not unit and symbol != "rad":
         raise ValueError(f'{rule}: give a plain number or a unit, like "{example}"')
     number, factor = float(head[0]), _factors(symbol).get(unit)
-    found = number * factor if factor is not None else _converted(number, unit, value, symbol, rule)
-    if not math.isfinite(found) or (found == 0.0 and re.search("[1-9]", head[0].lower().partition("e")[0])):
+    converted = number * factor if factor is not None else _converted(number, unit, value, symbol, rule)
+    if not math.isfinite(converted) or (converted == 0.0 and re.search("[1-9]", head[0].lower().partition("e")[0])):
         raise ValueError(f"{rule} that a number of 64 bits can hold")
     # Conversion factors carry rounding errors; "105 um" is 1.05e-4 to the last bit. Degrees have no short decimals.
-    return found if symbol == "rad" else float(f"{found:.15g}")
+    return converted if symbol == "rad" else float(f"{converted:.15g}")
 
 
 def number_and_unit(value: Any) -> tuple[Any, str] | None:
@@ -128,15 +130,15 @@ def _converted(number: float, unit: str, text: str, symbol: str, rule: str) -> f
     import pint
 
     try:
-        one = _registry().Quantity(1.0, f"1{unit}" if unit.startswith("/") else unit)
+        unit_quantity = _registry().Quantity(1.0, f"1{unit}" if unit.startswith("/") else unit)
     except pint.UndefinedUnitError as problem:
         raise ValueError(f"{rule}; {_unknown_unit(problem, symbol)}") from problem
     except Exception as problem:  # pint raises many kinds for text that is no unit
         raise ValueError(f'{rule}, as a number or as text like "{_EXAMPLES.get(symbol, "1 " + symbol)}"') from problem
     try:
-        return float((number * one).to(symbol).magnitude)
+        return float((number * unit_quantity).to(symbol).magnitude)
     except (pint.DimensionalityError, pint.OffsetUnitCalculusError) as problem:
-        raise ValueError(f"{rule}; {text!r} has the dimension {one.dimensionality}") from problem
+        raise ValueError(f"{rule}; {text!r} has the dimension {unit_quantity.dimensionality}") from problem
 
 
 #: Powers of ten of the prefixes that are read without pint.
@@ -161,13 +163,13 @@ def _factors(symbol: str) -> dict[str, float]:
 
 
 def _unknown_unit(problem: Any, symbol: str) -> str:
-    """Name the unit that is not known and the nearest that would fit; upper and lower case differ in meaning."""
+    """Message with the unknown unit and the nearest fitting unit; upper and lower case differ in meaning."""
     names = problem.unit_names
     name = names if isinstance(names, str) else ", ".join(names)
     prefixes = ("", "n", "u", "m", "k", "M", "G")
-    known = [prefix + unit for unit in _SPELLINGS.get(symbol, (symbol,)) for prefix in prefixes]
-    alike = next((unit for unit in known if unit.lower() == name.lower()), None)
-    hint = f"; did you mean {alike!r}?" if alike else nearest(name, known)
+    spellings = [prefix + unit for unit in _SPELLINGS.get(symbol, (symbol,)) for prefix in prefixes]
+    alike = next((unit for unit in spellings if unit.lower() == name.lower()), None)
+    hint = f"; did you mean {alike!r}?" if alike else nearest(name, spellings)
     return f"there is no unit {name!r}{hint or f', write it like {_EXAMPLES.get(symbol, symbol)!r}'}"
 
 

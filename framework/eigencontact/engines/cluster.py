@@ -29,8 +29,10 @@ Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 Held = TypeVar("Held")
 
-#: Longest wait for a scheduler, and for its first worker [s].
-_CONNECT, _WORKER = 10.0, 60.0
+#: Longest wait for a scheduler [s].
+_CONNECT = 10.0
+#: Longest wait for the first worker of a scheduler [s].
+_WORKER = 60.0
 #: Time after which the workers are counted again [s]; a cluster may grow.
 _COUNT = 5.0
 #: A worker that dies with a task, by dask's default, may do so three times; on this machine once is enough.
@@ -85,8 +87,8 @@ class Cluster:
         try:
             import distributed  # noqa: F401
         except ImportError:
-            words = "cluster must have dask.distributed (not installed); install eigencontact[cluster]"
-            raise ClusterError(words) from None
+            message = "cluster must have dask.distributed (not installed); install eigencontact[cluster]"
+            raise ClusterError(message) from None
         if self._local:
             refuse_unguarded(f"cluster={address!r}")
         self._address, self._say = address, say
@@ -103,17 +105,21 @@ class Cluster:
         if Path(address).is_file():
             address = _address_in(Path(address))
         try:
-            client = Client(self._open.enter_context(self._own())) if self._local else Client(address, timeout=_CONNECT)
+            client = (
+                Client(self._open.enter_context(self._local_cluster()))
+                if self._local
+                else Client(address, timeout=_CONNECT)
+            )
         except (OSError, ValueError, RuntimeError) as problem:  # TimeoutError is an OSError
             self._open.close()
-            words = " ".join(str(problem).split()) or type(problem).__name__
+            reason = " ".join(str(problem).split()) or type(problem).__name__
             if self._local:
                 raise ClusterError(
-                    f"cluster {address} must start its workers (got: {words}); a worker died while it started: it ran "
+                    f"cluster {address} must start its workers (got: {reason}); a worker died while it started: it ran "
                     f"out of memory, was killed, or {GUARD}"
                 ) from None
             raise ClusterError(
-                f"cluster must be reachable within {_CONNECT:g} s (got {self._address}: {words})"
+                f"cluster must be reachable within {_CONNECT:g} s (got {self._address}: {reason})"
             ) from None
         self._client = client
         self._open.callback(_closed, client)
@@ -123,7 +129,7 @@ class Cluster:
         self._client = None
         self._open.close()
 
-    def _own(self) -> Any:
+    def _local_cluster(self) -> Any:
         """Cluster of this machine."""
         import logging
 
@@ -151,13 +157,13 @@ class Cluster:
         from eigencontact.engines.dask_worker import Beginning
 
         name = f"eigencontact-{uuid4().hex}"
-        seen = None if self.folder is None else self.folder.resolve() / f".{name}"
+        probe = None if self.folder is None else self.folder.resolve() / f".{name}"
         try:
-            if seen is not None:
-                seen.touch()
+            if probe is not None:
+                probe.touch()
             try:
-                self._check(seen)
-                self._client.register_plugin(Beginning(begin, seen), name=name)
+                self._check(probe)
+                self._client.register_plugin(Beginning(begin, probe), name=name)
             except ClusterError:
                 raise
             except Exception as problem:
@@ -166,16 +172,16 @@ class Cluster:
                     f"{type(problem).__name__}: {' '.join(str(problem).split())}); run the same command again"
                 ) from problem
             lost = deque[tuple[Task, str]]()
-            for task, answer in self._answers(function, tasks, name, workers=0):
-                if isinstance(answer, Lost):
-                    lost.append((task, answer.reason))
+            for task, result in self._answers(function, tasks, name, workers=0):
+                if isinstance(result, Lost):
+                    lost.append((task, result.reason))
                 else:
-                    yield task, answer
+                    yield task, result
             for task, _ in lost:  # perhaps it only waited at a worker that another task took along: again, alone
                 yield from self._answers(function, [task], name, workers=1)
         finally:
-            if seen is not None:
-                seen.unlink(missing_ok=True)
+            if probe is not None:
+                probe.unlink(missing_ok=True)
             with suppress(Exception):  # of a scheduler that is gone
                 if self._client.status == "running":
                     self._client.unregister_worker_plugin(name)
@@ -190,7 +196,7 @@ class Cluster:
         from eigencontact.engines.dask_worker import MEMORY, ONE, THREADS, perform
 
         needs = {ONE: 1, MEMORY: self._memory, THREADS: self._threads}
-        waiting, running, done = deque(tasks), dict[Any, Task](), as_completed()
+        waiting, running, completed = deque(tasks), dict[Any, Task](), as_completed()
         room, counted = 1, -_COUNT
         finished = 0
         try:
@@ -206,65 +212,66 @@ class Cluster:
                         continue
                     future = self._client.submit(perform, question, name, pure=False, resources=needs)
                     running[future] = task
-                    done.add(future)
+                    completed.add(future)
                 if not running:  # none of the rest could be sent
                     continue
-                future = next(done)
+                future = next(completed)
                 if future.status in ("lost", "pending") and self._client.status == "running":
-                    done.add(future)  # its worker died with the answer, before that was fetched: it is worked out anew
+                    # Its worker died with the answer before that was fetched: the answer is computed anew.
+                    completed.add(future)
                     continue
                 task = running.pop(future)
                 if future.status == "finished":
-                    answer = future.result()
+                    result = future.result()
                     finished += 1
-                    yield task, answer
+                    yield task, result
                 elif future.status == "error":
                     problem = future.exception()
                     yield task, Lost(f"its worker failed: {' '.join(f'{type(problem).__name__}: {problem}'.split())}")
                 else:
-                    raise self._gone(finished, len(tasks))
+                    raise self._lost_scheduler(finished, len(tasks))
         except (OSError, RuntimeError, CancelledError) as problem:  # how a client that has lost its scheduler refuses
-            raise self._gone(finished, len(tasks)) from problem
+            raise self._lost_scheduler(finished, len(tasks)) from problem
         finally:
             with suppress(Exception):
                 self._client.cancel(list(running))
 
-    def _gone(self, finished: int, total: int) -> ClusterError:
+    def _lost_scheduler(self, finished: int, total: int) -> ClusterError:
         return ClusterError(
             f"scheduler of {self._address} must stay until the end (lost after {finished} of {total}); "
             "the same command resumes and reuses what is finished"
         )
 
-    def _check(self, seen: Path | None) -> None:
-        """Refuse workers that are unlike this machine, by name; say which there are."""
+    def _check(self, probe: Path | None) -> None:
+        """Refuse workers that differ from this machine, and report the workers."""
         from eigencontact.engines.versions import unlike, versions
 
         try:
             self._client.wait_for_workers(1, timeout=_WORKER)
         except TimeoutError:
             raise ClusterError(f"cluster {self._address} must have a worker (none within {_WORKER:g} s)") from None
-        facts: dict[str, dict[str, Any]] = self._client.run(_asking(None if seen is None else str(seen)))
-        wanted = versions()
-        for worker, told in facts.items():
-            if words := unlike(wanted, told["versions"]):
-                raise ClusterError(f"worker {worker} {words}")
-            if not told["sees"] and seen is not None:
-                raise ClusterError(f"worker {worker} must see the folder {seen.parent}; give one that all share")
+        facts: dict[str, dict[str, Any]] = self._client.run(_asking(None if probe is None else str(probe)))
+        packages = versions()
+        for worker, facts_of_worker in facts.items():
+            if difference := unlike(packages, facts_of_worker["versions"]):
+                raise ClusterError(f"worker {worker} {difference}")
+            if not facts_of_worker["sees"] and probe is not None:
+                raise ClusterError(f"worker {worker} must see the folder {probe.parent}; give one that all share")
         limits: dict[str, float] = self._client.run(_limit)
-        held: dict[str, int] = self._client.nthreads()
-        memory, threads = max(limits.values()), max(held.values())
+        threads_of: dict[str, int] = self._client.nthreads()
+        memory, threads = max(limits.values()), max(threads_of.values())
         if self._memory > memory:
-            got = f"{self._memory / 1e9:.3g} GB, the largest worker {memory / 1e9:.3g} GB"
-            raise ClusterError(f"memory of a task must be that of a worker at most (got {got})")
+            sizes = f"{self._memory / 1e9:.3g} GB, the largest worker {memory / 1e9:.3g} GB"
+            raise ClusterError(f"memory of a task must be that of a worker at most (got {sizes})")
         if self._threads > threads:
-            got = f"{self._threads}, the largest worker {threads}"
-            raise ClusterError(f"threads of a task must be those of a worker at most (got {got})")
-        if not any(limits[worker] >= self._memory and held.get(worker, 0) >= self._threads for worker in limits):
-            got = f"{self._memory / 1e9:.3g} GB and {self._threads} threads"
-            raise ClusterError(f"a worker must have the memory and the threads of a task (none has {got})")
+            sizes = f"{self._threads}, the largest worker {threads}"
+            raise ClusterError(f"threads of a task must be those of a worker at most (got {sizes})")
+        if not any(limits[worker] >= self._memory and threads_of.get(worker, 0) >= self._threads for worker in limits):
+            sizes = f"{self._memory / 1e9:.3g} GB and {self._threads} threads"
+            raise ClusterError(f"a worker must have the memory and the threads of a task (none has {sizes})")
         if self._say is not None:
             self._say(
-                f"cluster {self._address}: {len(facts)} workers, {sum(held.values())} threads, "
+                f"cluster {self._address}: {len(facts)} workers, {sum(threads_of.values())} threads, "
                 f"{memory / 1e9:.3g} GB each; dashboard: {self._client.dashboard_link}"
                 f"{' (this machine only)' if self._local else ''}"
             )
@@ -298,23 +305,23 @@ def _address_in(file: Path) -> str:
     return address
 
 
-def _asking(seen: str | None) -> Callable[[], dict[str, Any]]:
-    """Make a function for a worker that may lack this package: pickle sends one that is no module's by its code."""
+def _asking(probe: str | None) -> Callable[[], dict[str, Any]]:
+    """Function for a worker without this package: pickle sends a local function by its code."""
 
     def ask() -> dict[str, Any]:
         from pathlib import Path
 
-        found: dict[str, str] = {}
+        packages: dict[str, str] = {}
         try:
             import eigencontact
 
-            found = {"eigencontact": eigencontact.__version__}
+            packages = {"eigencontact": eigencontact.__version__}
             from eigencontact.engines.versions import versions
 
-            found = versions()
+            packages = versions()
         except ImportError:  # it is not there, or a version without this module
             pass
-        return {"versions": found, "sees": seen is None or Path(seen).is_file()}
+        return {"versions": packages, "sees": probe is None or Path(probe).is_file()}
 
     return ask
 

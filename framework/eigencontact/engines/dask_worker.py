@@ -1,4 +1,4 @@
-"""What a worker of dask.distributed holds for one engine; imported on workers, and where a cluster is asked for."""
+"""State of a dask.distributed worker for one engine; imported on workers and by the cluster engine."""
 
 from __future__ import annotations
 
@@ -16,12 +16,16 @@ from eigencontact.errors import ClusterError
 
 __all__ = ["MEMORY", "ONE", "THREADS", "Beginning", "perform"]
 
-#: Resources of dask: one task of ours at a time in each worker, and the memory [bytes] and threads that it may take.
-ONE, MEMORY, THREADS = "eigencontact", "eigencontact-memory", "eigencontact-threads"
+#: Resource of dask that gives each worker one task of ours at a time.
+ONE = "eigencontact"
+#: Resource of dask: memory of a task [bytes].
+MEMORY = "eigencontact-memory"
+#: Resource of dask: threads of a task.
+THREADS = "eigencontact-threads"
 
 
 class Beginning(WorkerPlugin):  # type: ignore[misc]
-    """Makes a worker ready, also one that joins later: the same version, a folder that it sees, what its tasks share.
+    """Preparation of a worker, also of a late one: version check, visible folder, shared data of its tasks.
 
     Parameters
     ----------
@@ -31,16 +35,16 @@ class Beginning(WorkerPlugin):  # type: ignore[misc]
         A file of the folder of results.
     """
 
-    def __init__(self, begin: Callable[[Share], Any], seen: Path | None) -> None:
+    def __init__(self, begin: Callable[[Share], Any], probe: Path | None) -> None:
         self.held: Any = None
-        self._begin, self._seen, self._versions = begin, seen, versions()
+        self._begin, self._probe, self._versions = begin, probe, versions()
 
     async def setup(self, worker: Any) -> None:
         """Refuse a worker that is unlike this machine; else declare what it has."""
-        if words := unlike(self._versions, versions()):
-            raise ClusterError(f"worker {worker.address} {words}")
-        if self._seen is not None and not self._seen.is_file():
-            raise ClusterError(f"worker {worker.address} must see the folder {self._seen.parent}")
+        if difference := unlike(self._versions, versions()):
+            raise ClusterError(f"worker {worker.address} {difference}")
+        if self._probe is not None and not self._probe.is_file():
+            raise ClusterError(f"worker {worker.address} must see the folder {self._probe.parent}")
         memory = float(worker.memory_manager.memory_limit or machine_bytes())
         threads = worker.state.nthreads
         self.held = self._begin(Share(threads, memory))

@@ -1,4 +1,4 @@
-"""What performs tasks that do not know of each other, and the two engines that need nothing but this machine.
+"""Interface of engines for independent tasks, and the two engines on the local machine.
 
 An engine yields what comes of a task as soon as it has come. A task whose process dies costs no other: it is tried
 again alone, and is `Lost` when it dies again.
@@ -26,7 +26,7 @@ Held = TypeVar("Held")
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """What a process that performs tasks, one after the other, may take of its machine.
+    """Share of a machine for one process that performs tasks one after the other.
 
     Attributes
     ----------
@@ -88,9 +88,9 @@ class ThisProcess:
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
     ) -> Iterator[tuple[Task, Answer | Lost]]:
         """As `Engine.map`."""
-        held = begin(Share(None, machine_bytes()))
+        state = begin(Share(None, machine_bytes()))
         for task in tasks:
-            yield task, function(task, held)
+            yield task, function(task, state)
 
 
 class Processes:
@@ -139,11 +139,11 @@ class Processes:
         with ProcessPoolExecutor(max(1, count), get_context("spawn"), _begin, (begin, share)) as pool:
             running: dict[Future[Answer], Task] = {pool.submit(_perform, function, task): task for task in tasks}
             try:
-                for done in as_completed(running):
+                for future in as_completed(running):
                     try:
-                        yield running[done], done.result()
+                        yield running[future], future.result()
                     except BrokenProcessPool:
-                        lost.append(running[done])
+                        lost.append(running[future])
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise

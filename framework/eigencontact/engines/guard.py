@@ -18,12 +18,12 @@ __all__ = ["GUARD", "refuse_unguarded"]
 GUARD = 'its script starts it without `if __name__ == "__main__":`'
 
 
-def refuse_unguarded(what: str) -> None:
+def refuse_unguarded(call: str) -> None:
     """Refuse a call that the script of this process makes outside of every ``if``.
 
     Parameters
     ----------
-    what : str
+    call : str
         What would start processes, for the message: ``"workers=2"``.
 
     Raises
@@ -49,7 +49,7 @@ def refuse_unguarded(what: str) -> None:
             if not any(isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or 0)
                        for node in ast.walk(statement)):  # fmt: skip
                 raise EigencontactError(
-                    f'{Path(path).name}, line {line} must stand below `if __name__ == "__main__":` (got {what} outside '
+                    f'{Path(path).name}, line {line} must stand below `if __name__ == "__main__":` (got {call} outside '
                     "of it); each new process imports the script and would run this line again"
                 )
             return

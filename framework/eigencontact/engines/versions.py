@@ -18,17 +18,17 @@ def versions() -> dict[str, str]:
     return {**dict(sorted(offered.items())), OURS: __version__}
 
 
-def unlike(wanted: dict[str, str], found: dict[str, str]) -> str:
-    """Words for the packages of a worker that are not the `wanted` ones; empty where all are. It may have others.
+def unlike(reference: dict[str, str], packages: dict[str, str]) -> str:
+    """Description of the packages of a worker that differ from the `reference`; empty without a difference.
 
     Examples
     --------
     >>> unlike({"eigencontact": "0.1.0", "bowls": "2.0"}, {"eigencontact": "0.1.0"})
     'must have bowls 2.0 (got none); install it'
     """
-    other = [name for name in (OURS, *wanted) if wanted[name] != found.get(name)]
-    if not other:
+    differing = [name for name in (OURS, *reference) if reference[name] != packages.get(name)]
+    if not differing:
         return ""
-    names = list(dict.fromkeys(other))
-    got = ", ".join(found.get(name) or "none" for name in names)
-    return f"must have {', '.join(f'{name} {wanted[name]}' for name in names)} (got {got}); install it"
+    names = list(dict.fromkeys(differing))
+    versions_found = ", ".join(packages.get(name) or "none" for name in names)
+    return f"must have {', '.join(f'{name} {reference[name]}' for name in names)} (got {versions_found}); install it"

@@ -1,4 +1,4 @@
-"""What is given to the library, checked by the names of its arguments."""
+"""Checks of the arguments of library functions, by their names."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def length(value: Any, where: str, name: str, *, positive: bool = True) -> float
     """Length [m] of a number, of text with a unit or of a quantity."""
     value = plain(value, f"{where}.{name}")
     try:
-        found = parse_quantity(value, "m", "a length")
+        converted = parse_quantity(value, "m", "a length")
     except ValueError as problem:
         raise SceneError(f"{where}.{name} must be {problem} (got {value!r})") from None
-    require(is_real(found), where, name, value, "a length [m]")
-    number = float(found)
+    require(is_real(converted), where, name, value, "a length [m]")
+    number = float(converted)
     if positive:
         require(SMALLEST <= number <= LARGEST, where, name, value, "positive and finite [m]")
     require(abs(number) <= LARGEST, where, name, value, "finite [m]")
@@ -34,19 +34,19 @@ def length(value: Any, where: str, name: str, *, positive: bool = True) -> float
 
 
 def lengths(value: Any, count: int, where: str, name: str, *, positive: bool = True) -> tuple[float, ...]:
-    """As many lengths [m]; one stands for all."""
+    """Several lengths [m]; a single length applies to all."""
     value = plain(value, f"{where}.{name}")
     if not isinstance(value, list | tuple):
         return (length(value, where, name, positive=positive),) * count
     require(len(value) == count, where, name, value, f"one length or {count} [m]")
-    return tuple(length(one, where, name, positive=positive) for one in value)
+    return tuple(length(item, where, name, positive=positive) for item in value)
 
 
 def counts(value: Any, where: str, name: str) -> tuple[int, int]:
     """Numbers of cells along x and y; one stands for both."""
     value = plain(value, f"{where}.{name}")
     pair: Sequence[Any] = value if isinstance(value, list | tuple) else (value, value)
-    good = len(pair) == 2 and all(is_whole(one) and one >= 1 for one in pair)
+    good = len(pair) == 2 and all(is_whole(count) and count >= 1 for count in pair)
     require(good, where, name, value, "one whole number of cells, or two (along x, y)")
     return int(pair[0]), int(pair[1])
 

@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Body(ABC):
-    """What half-spaces have in common: fields under tractions that are given."""
+    """Base of half-spaces: fields under prescribed tractions."""
 
     def stress(
         self,
@@ -119,7 +119,7 @@ class Body(ABC):
 
 
 class HalfSpace(Body):
-    """An elastic half-space, with a law that it obeys beyond elasticity and with what lies in it.
+    """An elastic half-space, optionally with a constitutive law, inclusions and voxels.
 
     Parameters
     ----------
@@ -197,18 +197,18 @@ class HalfSpace(Body):
 
     def scene_inclusions(self, number: int) -> list[dict[str, Any]]:
         """See `Body`."""
-        found = [{**one, "body": number} for one in self._given]
-        return found + ([] if self._voxels is None else self._voxels.tables(number))
+        tables = [{**table, "body": number} for table in self._given]
+        return tables + ([] if self._voxels is None else self._voxels.tables(number))
 
     def __repr__(self) -> str:
-        parts = [repr(readable(self.young_modulus, "Pa")), f"{self.poisson_ratio:g}"]
+        entries = [repr(readable(self.young_modulus, "Pa")), f"{self.poisson_ratio:g}"]
         if self._law is not None:
-            parts.append(f"law {_type_of(self._law)!r}")
+            entries.append(f"law {_type_of(self._law)!r}")
         if self._given:
-            parts.append(f"{len(self._given)} inclusion{'s' if len(self._given) > 1 else ''}")
+            entries.append(f"{len(self._given)} inclusion{'s' if len(self._given) > 1 else ''}")
         if self._voxels is not None:
-            parts.append(repr(self._voxels))
-        return f"HalfSpace({', '.join(parts)})"
+            entries.append(repr(self._voxels))
+        return f"HalfSpace({', '.join(entries)})"
 
 
 class Layered(Body):

@@ -105,8 +105,8 @@ def solve_contact(
     (1, 3, 3)
     """
     lower, upper = _pair(bodies)
-    geometry, window, kept = _separation(gap, spacing, size, cells)
-    along = [name for name, one in (("tangential_load", tangential_load), ("shift", shift)) if one is not None]
+    geometry, window, arrays = _separation(gap, spacing, size, cells)
+    along = [name for name, value in (("tangential_load", tangential_load), ("shift", shift)) if value is not None]
     if along and friction is None:
         raise SceneError(
             f"{_HERE}.friction must be given with {along[0]} (got None): a frictionless contact carries no shear; "
@@ -115,8 +115,8 @@ def solve_contact(
     require(numerics is None or isinstance(numerics, Mapping), _HERE, "numerics", numerics, "a table, as [numerics]")
     history = _steps(load, approach, tangential_load, shift, increments) if steps is None else _history(steps)
     if steps is not None:
-        given = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
-        beside = [name for name, value in given.items() if value is not None]
+        controls = {"load": load, "approach": approach, "tangential_load": tangential_load, "shift": shift}
+        beside = [name for name, value in controls.items() if value is not None]
         require(not beside, _HERE, "steps", f"{', '.join(beside)} too", "given alone: they hold all loads and motions")
     inclusions = [
         table
@@ -138,7 +138,7 @@ def solve_contact(
     if friction is not None:
         law = isinstance(friction, Mapping) or is_dataclass(friction)
         scene["friction"] = friction if law else {"type": "coulomb", "coefficient": friction}
-    return ContactResult(_run(scene), (lower, upper), kept)
+    return ContactResult(_run(scene), (lower, upper), arrays)
 
 
 def _run(scene: dict[str, Any]) -> Any:
@@ -151,17 +151,17 @@ def _run(scene: dict[str, Any]) -> Any:
         text = str(problem)
         for place, argument in _ARGUMENTS:
             text = re.sub(place, argument, text)
-        text = re.sub(r"\binclusions(?:\.(\d+))?(?=[.: ])", lambda found: _owner(scene, int(found[1] or 0)), text)
+        text = re.sub(r"\binclusions(?:\.(\d+))?(?=[.: ])", lambda match: _owner(scene, int(match[1] or 0)), text)
         raise type(problem)(f"{_HERE}: {text}") from None
     return run(planned)
 
 
 def _owner(scene: dict[str, Any], number: int) -> str:
-    """What was given for an inclusion of a scene."""
+    """Argument of the library that defines an inclusion of a scene."""
     table = scene["inclusions"][number]
     if table["type"] == "voxels" and str(table.get("file", "")).startswith(PREFIX):
         return f"Voxels.materials[{table['value']}]"
-    before = sum(one["body"] == table["body"] for one in scene["inclusions"][:number])
+    before = sum(inclusion["body"] == table["body"] for inclusion in scene["inclusions"][:number])
     return f"HalfSpace.inclusions[{before}]"
 
 
@@ -169,7 +169,7 @@ def _pair(bodies: Any) -> tuple[Body | None, Body | None]:
     """The lower and the upper body; None is rigid."""
     pair = tuple(bodies) if isinstance(bodies, list | tuple) else (bodies, None)
     rule = "a HalfSpace or Layered, or a pair of which one may be None, which is rigid"
-    good = len(pair) == 2 and all(one is None or isinstance(one, Body) for one in pair) and pair != (None, None)
+    good = len(pair) == 2 and all(body is None or isinstance(body, Body) for body in pair) and pair != (None, None)
     require(good, _HERE, "bodies", bodies, rule)
     return pair[0], pair[1]
 
@@ -178,23 +178,25 @@ def _separation(
     gap: Any, spacing: Any, size: Any, cells: Any
 ) -> tuple[Any, dict[str, Any] | None, tuple[HeldArrays, ...]]:
     """Geometry of a scene, its window, and the arrays that are to be kept."""
-    parts = gap if isinstance(gap, list | tuple) else [gap]
-    if all(isinstance(part, Mapping) or is_dataclass(part) for part in parts):
+    shapes = gap if isinstance(gap, list | tuple) else [gap]
+    if all(isinstance(shape, Mapping) or is_dataclass(shape) for shape in shapes):
         window = {"spacing": None if spacing is None else lengths(spacing, 2, _HERE, "spacing")}
         window["size"] = None if size is None else lengths(size, 2, _HERE, "size")
-        given: dict[str, Any] = {name: value for name, value in window.items() if value is not None}
+        window_fields: dict[str, Any] = {name: value for name, value in window.items() if value is not None}
         if cells is not None:
-            given["cells"] = counts(cells, _HERE, "cells")
-        if len(given) not in (0, 2):
-            names = ", ".join(given)
+            window_fields["cells"] = counts(cells, _HERE, "cells")
+        if len(window_fields) not in (0, 2):
+            names = ", ".join(window_fields)
             raise SceneError(f"{_HERE} must be given two of cells, size and spacing, or none of them (got {names})")
-        return list(parts), given or None, ()
+        return list(shapes), window_fields or None, ()
     array = plane(_array(gap), _HERE, "gap", "m")
     require(min(array.shape) >= 2, _HERE, "gap", array.shape, "an array (ny, nx) of 2 x 2 cells or more [m]")
     require(cells is None, _HERE, "cells", cells, f"left out: the gap has {array.shape[1]} x {array.shape[0]} cells")
     if (spacing is None) == (size is None):
-        got = "neither" if size is None else "both"
-        raise SceneError(f"{_HERE}.spacing must be given with an array, edges of its cells [m], or size (got {got})")
+        windows = "neither" if size is None else "both"
+        raise SceneError(
+            f"{_HERE}.spacing must be given with an array, edges of its cells [m], or size (got {windows})"
+        )
     ny, nx = array.shape
     if spacing is None:
         extent = lengths(size, 2, _HERE, "size")
@@ -202,9 +204,9 @@ def _separation(
     else:
         dx, dy = lengths(spacing, 2, _HERE, "spacing")
     x, y = ((np.arange(count) - 0.5 * (count - 1)) * pitch for count, pitch in ((nx, dx), (ny, dy)))
-    kept = hold(x=x, y=y, gap=array)
+    arrays = hold(x=x, y=y, gap=array)
     grid = {"cells": (nx, ny), "spacing": (dx, dy)}
-    return {"type": "gap-map", "file": kept.name}, grid, (kept,)
+    return {"type": "gap-map", "file": arrays.name}, grid, (arrays,)
 
 
 def _array(gap: Any) -> ArrayLike:
@@ -224,23 +226,23 @@ def _history(steps: Any) -> list[Any]:
 def _steps(load: Any, approach: Any, tangential: Any, shift: Any, increments: int) -> list[dict[str, Any]]:
     """Tables of the steps: the normal ones, then one along the surface."""
     if (load is None) == (approach is None):
-        got = "neither" if load is None else "both"
-        raise SceneError(f"{_HERE} must be given load [N] or approach [m] (got {got})")
-    name, words, given = ("normal-load", "load", load) if approach is None else ("approach", "approach", approach)
-    values = _listed(given, words)
-    require(len(values) > 0, _HERE, words, given, "one value or more")
+        controls = "neither" if load is None else "both"
+        raise SceneError(f"{_HERE} must be given load [N] or approach [m] (got {controls})")
+    name, argument, history = ("normal-load", "load", load) if approach is None else ("approach", "approach", approach)
+    values = _listed(history, argument)
+    require(len(values) > 0, _HERE, argument, history, "one value or more")
     steps: list[dict[str, Any]] = [{name: value} for value in values]
     if tangential is not None and shift is not None:
         raise SceneError(f"{_HERE} must be given tangential_load [N] or shift [m] (got both)")
-    for words, scene_name, value in (
+    for argument, scene_name, value in (
         ("tangential_load", "tangential-load", tangential),
         ("shift", "shift", shift),
     ):
         if value is not None:
-            pair = _listed(value, words)
+            pair = _listed(value, argument)
             rule = "one value, along x, or two, along x and y; other histories are steps=[...]"
-            require(len(pair) in (1, 2), _HERE, words, value, rule)
-            steps.append({f"{scene_name}-{axis}": one for axis, one in zip("xy", pair, strict=False)})
+            require(len(pair) in (1, 2), _HERE, argument, value, rule)
+            steps.append({f"{scene_name}-{axis}": component for axis, component in zip("xy", pair, strict=False)})
     return [{**step, "increments": increments} for step in steps]
 
 
@@ -253,5 +255,5 @@ def _listed(value: Any, name: str) -> Sequence[Any]:
 def _pitch(*bodies: Body | None) -> dict[str, Any]:
     """Height of the cells of a body: that of its voxels."""
     voxels = [getattr(body, "voxels", None) for body in bodies]
-    heights = [one.spacing[2] for one in voxels if isinstance(one, Voxels)]
+    heights = [item.spacing[2] for item in voxels if isinstance(item, Voxels)]
     return {"inclusion-pitch": min(heights)} if heights else {}

@@ -1,4 +1,4 @@
-"""What a contact that was solved can be asked."""
+"""Result of a solved contact."""
 
 from __future__ import annotations
 
@@ -69,12 +69,12 @@ class ContactResult:
 
     @property
     def dataset(self) -> xarray.Dataset:
-        """Everything of all steps, with coordinates, units and provenance."""
+        """Dataset of all steps, with coordinates, units and provenance."""
         return self._run.dataset
 
     @property
     def steps(self) -> int:
-        """How many steps were solved, increments included."""
+        """Number of solved steps, including increments."""
         return int(self.dataset.sizes["step"])
 
     def at(self, step: int) -> ContactResult:
@@ -129,7 +129,7 @@ class ContactResult:
 
     @property
     def approach(self) -> float:
-        """How far distant points of the bodies have come together [m]."""
+        """Approach of distant points of the bodies [m]."""
         return self._number("approach")
 
     @property
@@ -186,14 +186,14 @@ class ContactResult:
         >>> line.pressure.dims, f"{float(error):.2f} of the largest pressure from Hertz"
         (('x',), '0.01 of the largest pressure from Hertz')
         """
-        where, other = f"{_HERE}.profile", {"x": "y", "y": "x"}
-        require(isinstance(axis, str) and axis in other, where, "axis", axis, "'x' or 'y'")
+        where, across = f"{_HERE}.profile", {"x": "y", "y": "x"}
+        require(isinstance(axis, str) and axis in across, where, "axis", axis, "'x' or 'y'")
         place, fields = length(at, where, "at", positive=False), self.to_xarray()
-        centres = fields[other[axis]].values
+        centres = fields[across[axis]].values
         reach = 0.5 * float(centres[1] - centres[0]) if centres.size > 1 else np.inf
         low, high = float(centres[0]) - reach, float(centres[-1]) + reach
         require(low <= place <= high, where, "at", at, f"within the window, {low:g} to {high:g} [m]")
-        return fields.sel({other[axis]: place}, method="nearest")
+        return fields.sel({across[axis]: place}, method="nearest")
 
     # ------------------------------------------------------------ fields below the surface
 
@@ -226,8 +226,10 @@ class ContactResult:
         >>> f"{(stress[0, 0, 0] - stress[0, 2, 2]) / 8.47e9:.3f} of the largest pressure"
         '0.620 of the largest pressure'
         """
-        found = self._at_points(points, body, "stress")
-        rows = [[found[_STRESS.index("".join(sorted(pair)))] for pair in (f"{i}x", f"{i}y", f"{i}z")] for i in "xyz"]
+        components = self._at_points(points, body, "stress")
+        rows = [
+            [components[_STRESS.index("".join(sorted(pair)))] for pair in (f"{i}x", f"{i}y", f"{i}z")] for i in "xyz"
+        ]
         return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))
 
     def displacement(self, points: ArrayLike, body: int = 1) -> FloatArray:
@@ -347,7 +349,7 @@ class ContactResult:
         return rows
 
     def __repr__(self) -> str:
-        rows = [f"{words} {value}" for words, value in self._rows() if words != "contact area"]
+        rows = [f"{label} {value}" for label, value in self._rows() if label != "contact area"]
         step = [f"step {self._place + 1} of {self.steps}"] if self.steps > 1 else []
         return f"{_HERE}({', '.join([*rows, *step])})"
 
@@ -357,5 +359,5 @@ class ContactResult:
         rows = [("bodies", f"{lower} under {upper}"), *self._rows(), ("cells", f"{nx} x {ny}")]
         rows += [("fields", ", ".join(map(str, self.to_xarray())))]
         rows += [("step", f"{self._place + 1} of {self.steps}")] if self.steps > 1 else []
-        notes = "; ".join(str(one.get("words", one)) for one in self.summary["warnings"])
+        notes = "; ".join(str(caution.get("words", caution)) for caution in self.summary["warnings"])
         return html_table("Contact", rows, notes)

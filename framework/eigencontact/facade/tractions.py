@@ -75,9 +75,9 @@ def _loads(pressure: ArrayLike | None, shear: ArrayLike | None, where: str) -> d
     if pressure is not None:
         loads["p"] = plane(pressure, where, "pressure", "Pa")
     if shear is not None:
-        both = plane(shear, where, "shear", "Pa", leading=(2,))
-        loads |= {"q_x": both[0], "q_y": both[1]}
+        tractions = plane(shear, where, "shear", "Pa", leading=(2,))
+        loads |= {"q_x": tractions[0], "q_y": tractions[1]}
         if "p" in loads:
             rule = f"of the shape {(2, *loads['p'].shape)} of the pressure"
-            require(both.shape[1:] == loads["p"].shape, where, "shear", both.shape, rule)
+            require(tractions.shape[1:] == loads["p"].shape, where, "shear", tractions.shape, rule)
     return loads

@@ -21,7 +21,7 @@ _HERE = "Voxels"
 
 
 class Voxels:
-    """What lies in a body, voxel by voxel: an array of whole numbers and a table of what they stand for.
+    """Content of a body voxel by voxel: an array of whole numbers, and a table of their materials.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ class Voxels:
         array = whole_array(labels, _HERE, "labels", rule)
         require(array.ndim == 3 and array.size > 0, _HERE, "labels", array.shape, rule)
         require(isinstance(materials, Mapping), _HERE, "materials", materials, "a mapping of numbers to materials")
-        found = sorted(set(np.unique(array).tolist()) - {0})
-        lacking = [number for number in found if number not in materials]
+        numbers = sorted(set(np.unique(array).tolist()) - {0})
+        lacking = [number for number in numbers if number not in materials]
         require(not lacking, _HERE, "materials", sorted(materials), f"given for each number but 0, so for {lacking}")
         self.spacing = lengths(spacing, 3, _HERE, "spacing")
         _, ny, nx = array.shape
@@ -77,7 +77,7 @@ class Voxels:
         corner = (-0.5 * nx * dx, -0.5 * ny * dy, 0.0)
         self.origin = corner if origin is None else lengths(origin, 3, _HERE, "origin", positive=False)
         require(self.origin[2] >= 0, _HERE, "origin", self.origin, "at a depth z of 0 or more [m]")
-        self._parts = {number: _parts(number, materials[number]) for number in found}
+        self._tables = {number: _table_of(number, materials[number]) for number in numbers}
         self._image = hold(labels=array)
 
     @property
@@ -88,25 +88,27 @@ class Voxels:
     def tables(self, body: int) -> list[dict[str, Any]]:
         """Tables ``[[inclusions]]`` of a scene, one for each number."""
         place = {"type": "voxels", "file": self._image.name, "spacing": self.spacing, "origin": self.origin}
-        whose = "" if body == 1 else " above"  # names in a scene are unique
+        suffix = "" if body == 1 else " above"  # names in a scene are unique
         return [
-            {"name": f"voxels {number}{whose}", "body": body, **place, "value": number, **parts}
-            for number, parts in self._parts.items()
+            {"name": f"voxels {number}{suffix}", "body": body, **place, "value": number, **table}
+            for number, table in self._tables.items()
         ]
 
     def __repr__(self) -> str:
         edges = " x ".join(dict.fromkeys(readable(edge, "m") for edge in self.spacing))
         shape = " x ".join(map(str, self.labels.shape[::-1]))
-        return f"{_HERE}({shape} of {edges}, materials {', '.join(map(str, self._parts)) or 'none'})"
+        return f"{_HERE}({shape} of {edges}, materials {', '.join(map(str, self._tables)) or 'none'})"
 
 
-def _parts(number: int, given: Any) -> dict[str, Any]:
+def _table_of(number: int, description: Any) -> dict[str, Any]:
     """Eigenstrain and material of the table of a number."""
     rule = "a table of a constitutive law, of an eigenstrain, or of both; or a law of make()"
-    good = (isinstance(given, Mapping) and len(given) > 0) or (is_dataclass(given) and not isinstance(given, type))
-    require(good, _HERE, f"materials[{number}]", given, rule)
-    if not isinstance(given, Mapping):
-        return {"material": given}
-    material = {name: value for name, value in given.items() if name != "eigenstrain"}
-    parts = {"eigenstrain": given["eigenstrain"]} if "eigenstrain" in given else {}
-    return parts | ({"material": material} if material else {})
+    good = (isinstance(description, Mapping) and len(description) > 0) or (
+        is_dataclass(description) and not isinstance(description, type)
+    )
+    require(good, _HERE, f"materials[{number}]", description, rule)
+    if not isinstance(description, Mapping):
+        return {"material": description}
+    material = {name: value for name, value in description.items() if name != "eigenstrain"}
+    table = {"eigenstrain": description["eigenstrain"]} if "eigenstrain" in description else {}
+    return table | ({"material": material} if material else {})

@@ -39,9 +39,11 @@ _MOST_SOURCES = 800
 _BLOCK = 256
 # Pairs of a region and a point that are evaluated together: their 36 fields take 12 MB.
 _PAIRS = 40_000
-# Points at which the error of a hierarchical sum is measured, and the factor for those at which it is not: in 48 sums
-# the largest error of 40 000 points was 3.6 times that of these on average, and 7 times at most.
-_CHECKED, _UNSEEN = 256, 10.0
+# Points at which the error of a hierarchical sum is measured.
+_CHECKED = 256
+# Factor on this error for all other points: in 48 sums the largest error of 40 000 points was 3.6 times that of the
+# measured points on average, and 7 times at most.
+_UNSEEN = 10.0
 # Point sources, the fewest of all regions together, from which on expansions are faster than sums: they cost some 200
 # sources of every point (128 x 128 x 64 points, spheres and ellipsoids).
 _WORTH = 300
@@ -62,7 +64,7 @@ def uses_point_sources(shape: HasPotentials) -> bool:
 
 
 def cloud_sources(shape: HasPotentials) -> PointSources | None:
-    """Point sources that replace a shape in a cloud beyond their distance; None where its own formulas are cheaper."""
+    """Point sources that replace a distant shape in a cloud; None where the formulas of the shape are cheaper."""
     if find_spec("numba") is None or not isinstance(shape, HasFarField):
         return None
     far = shape.far_field()
@@ -116,9 +118,9 @@ def field_of_cloud(
     require(len(shapes) == len(eigenstrains), "cloud", "eigenstrains", len(eigenstrains), f"{len(shapes)} rows")
     x, y, z = (np.ascontiguousarray(values, dtype=float) for values in points)
     out = np.zeros((QUANTITIES[quantity], x.size))
-    given: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": quantity, "threads": threads}
+    options: dict[str, Any] = {"poisson_ratio": poisson_ratio, "quantity": quantity, "threads": threads}
     if len(shapes) == 1:
-        return field_at_points(shapes[0], eigenstrains[0], (x, y, z), space=space, **given)
+        return field_at_points(shapes[0], eigenstrains[0], (x, y, z), space=space, **options)
     distant: dict[int, PointSources] = {}
     large = is_large(len(shapes), x.size, tolerance)
     for number, shape in enumerate(shapes):
@@ -126,17 +128,17 @@ def field_of_cloud(
         if far is not None:
             distant[number] = far
         else:
-            out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **given)
+            out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **options)
     if distant:
         finder = _Finder(x, y, z)
         if large:
-            out += _hierarchical(shapes, distant, eigenstrains, finder, tolerance, space=space, **given)
+            out += _hierarchical(shapes, distant, eigenstrains, finder, tolerance, space=space, **options)
         else:
             sources = _Sources(list(distant.values()), eigenstrains[list(distant)])
             # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
             order = finder.order
-            out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **given)
-        _near_fields(shapes, distant, eigenstrains, finder, space, given, out)
+            out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **options)
+        _near_fields(shapes, distant, eigenstrains, finder, space, options, out)
     return out
 
 
@@ -148,7 +150,7 @@ def _hierarchical(
     tolerance: float,
     *,
     space: str,
-    **given: Any,
+    **options: Any,
 ) -> FloatArray:
     """Sum of the point sources with an error below `tolerance` of its largest value, by expansions where these pay.
 
@@ -157,20 +159,20 @@ def _hierarchical(
     """
     points = np.ascontiguousarray(finder.points.T)
     count = points.shape[1]
-    chosen = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
-    x, y, z = np.ascontiguousarray(points[:, chosen])
+    checked = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
+    x, y, z = np.ascontiguousarray(points[:, checked])
     strains = eigenstrains[list(distant)]
-    exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **given)
+    exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **options)
     out = np.empty((len(exact), count))
-    wanted = tolerance
+    node_tolerance = tolerance
     while True:
         regions = _relaxed(shapes, distant, tolerance)
         tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions, count) else None
         order = finder.order if tree is None else tree.order
         x, y, z = np.ascontiguousarray(points[:, order])
-        out[:, order] = _sum_of_sources(_Sources(regions, strains), (x, y, z), space=space, tree=tree, **given)
-        error = _UNSEEN * float(np.abs(out[:, chosen] - exact).max())
-        if error <= wanted * float(np.abs(out).max()) or tolerance < _LEAST:
+        out[:, order] = _sum_of_sources(_Sources(regions, strains), (x, y, z), space=space, tree=tree, **options)
+        error = _UNSEEN * float(np.abs(out[:, checked] - exact).max())
+        if error <= node_tolerance * float(np.abs(out).max()) or tolerance < _LEAST:
             return out
         tolerance *= 0.1
 
@@ -179,13 +181,13 @@ def _relaxed(
     shapes: Sequence[HasPotentials], distant: Mapping[int, PointSources], tolerance: float
 ) -> list[PointSources]:
     """The point sources of regions for a tolerance; like shapes are asked once."""
-    known: dict[Hashable, list[float]] = {}
+    distances: dict[Hashable, list[float]] = {}
     out = []
     for number, far in distant.items():
         likeness = _likeness(shapes[number])
-        if likeness not in known:
-            known[likeness] = distances_for(far, tolerance)
-        out.append(_at_distances(far, known[likeness]))
+        if likeness not in distances:
+            distances[likeness] = distances_for(far, tolerance)
+        out.append(_at_distances(far, distances[likeness]))
     return out
 
 
@@ -249,7 +251,7 @@ def _sum_of_sources(
     from eigencontact.halfspace.cloud_kernels import sum_displacement, sum_stress
 
     nu = float(poisson_ratio)
-    rows, *others = sources.tables
+    rows, *tables = sources.tables
     rows = rows.copy()
     rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
     half = True if space == "half" else None
@@ -258,12 +260,12 @@ def _sum_of_sources(
     count = points[0].size
     if tree is None:
         out = np.zeros((QUANTITIES[quantity], count))
-        add(*points, _blocks(count), _NO_TREE, (rows, *others), nu, half, out)
+        add(*points, _blocks(count), _NO_TREE, (rows, *tables), nu, half, out)
     else:
         everywhere = np.concatenate([np.array(points), tree.expansion_points.reshape(3, -1)], axis=1)
         summed = np.zeros((QUANTITIES[quantity], everywhere.shape[1]))
         nodes = (tree.nodes, tree.parents, APART)
-        add(*everywhere, tree.blocks, nodes, (rows, *others), nu, half, summed)
+        add(*everywhere, tree.blocks, nodes, (rows, *tables), nu, half, summed)
         out = np.ascontiguousarray(summed[:, :count])
         values = summed[:, count:].reshape(len(summed), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
         tree.add(np.array(points), np.ascontiguousarray(values), out)
@@ -276,7 +278,7 @@ def _sum_of_sources(
 
 
 def _likeness(shape: Any) -> Hashable:
-    """What two shapes share that differ by a shift only; a shape that does not say is like nothing else."""
+    """Key that shapes share if they differ only by a shift; a unique key for shapes without a position."""
     place = place_field(type(shape))
     if place is None:
         return id(shape)
@@ -290,7 +292,7 @@ def _near_fields(
     eigenstrains: FloatArray,
     finder: _Finder,
     space: str,
-    given: dict[str, Any],
+    options: dict[str, Any],
     out: FloatArray,
 ) -> None:
     """Add the fields of regions at points too close to them for their point sources, and likewise of their images."""
@@ -299,14 +301,14 @@ def _near_fields(
         alike.setdefault(_likeness(shapes[number]), []).append(number)
     pairs = _Pairs(out)
     for members in alike.values():
-        _add_pairs(shapes, distant, members, eigenstrains, finder, ("full",), given, pairs)
+        _add_pairs(shapes, distant, members, eigenstrains, finder, ("full",), options, pairs)
     if space == "half":
         level: dict[Hashable, list[int]] = {}  # an image depends on the depth
         for number, far in distant.items():
             if far.distance > far.center[2]:
                 level.setdefault((_likeness(shapes[number]), float(far.center[2])), []).append(number)
         for members in level.values():
-            _add_pairs(shapes, distant, members, eigenstrains, finder, ("half", "full"), given, pairs)
+            _add_pairs(shapes, distant, members, eigenstrains, finder, ("half", "full"), options, pairs)
     pairs.flush()
 
 
@@ -317,19 +319,19 @@ def _add_pairs(
     eigenstrains: FloatArray,
     finder: _Finder,
     spaces: tuple[str, ...],
-    given: dict[str, Any],
+    options: dict[str, Any],
     pairs: _Pairs,
 ) -> None:
     """Fields of like regions in the first space minus that in the second, at the points near them or their images."""
     canonical, far = shapes[members[0]], distant[members[0]]
     side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
-    found = [finder.within(distant[member].center * side, far.distance) for member in members]
-    index = np.concatenate(found)
+    near_points = [finder.within(distant[member].center * side, far.distance) for member in members]
+    index = np.concatenate(near_points)
     if not index.size:
         return
-    owner = np.repeat(np.asarray(members), [near.size for near in found])
+    owner = np.repeat(np.asarray(members), [near.size for near in near_points])
     centers = np.array([distant[member].center for member in members])
-    offsets = finder.points[index] - np.repeat(centers, [near.size for near in found], axis=0)
+    offsets = finder.points[index] - np.repeat(centers, [near.size for near in near_points], axis=0)
     first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
     if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
         rounded = np.round(offsets / (1e-12 * far.distance)).astype(np.int64)
@@ -338,12 +340,16 @@ def _add_pairs(
             first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
     at = np.ascontiguousarray((offsets[first] + far.center).T)
     for start in range(0, first.size, _PAIRS):
-        part = slice(start, start + _PAIRS)
-        parts = [unit_fields_at_points(canonical, tuple(at[:, part]), space=space, **given) for space in spaces]
-        unit = parts[0] - parts[1] if len(parts) == 2 else parts[0]
-        chosen = np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS)) if first.size > _PAIRS else slice(None)
-        place = inverse[chosen] - start
-        pairs.add(index[chosen], np.einsum("ucn,nu->cn", unit[:, :, place], eigenstrains[owner[chosen]]))
+        chunk = slice(start, start + _PAIRS)
+        fields = [unit_fields_at_points(canonical, tuple(at[:, chunk]), space=space, **options) for space in spaces]
+        unit = fields[0] - fields[1] if len(fields) == 2 else fields[0]
+        pairs_of_chunk = (
+            np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS)) if first.size > _PAIRS else slice(None)
+        )
+        place = inverse[pairs_of_chunk] - start
+        pairs.add(
+            index[pairs_of_chunk], np.einsum("ucn,nu->cn", unit[:, :, place], eigenstrains[owner[pairs_of_chunk]])
+        )
 
 
 class _Pairs:
@@ -356,7 +362,7 @@ class _Pairs:
         """Add values ``(components, pairs)`` at points, a point maybe several times."""
         self._index.append(index)
         self._values.append(values)
-        if sum(part.size for part in self._index) > self._out.shape[1]:
+        if sum(pending.size for pending in self._index) > self._out.shape[1]:
             self.flush()
 
     def flush(self) -> None:
@@ -385,8 +391,8 @@ class _Finder:
 
     def within(self, place: FloatArray, distance: float) -> NDArray[np.intp]:
         """Indices of points strictly closer than `distance`."""
-        found = np.array(self._tree.query_ball_point(place, distance * (1.0 + 1e-9)), dtype=np.intp)
-        if not found.size:
-            return found
-        dx, dy, dz = (self.points[found] - place).T
-        return np.sort(found[dx * dx + dy * dy + dz * dz < distance * distance])  # rounded as the compiled sums do
+        near = np.array(self._tree.query_ball_point(place, distance * (1.0 + 1e-9)), dtype=np.intp)
+        if not near.size:
+            return near
+        dx, dy, dz = (self.points[near] - place).T
+        return np.sort(near[dx * dx + dy * dy + dz * dz < distance * distance])  # rounded as the compiled sums do

@@ -69,8 +69,8 @@ def _gap(box: Any, center: Any, side: float) -> Any:
     """Square of the gap between a box and the center of a region (side 1) or of its image (-1)."""
     square = 0.0
     for axis in range(3):
-        here = center[axis] * (side if axis == 2 else 1.0)
-        gap = max(box[0, axis] - here, here - box[1, axis], 0.0)
+        place = center[axis] * (side if axis == 2 else 1.0)
+        gap = max(box[0, axis] - place, place - box[1, axis], 0.0)
         square += gap * gap
     return square
 
@@ -80,19 +80,19 @@ def _all_near(box: Any, center: Any, side: float) -> Any:
     """Whether a box lies wholly closer to a region than its least distance."""
     square = 0.0
     for axis in range(3):
-        here = center[axis] * (side if axis == 2 else 1.0)
-        square += max(abs(here - box[0, axis]), abs(here - box[1, axis])) ** 2
+        place = center[axis] * (side if axis == 2 else 1.0)
+        square += max(abs(place - box[0, axis]), abs(place - box[1, axis])) ** 2
     return square < 0.999 * center[4] ** 2
 
 
 @compiled()
-def _clear(x: Any, y: Any, z: Any, center: Any, side: float, own: Any) -> None:
+def _clear(x: Any, y: Any, z: Any, center: Any, side: float, near_sum: Any) -> None:
     """Take from points what they are too close to get; rounded as numpy does, for the caller decides likewise."""
     least = center[4] * center[4]
     for i in range(x.size):
         dx, dy, dz = x[i] - center[0], y[i] - center[1], z[i] - side * center[2]
         if dx * dx + dy * dy + dz * dz < least:
-            own[:, i] = 0.0
+            near_sum[:, i] = 0.0
 
 
 @_inner
@@ -113,13 +113,13 @@ def _stress_by_itself(x: Any, y: Any, z: Any, source: Any, nu: float, total: Any
         Q = X * wx + Y * wy + Z * wz
         iso = t * D2 + Q * D3 - 2.0 * nu * t * P1 - 2.0 * nu * (t * P1 + Q * P2)
         dyad = t * D3 + Q * D4 - 2.0 * nu * t * P2
-        own, mixed = 2.0 * D2 - 4.0 * n1 * P1, 2.0 * D3 - 2.0 * n1 * P2
-        total[0, i] += scale * (iso + dyad * X * X + own * exx + 2.0 * mixed * wx * X)
-        total[1, i] += scale * (iso + dyad * Y * Y + own * eyy + 2.0 * mixed * wy * Y)
-        total[2, i] += scale * (iso + dyad * Z * Z + own * ezz + 2.0 * mixed * wz * Z)
-        total[3, i] += scale * (dyad * Y * Z + own * eyz + mixed * (wy * Z + wz * Y))
-        total[4, i] += scale * (dyad * X * Z + own * exz + mixed * (wx * Z + wz * X))
-        total[5, i] += scale * (dyad * X * Y + own * exy + mixed * (wx * Y + wy * X))
+        straight, mixed = 2.0 * D2 - 4.0 * n1 * P1, 2.0 * D3 - 2.0 * n1 * P2
+        total[0, i] += scale * (iso + dyad * X * X + straight * exx + 2.0 * mixed * wx * X)
+        total[1, i] += scale * (iso + dyad * Y * Y + straight * eyy + 2.0 * mixed * wy * Y)
+        total[2, i] += scale * (iso + dyad * Z * Z + straight * ezz + 2.0 * mixed * wz * Z)
+        total[3, i] += scale * (dyad * Y * Z + straight * eyz + mixed * (wy * Z + wz * Y))
+        total[4, i] += scale * (dyad * X * Z + straight * exz + mixed * (wx * Z + wz * X))
+        total[5, i] += scale * (dyad * X * Y + straight * exy + mixed * (wx * Y + wy * X))
 
 
 @_inner
@@ -163,21 +163,21 @@ def _stress_by_image(x: Any, y: Any, z: Any, source: Any, nu: float, total: Any)
         volume = 6.0 * B - 4.0 * A33 - 8.0 * n1 * C33 + 4.0 * depth * B3 + 8.0 * nu * t * phi33
         k3, kc, kv, kd = 3.0 - 4.0 * nu, 4.0 * n1 * n2, 2.0 * n1, 2.0 * nu * t
         z2, zz = 2.0 * depth, 2.0 * depth * depth
-        # e_ab = delta_ab iso + n_a n_b dyad + q_ab own + (w_a n_b + w_b n_a) mixed + terms of Chi, q_3a.
+        # e_ab = delta_ab iso + n_a n_b dyad + q_ab straight + (w_a n_b + w_b n_a) mixed + terms of Chi, q_3a.
         vT = 4.0 * n1
         iso = k3 * a0 + kc * (ch0 - ezz * P1) + z2 * (g0 - vT * wz * P2) - zz * b0
         iso += nu * volume - kd * (k3 * P1 + z2 * Z * P2)
         dyad = k3 * a1 + kc * (ch1 - ezz * P2) + z2 * (g1 - vT * wz * P3) - zz * b1
         dyad -= kd * (k3 * P2 + z2 * Z * P3)
-        own = 2.0 * k3 * D2 + 2.0 * kc * c2 - 2.0 * kv * P1 + 2.0 * z2 * Z * D3 - 2.0 * zz * P2
+        straight = 2.0 * k3 * D2 + 2.0 * kc * c2 - 2.0 * kv * P1 + 2.0 * z2 * Z * D3 - 2.0 * zz * P2
         mixed = 2.0 * k3 * D3 - kv * P2 + 2.0 * z2 * Z * D4 - 2.0 * zz * P3
         chi = 2.0 * kc * c3
         deep = z2 * (2.0 * D3 - vT * P2)
-        total[0, i] += scale * (iso + dyad * X * X + own * exx + 2.0 * X * (mixed * wx + chi * w2x + deep * qxz))
-        total[1, i] += scale * (iso + dyad * Y * Y + own * eyy + 2.0 * Y * (mixed * wy + chi * w2y + deep * qyz))
+        total[0, i] += scale * (iso + dyad * X * X + straight * exx + 2.0 * X * (mixed * wx + chi * w2x + deep * qxz))
+        total[1, i] += scale * (iso + dyad * Y * Y + straight * eyy + 2.0 * Y * (mixed * wy + chi * w2y + deep * qyz))
         total[5, i] += scale * (
             dyad * X * Y
-            + own * exy
+            + straight * exy
             + mixed * (wx * Y + wy * X)
             + chi * (w2x * Y + w2y * X)
             + deep * (qxz * Y + qyz * X)
@@ -230,7 +230,7 @@ def sum_stress(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu:
         first, stop = block[0], block[1]
         px, py, pz = x[first:stop], y[first:stop], z[first:stop]
         box = np.array([[px.min(), py.min(), pz.min()], [px.max(), py.max(), pz.max()]])
-        total, own = np.zeros((6, stop - first)), np.zeros((6, stop - first))
+        total, near_sum = np.zeros((6, stop - first)), np.zeros((6, stop - first))
         for region in range(regions.shape[0]):
             if not _is_taken(block, region, nodes, parents, regions, apart):
                 continue
@@ -244,15 +244,15 @@ def sum_stress(x: Any, y: Any, z: Any, blocks: Any, tree: Any, sources: Any, nu:
                 if near:
                     if _all_near(box, regions[region], sign):
                         continue
-                    own[:] = 0.0
+                    near_sum[:] = 0.0
                 for s in range(int(levels[level, 1]), int(levels[level, 2])):
                     if side == 0:
-                        _stress_by_itself(px, py, pz, rows[s], nu, own if near else total)
+                        _stress_by_itself(px, py, pz, rows[s], nu, near_sum if near else total)
                     else:
-                        _stress_by_image(px, py, pz, rows[s], nu, own if near else total)
+                        _stress_by_image(px, py, pz, rows[s], nu, near_sum if near else total)
                 if near:
-                    _clear(px, py, pz, regions[region], sign, own)
-                    total += own
+                    _clear(px, py, pz, regions[region], sign, near_sum)
+                    total += near_sum
         out[:, first:stop] = total
 
 
@@ -309,14 +309,14 @@ def _displacement_by_image(x: Any, y: Any, z: Any, source: Any, nu: float, total
         B = t * P1 + Q * P2
         # u_i along n_i, w_i, and q_i3 (from A,i3 and v_3,i); a, b = 1, 2 with sign +, 3 with -.
         plane = k3 * a0 + kc * (t2 * c2 + Q2 * c3 - ezz * P1) - kd * (k3 * P1 + z2 * Z * P2)
-        both = z2 * (a1 * Z + 2.0 * wz * D3 - vT * wz * P2) - zz * b0
+        along = z2 * (a1 * Z + 2.0 * wz * D3 - vT * wz * P2) - zz * b0
         row = 2.0 * k3 * D2 - vT * P1
         deep = z2 * 2.0 * Z * D3 - zz * 2.0 * P2
         third = z2 * (2.0 * D2 - vT * P1)
-        total[0, i] += scale * ((plane + both) * X + (row + deep) * wx + 2.0 * kc * c2 * w2x + third * qxz)
-        total[1, i] += scale * ((plane + both) * Y + (row + deep) * wy + 2.0 * kc * c2 * w2y + third * qyz)
+        total[0, i] += scale * ((plane + along) * X + (row + deep) * wx + 2.0 * kc * c2 * w2x + third * qxz)
+        total[1, i] += scale * ((plane + along) * Y + (row + deep) * wy + 2.0 * kc * c2 * w2y + third * qyz)
         normal = k3 * a0 * Z + kc * (t2 * i1 * iw - Q2 * i2 * iw * (i1 + iw) - ezz * Z * P1) + row * wz
-        uz = -normal + both * Z + deep * wz + third * ezz + z2 * a0 + z2 * 2.0 * n2 * B
+        uz = -normal + along * Z + deep * wz + third * ezz + z2 * a0 + z2 * 2.0 * n2 * B
         uz -= kd * (-k3 * Z * P1 + z2 * (P1 + Z * Z * P2))
         total[2, i] += scale * uz
 
@@ -333,7 +333,7 @@ def sum_displacement(
         first, stop = block[0], block[1]
         px, py, pz = x[first:stop], y[first:stop], z[first:stop]
         box = np.array([[px.min(), py.min(), pz.min()], [px.max(), py.max(), pz.max()]])
-        total, own = np.zeros((3, stop - first)), np.zeros((3, stop - first))
+        total, near_sum = np.zeros((3, stop - first)), np.zeros((3, stop - first))
         for region in range(regions.shape[0]):
             if not _is_taken(block, region, nodes, parents, regions, apart):
                 continue
@@ -347,13 +347,13 @@ def sum_displacement(
                 if near:
                     if _all_near(box, regions[region], sign):
                         continue
-                    own[:] = 0.0
+                    near_sum[:] = 0.0
                 for s in range(int(levels[level, 1]), int(levels[level, 2])):
                     if side == 0:
-                        _displacement_by_itself(px, py, pz, rows[s], nu, own if near else total)
+                        _displacement_by_itself(px, py, pz, rows[s], nu, near_sum if near else total)
                     else:
-                        _displacement_by_image(px, py, pz, rows[s], nu, own if near else total)
+                        _displacement_by_image(px, py, pz, rows[s], nu, near_sum if near else total)
                 if near:
-                    _clear(px, py, pz, regions[region], sign, own)
-                    total += own
+                    _clear(px, py, pz, regions[region], sign, near_sum)
+                    total += near_sum
         out[:, first:stop] = total

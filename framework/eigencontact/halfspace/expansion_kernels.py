@@ -50,9 +50,9 @@ def _fill(x: Any, y: Any, z: Any, degree: int, out: Any) -> None:
             else:
                 scale = 1.0 / np.sqrt(1.0 * (k * k - n * n))
                 first, second = (2.0 * k - 1.0) * scale, np.sqrt((k - 1.0) ** 2 - n * n) * scale
-                one, two = (k - 1) * k + n, (k - 2) * (k - 1) + n if k > n + 1 else (k - 1) * k + n
+                first_row, second_row = (k - 1) * k + n, (k - 2) * (k - 1) + n if k > n + 1 else (k - 1) * k + n
                 for i in range(size):
-                    out[row, i] = first * z[i] * out[one, i] - second * square[i] * out[two, i]
+                    out[row, i] = first * z[i] * out[first_row, i] - second * square[i] * out[second_row, i]
         for k in range(n, degree + 1):
             row = k * (k + 1)
             for i in range(size):
@@ -107,7 +107,7 @@ def _add(x: Any, y: Any, z: Any, center: Any, coefficients: Any, degree: int, ou
 
 @_compiled
 def pass_down(
-    x: Any, y: Any, z: Any, ranges: Any, children: Any, chosen: Any, place: Any, nodes: Any, unit: Any, degree: int,
+    x: Any, y: Any, z: Any, ranges: Any, children: Any, numbers: Any, place: Any, nodes: Any, unit: Any, degree: int,
     coefficients: Any, values: Any, out: Any,
 ) -> None:  # fmt: skip
     """Pass expansions of one depth of a tree on: to those below them, and to points that have none closer.
@@ -120,7 +120,7 @@ def pass_down(
         First point of every node and the end of them.
     children : (k, 2) of int
         Nodes below a node; -1 for none.
-    chosen : (h,) of int
+    numbers : (h,) of int
         Nodes of the depth that have an expansion.
     place : (k,) of int
         Number of each node among those that have one.
@@ -138,7 +138,7 @@ def pass_down(
         Values at the points, added to.
     """
     for number in numba.prange(coefficients.shape[0]):
-        node = chosen[number]
+        node = numbers[number]
         center, expansion = nodes[node], coefficients[number]
         for side in range(2):
             child = children[node, side]
@@ -164,13 +164,13 @@ def grow(points: Any, least: int, block: int) -> Any:
         As in `eigencontact.halfspace.expansions.Tree`; nodes of fewer than `least` points have no expansion.
     """
     count = points.shape[1]
-    order, kept = np.arange(count), np.empty(count, np.int64)
+    order, upper = np.arange(count), np.empty(count, np.int64)
     ranges, nodes = [(0, count)], [(0.0, 0.0, 0.0, 0.0, 0.0)]
     parents, children, depths = [-1], [(-1, -1)], [0]
-    done = 0
-    while done < len(ranges):
+    grown = 0
+    while grown < len(ranges):
         stop = len(ranges)
-        for node in range(done, stop):
+        for node in range(grown, stop):
             a, b = ranges[node]
             low, high = points[:, order[a]].copy(), points[:, order[a]].copy()
             for i in range(a, b):
@@ -179,10 +179,10 @@ def grow(points: Any, least: int, block: int) -> Any:
                     low[axis], high[axis] = min(low[axis], value), max(high[axis], value)
             center, square = 0.5 * (low + high), 0.0
             for i in range(a, b):
-                own = 0.0
+                square_distance = 0.0
                 for axis in range(3):
-                    own += (points[axis, order[i]] - center[axis]) ** 2
-                square = max(square, own)
+                    square_distance += (points[axis, order[i]] - center[axis]) ** 2
+                square = max(square, square_distance)
             apart = 1.0 if b - a >= least and square > 0.0 else 0.0
             nodes[node] = (center[0], center[1], center[2], np.sqrt(square), apart)
             if b - a <= block or square == 0.0:
@@ -194,9 +194,9 @@ def grow(points: Any, least: int, block: int) -> Any:
                     order[middle] = order[i]
                     middle += 1
                 else:
-                    kept[above] = order[i]
+                    upper[above] = order[i]
                     above += 1
-            order[middle:b] = kept[:above]
+            order[middle:b] = upper[:above]
             children[node] = (len(ranges), len(ranges) + 1)
             for first, last in ((a, middle), (middle, b)):
                 ranges.append((first, last))
@@ -204,5 +204,5 @@ def grow(points: Any, least: int, block: int) -> Any:
                 parents.append(node)
                 children.append((-1, -1))
         depths.append(stop)
-        done = stop
+        grown = stop
     return order, np.array(nodes), np.array(ranges), np.array(parents), np.array(children), np.array(depths)

@@ -28,8 +28,10 @@ APART = 0.3
 # spheres and ellipsoids displacement had at most 1.7 times that with p = 6 and a twentieth of it with p = 11, stress a
 # third of these.
 _CONSTANT = 3e-3
-# Inner of the two spheres of an expansion, in units of the outer; number of points per unknown.
-_INNER, _POINTS = 0.55, 1.06
+# Radius of the inner sphere of an expansion, in units of the outer one.
+_INNER = 0.55
+# Points on the spheres per unknown.
+_POINTS = 1.06
 # Degree up to which moments of point sources are compared.
 _COMPARED = 36
 # Points that are summed together: a small block is close to few regions.
@@ -71,18 +73,18 @@ def distances_for(finest: PointSources, tolerance: float) -> list[float]:
         x, y, z = np.ascontiguousarray((level.positions - level.center).T / unit)
         return np.asarray(moments(x, y, z, level.volumes / volume, level.spreads / unit**2, _COMPARED))
 
-    known, k = of(finest), np.arange(_COMPARED + 30)
+    exact, k = of(finest), np.arange(_COMPARED + 30)
     of_first = (k + 1) * (k + 2) * (0.5 * k + 2.0) / 4.0
     of_second = (k + 1) * (k + 2) * (k + 3) * (k + 4) / 4.0
     trial = np.geomspace(1.02, finest.levels[0].distance / unit, 400)
     powers = trial[:, None] ** -k
     out = []
     for level in levels:
-        wrong = np.sqrt(np.add.reduceat((of(level) - known) ** 2, np.arange(_COMPARED + 1) ** 2, axis=1))
-        both = np.full((2, k.size), 2.0)
-        both[1] /= 2.0 * k + 3.0
-        both[:, : _COMPARED + 1] = wrong
-        error = powers @ (of_first * both[0]) + (powers @ (of_second * both[1])) / trial**2
+        wrong = np.sqrt(np.add.reduceat((of(level) - exact) ** 2, np.arange(_COMPARED + 1) ** 2, axis=1))
+        errors = np.full((2, k.size), 2.0)
+        errors[1] /= 2.0 * k + 3.0
+        errors[:, : _COMPARED + 1] = wrong
+        error = powers @ (of_first * errors[0]) + (powers @ (of_second * errors[1])) / trial**2
         good = trial[error <= tolerance] * unit
         out.append(min(level.distance, float(good[0])) if good.size else level.distance)
     out[-1] = finest.distance  # nothing finer tells how well it does
@@ -155,12 +157,12 @@ class Tree:
         leaves, large = np.flatnonzero(self.children[:, 0] < 0), np.flatnonzero(self.nodes[:, 4])
         size = _unit(self.degree)[0].shape[1]
         starts = self.order.size + size * np.arange(large.size)
-        found = [
+        point_and_node_blocks = [
             np.column_stack([self.ranges[leaves], leaves, np.zeros_like(leaves)]),
             np.column_stack([starts, starts + size, large, np.ones_like(large)]),
         ]
         # Shuffled, so that every thread gets some of the dear ones.
-        return np.random.default_rng(0).permutation(np.concatenate(found))
+        return np.random.default_rng(0).permutation(np.concatenate(point_and_node_blocks))
 
     def add(self, points: FloatArray, values: FloatArray, out: FloatArray) -> None:
         """Add to ``out (c, n)``, at points ``(3, n)`` in their order, what the expansions say.

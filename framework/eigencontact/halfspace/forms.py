@@ -40,9 +40,9 @@ class Form:
     terms: Mapping[Term, float] = field(default_factory=dict)
 
     @classmethod
-    def potential(cls, whose: str, name: str = "") -> Form:
+    def potential(cls, origin: str, name: str = "") -> Form:
         """The potential itself; ``Form.potential("inside")`` is the indicator of the region."""
-        return cls({(0, (whose, name, (0, 0, 0))): 1.0})
+        return cls({(0, (origin, name, (0, 0, 0))): 1.0})
 
     def __add__(self, other: Form) -> Form:
         total = dict(self.terms)
@@ -63,8 +63,8 @@ class Form:
     def __repr__(self) -> str:
         def text(power: int, kernel: Kernel, value: float) -> str:
             z = "" if power == 0 else "z " if power == 1 else f"z^{power} "
-            whose, name, order = kernel
-            return f"{value:g} {z}{whose}" + (f" {name} {''.join(map(str, order))}" if name else "")
+            origin, name, order = kernel
+            return f"{value:g} {z}{origin}" + (f" {name} {''.join(map(str, order))}" if name else "")
 
         return " + ".join(text(*term) for term in self) or "0"
 
@@ -100,23 +100,23 @@ class Form:
             if combination is None:
                 total = total + Form({(power, kernel): value})
             else:
-                for other, weight in combination.items():
-                    todo[power, other] = todo.get((power, other), 0.0) + value * weight
+                for replacement, weight in combination.items():
+                    todo[power, replacement] = todo.get((power, replacement), 0.0) + value * weight
         return total
 
     def on_surface(self) -> Form:
         """The form at z = 0, where real and mirror points coincide, in kernels of the image alone."""
 
         def mirrored(kernel: Kernel) -> dict[Kernel, float] | None:
-            whose, name, order = kernel
-            return {("image", name, order): -1.0 if order[2] % 2 else 1.0} if whose == "real" else None
+            origin, name, order = kernel
+            return {("image", name, order): -1.0 if order[2] % 2 else 1.0} if origin == "real" else None
 
         return Form({term: value for term, value in self.terms.items() if term[0] == 0}).replaced(mirrored)
 
 
 def _raised(kernel: Kernel, axis: int) -> Kernel:
-    whose, name, (nx, ny, nz) = kernel
-    return whose, name, (nx + (axis == 0), ny + (axis == 1), nz + (axis == 2))
+    origin, name, (nx, ny, nz) = kernel
+    return origin, name, (nx + (axis == 0), ny + (axis == 1), nz + (axis == 2))
 
 
 def _order(order: Order, dx: int, dy: int, dz: int) -> Order:
@@ -124,17 +124,17 @@ def _order(order: Order, dx: int, dy: int, dz: int) -> Order:
 
 
 def reduced(kernel: Kernel) -> dict[Kernel, float] | None:
-    """Rule for `Form.replaced` that leaves the fewest kernels: Laplacians of Phi and Chi vanish, that of Psi is 2 Phi.
+    """Rule for `Form.replaced` with the fewest kernels: Laplacians of Phi and Chi vanish, that of Psi is 2 Phi.
 
     Stress then needs 15 kernels in full space and 43 of the image. Valid because field points always lie outside the
     image; for the real source Phi = Laplacian(Psi)/2 also holds inside.
     """
-    whose, name, order = kernel
+    origin, name, order = kernel
     nx, ny, nz = order
     n = nx + ny + nz
 
     def combine(target: str, sign: float, *steps: tuple[int, int, int]) -> dict[Kernel, float]:
-        return {(whose, target, _order(order, *step)): sign for step in steps}
+        return {(origin, target, _order(order, *step)): sign for step in steps}
 
     if name == "chi":
         if nz >= 2:
@@ -146,7 +146,7 @@ def reduced(kernel: Kernel) -> dict[Kernel, float] | None:
         return None
     if name != "phi":
         return None
-    if whose == "real" or n <= 2 or (n == 3 and nz >= 1):
+    if origin == "real" or n <= 2 or (n == 3 and nz >= 1):
         return combine("psi", 0.5, (2, 0, 0), (0, 2, 0), (0, 0, 2))
     if n == 3 and max(nx, ny) == 3:
         inplane = (-2, 2, 0) if nx == 3 else (2, -2, 0)

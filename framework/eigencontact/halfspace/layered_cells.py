@@ -113,8 +113,8 @@ def _integrals(nodes: StretchedNodes, centres: bytes, half_width: float) -> Weig
     points, shares = _gauss(count)
     xi = begin + 0.5 * step * (points[:, None] + 1.0)
     weights = np.cosh(xi) * (0.5 * nodes.scale * step) * shares[:, None]
-    found = {}
+    sums = {}
     for parity, rows in nodes._polynomials(xi.ravel()).items():  # noqa: SLF001
         summed = np.einsum("qp,qpn->pn", weights, rows.reshape(*xi.shape, -1))
-        found[parity] = np.add.reduceat(summed, first, axis=0)
-    return nodes._on_nodes(found)  # noqa: SLF001
+        sums[parity] = np.add.reduceat(summed, first, axis=0)
+    return nodes._on_nodes(sums)  # noqa: SLF001

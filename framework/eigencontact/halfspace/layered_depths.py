@@ -102,19 +102,19 @@ class LayeredDepths:
         load : (ny, nx) float64
             On the lattices that will be asked for.
         """
-        known: dict[tuple[int, bytes, bytes], dict[tuple[int, int], FloatArray]] = {}
+        moments: dict[tuple[int, bytes, bytes], dict[tuple[int, int], FloatArray]] = {}
 
         def superposed(number: int, x: FloatArray, y: FloatArray) -> FloatArray:
             resolved, row = self._places[number]
             if resolved.deep is not None:
                 return _sum(self.on_lattice(number, x, y), load)
             self._check(x, y)
-            seen = id(resolved), x.tobytes(), y.tobytes()
-            if seen not in known:
-                known[seen] = resolved.smooth.moments(x, y, self.half_widths, load)
+            key = id(resolved), x.tobytes(), y.tobytes()
+            if key not in moments:
+                moments[key] = resolved.smooth.moments(x, y, self.half_widths, load)
             smooth = resolved.smooth
             total = np.array(
-                [np.vdot(smooth.values[name, row], known[seen][smooth.parities[name]]) for name in self._rows]
+                [np.vdot(smooth.values[name, row], moments[key][smooth.parities[name]]) for name in self._rows]
             )
             for weight, solid, depth in resolved.shallow[row]:
                 closed = self.base.sample(self.quantity, self.components, x, y, depth, self.half_widths, solid)
@@ -148,37 +148,37 @@ class LayeredDepths:
 
     def _resolve(self, band: Band, smooth: SmoothField) -> _Resolved:
         """Field of a band as it is kept on disk, or found now."""
-        parts = (self.quantity, self.components, self.half_widths, self.reach, self.side, band, smooth.extent)
+        settings = (self.quantity, self.components, self.half_widths, self.reach, self.side, band, smooth.extent)
         tables, code = table_cache(), ("eigencontact.core.products", __name__, self.base, self.medium)
-        key = address(self.base, self.medium, *parts, code=code) if tables else None
-        kept = tables.find(key, "resolution", "bounds", "radial") if tables and key else None
-        if kept is None:
+        key = address(self.base, self.medium, *settings, code=code) if tables else None
+        arrays = tables.find(key, "resolution", "bounds", "radial") if tables and key else None
+        if arrays is None:
             resolution, bounds = self._resolution(band, smooth)
             field = smooth.at(resolution)
-            kept = {"resolution": np.array(resolution), "bounds": bounds, "radial": smooth.radial(resolution)}
+            arrays = {"resolution": np.array(resolution), "bounds": bounds, "radial": smooth.radial(resolution)}
             deep = self._deep(band, field.nodes.x)
-            kept |= {"deep": deep} if deep is not None else {}
+            arrays |= {"deep": deep} if deep is not None else {}
             if tables and key:
-                tables.keep(key, kept)
+                tables.keep(key, arrays)
         else:
-            field = smooth.of(kept["radial"], float(kept["resolution"]))
-        self.bounds[list(band.numbers)] = kept["bounds"]
+            field = smooth.of(arrays["radial"], float(arrays["resolution"]))
+        self.bounds[list(band.numbers)] = arrays["bounds"]
         limit = DEEP * max(self.half_widths)
         shallow = [[kernel for kernel in kernels if kernel[2] <= limit] for kernels in band.kernels]
-        return _Resolved(band, field, kept.get("deep"), shallow)
+        return _Resolved(band, field, arrays.get("deep"), shallow)
 
     def _resolution(self, band: Band, smooth: SmoothField) -> tuple[float, FloatArray]:
         """Raise the resolution of a band until all its depths agree; that resolution, and bounds of their errors."""
-        own = OWN[self.base.traction][self.quantity]
-        watched = (*self.components, *(() if own in self.components else (own,)))
+        direct = OWN[self.base.traction][self.quantity]
+        watched = (*self.components, *(() if direct in self.components else (direct,)))
         rows = [NAMES[self.quantity].index(name) for name in watched]
         x, y = (self._probes(half_width) for half_width in self.half_widths)
         closed = self._kernels(watched, band.kernels, x, y)
         coarse: FloatArray | None = None
         for resolution in RESOLUTIONS:
-            found = smooth.at(resolution)
-            each = [found.on_cells(rows, number, x, y, self.half_widths) for number in range(len(band.depths))]
-            fine = np.stack(each, axis=1)
+            nodal = smooth.at(resolution)
+            fields = [nodal.on_cells(rows, number, x, y, self.half_widths) for number in range(len(band.depths))]
+            fine = np.stack(fields, axis=1)
             if coarse is not None:
                 largest = np.abs(fine + closed).max(axis=(0, 2, 3))
                 change = np.abs(fine - coarse).max(axis=(0, 2, 3)) / largest
@@ -206,10 +206,10 @@ class LayeredDepths:
     ) -> FloatArray:
         """Sums of closed kernels, some for each depth, at all x and y, ``(len(components), nz, ny, nx)``."""
         out = np.zeros((len(components), len(kernels), y.size, x.size))
-        wanted: dict[Material, dict[float, list[tuple[int, float]]]] = {}
+        rows_of: dict[Material, dict[float, list[tuple[int, float]]]] = {}
         for row, weight, solid, depth in ((row, *kernel) for row, some in enumerate(kernels) for kernel in some):
-            wanted.setdefault(solid, {}).setdefault(depth, []).append((row, weight))
-        for solid, places in wanted.items():
+            rows_of.setdefault(solid, {}).setdefault(depth, []).append((row, weight))
+        for solid, places in rows_of.items():
             depths = list(places)
             step = max(1, TOGETHER // (x.size * y.size))
             for begin in range(0, len(depths), step):
@@ -229,10 +229,10 @@ class LayeredDepths:
         """Rounding of the corner sums of displacements on the lattice; those of stress are of order 1."""
         if self.quantity == "stress":
             return 0.0
-        own, origin = (OWN[self.base.traction][self.quantity],), np.zeros(1)
+        direct, origin = (OWN[self.base.traction][self.quantity],), np.zeros(1)
         limit = DEEP * max(self.half_widths)
         shallow = [solid for _, solid, depth in band.kernels[0] if depth <= limit]
-        sums = sum(float(np.abs(self._closed(own, origin, origin, 0.0, solid)).max()) for solid in shallow)
+        sums = sum(float(np.abs(self._closed(direct, origin, origin, 0.0, solid)).max()) for solid in shallow)
         return EPSILON * sums * (self.reach + max(self.half_widths)) / min(self.half_widths)
 
 

@@ -88,12 +88,12 @@ class LogGrid:
             spectrum[:, 1:-1] *= 2
             spectra.append(np.concatenate([spectrum.real, -spectrum.imag], axis=1))
         series = np.concatenate(spectra)
-        found = np.empty((len(series), r.size))
+        stacked = np.empty((len(series), r.size))
         for begin in range(0, r.size, BLOCK):
-            part = r[begin : begin + BLOCK]
-            waves = _waves(omega[1], omega.size, np.log(part * k[0]))
-            found[:, begin : begin + BLOCK] = product(series, waves) / (2 * np.pi * k.size * part)
-        return np.split(found, np.cumsum([len(response) for response in responses])[:-1])
+            distances = r[begin : begin + BLOCK]
+            waves = _waves(omega[1], omega.size, np.log(distances * k[0]))
+            stacked[:, begin : begin + BLOCK] = product(series, waves) / (2 * np.pi * k.size * distances)
+        return np.split(stacked, np.cumsum([len(response) for response in responses])[:-1])
 
 
 def _waves(step: float, count: int, x: FloatArray) -> FloatArray:

@@ -182,25 +182,25 @@ class LayeredInfluence:
         for band in bands(self.base, quantity, np.asarray(depths, dtype=float), max(half_widths), medium, self.side):
             extent = 2.0 ** (float(np.ceil(OCTAVE * np.log2(np.arcsinh(edge / band.scale)))) / OCTAVE)
             fields.append((band, self._field(quantity, band, medium, extent)))
-        found = LayeredDepths(
+        coefficients = LayeredDepths(
             self.base, quantity, tuple(components), half_widths, reach, medium, self.side, tuple(fields)
         )
         with self._lock:
-            while sum(kept.nbytes for kept in self._fields.values()) > KEPT:
+            while sum(smooth.nbytes for smooth in self._fields.values()) > KEPT:
                 self._fields.popitem(last=False)
-        return found
+        return coefficients
 
     def _field(self, quantity: str, band: Band, medium: Medium, extent: float) -> SmoothField:
         """Smooth field of a band; those met last are kept with what was found of them."""
         key = (quantity, medium, band, extent)
         with self._lock:
-            known = self._fields.get(key)
-            if known is None:
+            field = self._fields.get(key)
+            if field is None:
                 response = self._remainder(quantity, band, medium)
-                known = SmoothField(response, self.traction, quantity, band.scale, band.longest, extent)
-                self._fields[key] = known
+                field = SmoothField(response, self.traction, quantity, band.scale, band.longest, extent)
+                self._fields[key] = field
             self._fields.move_to_end(key)
-        return known
+        return field
 
     def _remainder(self, quantity: str, band: Band, medium: Medium) -> AxisResponse:
         """Response at the depths of a band less that of its closed kernels."""
@@ -232,8 +232,8 @@ class LayeredInfluence:
         at = self.at_depths(quantity, components, depths, half_widths, reach, medium)
         total = np.empty((len(components), *x.shape))
         for number in range(depths.size):
-            chosen = place == number
-            total[:, chosen] = at.about_points(number, x[chosen], y[chosen])
+            at_depth = place == number
+            total[:, at_depth] = at.about_points(number, x[at_depth], y[at_depth])
         return total
 
     def wavenumber_response(

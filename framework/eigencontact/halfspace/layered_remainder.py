@@ -1,4 +1,4 @@
-"""What layers add to closed half-space kernels: a smooth field at some depths, known at several resolutions.
+"""Contribution of layers to closed half-space kernels: a smooth field at some depths, at several resolutions.
 
 The wavenumber response of this remainder decays with exp(-ks). It goes to space along `layered_waves` and
 `layered_hankel` on nodes, and over rectangles by `layered_cells`. The nodes and the transform depend on lengths alone:
@@ -70,12 +70,12 @@ class NodalField:
         out = np.empty((len(rows), x.size))
         block = max(1, 1_000_000 // self.nodes.count)
         for start in range(0, x.size, block):
-            part = slice(start, start + block)
-            across = self.nodes.integrals(x[part], half_widths[0])
-            along = self.nodes.integrals(y[part], half_widths[1])
+            chunk = slice(start, start + block)
+            across = self.nodes.integrals(x[chunk], half_widths[0])
+            along = self.nodes.integrals(y[chunk], half_widths[1])
             for target, row in zip(out, rows, strict=True):
                 in_y, in_x = self.parities[row]
-                target[part] = np.einsum("pj,pj->p", product(along[in_y], self.values[row, number]), across[in_x])
+                target[chunk] = np.einsum("pj,pj->p", product(along[in_y], self.values[row, number]), across[in_x])
         return out
 
 
@@ -103,12 +103,12 @@ class SmoothField:
     scale: float
     longest: float
     extent: float
-    _known: dict[float, FloatArray] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _radial: dict[float, FloatArray] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
     def nbytes(self) -> int:
         """Memory of what was found so far."""
-        return sum(known.nbytes for known in list(self._known.values()))
+        return sum(radial.nbytes for radial in list(self._radial.values()))
 
     def at(self, resolution: float) -> NodalField:
         """Field on nodes."""
@@ -121,7 +121,7 @@ class SmoothField:
         rises with `resolution`, and the range of wavenumbers widens with it, so that two resolutions that agree vouch
         for the range too.
         """
-        if resolution not in self._known:
+        if resolution not in self._radial:
             nodes, reach = self._nodes(resolution), self.scale * np.sinh(self.extent)
             grid = LogGrid(
                 scale=self.scale,
@@ -133,16 +133,16 @@ class SmoothField:
             functions, orders = radial_functions(self.response, self.traction, self.quantity, grid.wavenumbers)
             row, column = np.triu_indices(nodes.count)
             distances = np.hypot(nodes.x[row], nodes.x[column])
-            self._known[resolution] = np.array(grid.fields(functions, orders, distances))
-        return self._known[resolution]
+            self._radial[resolution] = np.array(grid.fields(functions, orders, distances))
+        return self._radial[resolution]
 
     def of(self, radial: FloatArray, resolution: float) -> NodalField:
         """Field on nodes from its functions of the distance at this resolution."""
         nodes = self._nodes(resolution)
         row, column = np.triu_indices(nodes.count)
-        whole = np.empty((*radial.shape[:2], nodes.count, nodes.count))
-        whole[:, :, row, column] = whole[:, :, column, row] = radial
-        return NodalField(nodes, *turned(whole, self.traction, self.quantity, nodes.x))
+        square = np.empty((*radial.shape[:2], nodes.count, nodes.count))
+        square[:, :, row, column] = square[:, :, column, row] = radial
+        return NodalField(nodes, *turned(square, self.traction, self.quantity, nodes.x))
 
     def _nodes(self, resolution: float) -> StretchedNodes:
         return StretchedNodes.enough(self.scale, self.extent, DIGITS * resolution)

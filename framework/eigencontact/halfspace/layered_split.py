@@ -84,30 +84,30 @@ def bands(
     moves = quantity == "displacement"
     near = depths <= min(np.nextafter(thickness, 0.0), DEEP * half_width)
     scale = np.where(near, 2 * thickness - depths, depths)
-    found = []
+    split = []
     for numbers in _alike(near, scale):
-        chosen = depths[numbers]
+        band_depths = depths[numbers]
         least = float(scale[numbers].min())
-        slowest, answer = _depth_of_substrate(base, quantity, chosen, float(scale[numbers].max()), medium, side)
+        slowest, digest = _depth_of_substrate(base, quantity, band_depths, float(scale[numbers].max()), medium, side)
         far = ((1.0, medium.deep_material, slowest),) if moves else ()
         kernels = []
-        for z, image in zip(chosen.tolist(), scale[numbers].tolist(), strict=True):
+        for z, image in zip(band_depths.tolist(), scale[numbers].tolist(), strict=True):
             closed = ((1.0, top, z), (-1.0, top, image)) if moves else ((1.0, top, z),)
             kernels.append((*(closed if near[numbers[0]] else ()), *far))
         longest = max(slowest, medium.interfaces[-1])
-        found.append(Band(tuple(numbers.tolist()), tuple(chosen.tolist()), tuple(kernels), least, longest, answer))
-    return found
+        split.append(Band(tuple(numbers.tolist()), tuple(band_depths.tolist()), tuple(kernels), least, longest, digest))
+    return split
 
 
 def _alike(near: NDArray[np.bool_], scale: FloatArray) -> Iterator[NDArray[np.intp]]:
     """Numbers of depths, all near or none, with scales that differ by no more than `SPREAD`."""
     for where in (near, ~near):
-        rest = np.flatnonzero(where)
-        rest = rest[np.argsort(scale[rest], kind="stable")]
-        while rest.size:
-            size = min(MOST, int(np.searchsorted(scale[rest], SPREAD * scale[rest[0]], side="right")))
-            yield rest[:size]
-            rest = rest[size:]
+        numbers = np.flatnonzero(where)
+        numbers = numbers[np.argsort(scale[numbers], kind="stable")]
+        while numbers.size:
+            size = min(MOST, int(np.searchsorted(scale[numbers], SPREAD * scale[numbers[0]], side="right")))
+            yield numbers[:size]
+            numbers = numbers[size:]
 
 
 def _depth_of_substrate(
@@ -116,9 +116,9 @@ def _depth_of_substrate(
     """Depth [m], at least `least`, at which the kernel of the substrate nowhere exceeds twice the response; a hash."""
     k = np.geomspace(1e-12, 1.0, 97) / least
     nil = np.zeros_like(k)
-    own, waves = [OWN[base.traction][quantity]], (np.append(k, nil), np.append(nil, k))  # along x and along y
-    fields = response_at_depths(medium, quantity, own, base.traction, waves, depths, side)[0]
-    alone = base.wavenumber_response(quantity, own, *waves, least, medium.deep_material)[0]
-    small = np.append(k, k)[(np.abs(fields) < 0.5 * np.abs(alone)).any(axis=0)]
-    answer = sha256(fields.tobytes() + alone.tobytes()).digest()
-    return max(least, 1.0 / float(small.min(initial=np.inf))), answer
+    direct, waves = [OWN[base.traction][quantity]], (np.append(k, nil), np.append(nil, k))  # along x and along y
+    fields = response_at_depths(medium, quantity, direct, base.traction, waves, depths, side)[0]
+    substrate = base.wavenumber_response(quantity, direct, *waves, least, medium.deep_material)[0]
+    small = np.append(k, k)[(np.abs(fields) < 0.5 * np.abs(substrate)).any(axis=0)]
+    digest = sha256(fields.tobytes() + substrate.tobytes()).digest()
+    return max(least, 1.0 / float(small.min(initial=np.inf))), digest

@@ -40,7 +40,7 @@ ACROSS = ("t", "tz", "st")
 
 @dataclass(frozen=True)
 class Turning:
-    """How the parts of a field make up its components.
+    """Rule that builds the components of a field from its parts.
 
     Parameters
     ----------
@@ -117,10 +117,10 @@ def radial_functions(
     k : (n,) float64
         Wavenumbers [rad/m].
     """
-    parts = _parts(response, traction, quantity, k)
+    components = _plain_components(response, traction, quantity, k)
     functions, orders = [], []
     for order, shares in _turning(traction, quantity).radial:
-        total = sum(share * parts[name] for name, share in shares.items())
+        total = sum(share * components[name] for name, share in shares.items())
         functions.append(np.asarray(total * 1j**order).real)
         orders.append(order)
     return functions, orders
@@ -133,29 +133,29 @@ def turned(radial: FloatArray, traction: str, quantity: str, x: FloatArray) -> t
     """
     angle = np.arctan2(x[:, None], x[None, :])
     turning = _turning(traction, quantity)
-    found = []
+    lattices = []
     for name in NAMES[quantity]:
         total = 0.0
         for number, sign, wave in turning.series[SWAPPED[name] if traction == "q_y" else name]:
             order = turning.radial[number][0]
             total = total + radial[number] * (sign * (np.cos if wave == "cos" else np.sin)(order * angle))
         values = np.asarray(total) * (1.0 if name[0] == name[-1] else SQRT2)
-        found.append(np.swapaxes(values, 1, 2) if traction == "q_y" else values)
-    return np.array(found), [parity(name, DIRECTIONS[traction]) for name in NAMES[quantity]]
+        lattices.append(np.swapaxes(values, 1, 2) if traction == "q_y" else values)
+    return np.array(lattices), [parity(name, DIRECTIONS[traction]) for name in NAMES[quantity]]
 
 
-def _parts(response: AxisResponse, traction: str, quantity: str, k: FloatArray) -> dict[str, ComplexArray]:
+def _plain_components(response: AxisResponse, traction: str, quantity: str, k: FloatArray) -> dict[str, ComplexArray]:
     """Plain components in s, t, z for a unit traction along s (or z), and for one along t (none for a pressure)."""
     nil = np.zeros_like(k)
     waves = {"x": ((k, nil), ALONG_X), "y": ((nil, k), ALONG_Y)}
     in_plane, across = ("y", "x") if traction == "q_y" else ("x", "y")
-    parts = {}
-    for axis, wanted in ((in_plane, False), (across, True)):
+    components = {}
+    for axis, is_across in ((in_plane, False), (across, True)):
         wave, table = waves[axis]
-        names = [name for name in NAMES[quantity] if (table[name] in ACROSS) == wanted]
-        if wanted and traction == "p":
+        names = [name for name in NAMES[quantity] if (table[name] in ACROSS) == is_across]
+        if is_across and traction == "p":
             continue
         # Along y the axis t is -x: both the load q_x and the components that hold t once change sign.
         for name, values in zip(names, response(names, *wave), strict=True):
-            parts[table[name]] = values / (1.0 if name[0] == name[-1] else SQRT2)
-    return parts
+            components[table[name]] = values / (1.0 if name[0] == name[-1] else SQRT2)
+    return components

@@ -1,4 +1,4 @@
-"""What the coefficients of layered bodies ask of a medium and of the homogeneous kernels, whoever wrote these."""
+"""Interfaces of a medium and of homogeneous kernels for the coefficients of layered bodies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Side = Literal["above", "below"]
 
 
 class Medium(Protocol):
-    """Half-space whose constants depend on depth; `eigencontact.plugin.LayeredMedium` says what each name means."""
+    """Half-space with constants that depend on depth; `eigencontact.plugin.LayeredMedium` documents the names."""
 
     key: str
     surface_material: Material
@@ -77,5 +77,5 @@ def response_at_depths(
     """Response at depths ``(nz,)`` to waves (kx, ky), ``(len(components), nz, ...)``, with the ability or without."""
     if isinstance(medium, HasResponseAtDepths):
         return medium.response_at_depths(quantity, components, traction, *waves, depths, side=side)
-    each = [medium.response(quantity, components, traction, *waves, float(z), side=side) for z in depths]
-    return np.stack(each, axis=1)
+    responses = [medium.response(quantity, components, traction, *waves, float(z), side=side) for z in depths]
+    return np.stack(responses, axis=1)

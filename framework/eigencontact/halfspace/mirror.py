@@ -46,18 +46,18 @@ def integrated_chi(
     rows = [(flat.index((nx, ny, 0)), nz) for nx, ny, nz in orders]
     for count in np.unique(panels):
         nodes, weights = _rule(int(count))
-        chosen = np.flatnonzero(panels == count)
+        points = np.flatnonzero(panels == count)
         step = max(1, _BATCH // nodes.size)
-        for first in range(0, chosen.size, step):
-            part = chosen[first : first + step]
-            along = reach[part, None] * nodes
+        for first in range(0, points.size, step):
+            chunk = points[first : first + step]
+            along = reach[chunk, None] * nodes
             shape_of = along.shape
-            at = [np.broadcast_to(v[part, None], shape_of).ravel() for v in (x, y)]
-            values = shape.phi(flat, at[0], at[1], (-z[part, None] - along).ravel()).reshape(len(flat), *shape_of)
-            zeroth = np.einsum("kij,j,i->ki", values, weights, reach[part])
-            first_moment = np.einsum("kij,j,i->ki", values, weights * nodes, reach[part] ** 2)
+            at = [np.broadcast_to(v[chunk, None], shape_of).ravel() for v in (x, y)]
+            values = shape.phi(flat, at[0], at[1], (-z[chunk, None] - along).ravel()).reshape(len(flat), *shape_of)
+            zeroth = np.einsum("kij,j,i->ki", values, weights, reach[chunk])
+            first_moment = np.einsum("kij,j,i->ki", values, weights * nodes, reach[chunk] ** 2)
             for row, (source, nz) in enumerate(rows):
-                out[row, part] = -zeroth[source] if nz else first_moment[source]
+                out[row, chunk] = -zeroth[source] if nz else first_moment[source]
     return out
 
 

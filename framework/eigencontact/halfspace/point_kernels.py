@@ -106,11 +106,11 @@ class PointKernels:
         lower = _add(order, 1 - axis, -2)  # Chi,xx + Chi,yy = -Phi
         return -self.integral("phi", lower, axis) - self.derivative("chi", _add(lower, axis, 1))
 
-    def _across(self, axis: int, order: Order, known: tuple[int, Terms]) -> FloatArray:
+    def _across(self, axis: int, order: Order, differentiated: tuple[int, Terms]) -> FloatArray:
         """Derivative across `axis` of a function of s whose derivatives are sums of u^a v^b."""
-        others = [other for other in range(3) if other != axis]
-        first, terms = known
-        return self._combine(others, order, lambda m: self._sum(axis, _differentiated(terms, m - first)))
+        other_axes = [index for index in range(3) if index != axis]
+        first, terms = differentiated
+        return self._combine(other_axes, order, lambda m: self._sum(axis, _differentiated(terms, m - first)))
 
     def _combine(self, axes: Sequence[int], order: Order, derivative: Callable[[int], FloatArray]) -> FloatArray:
         """Rule at the top of the module for coordinates `axes`, given the derivatives by s."""
@@ -156,12 +156,12 @@ def source_derivatives(
     mirror = 1.0 if potential == "chi" else -1.0
     step = max(1, PAIRS // max(1, x.size))
     for first in range(0, len(sources.volumes), step):
-        part = slice(first, first + step)
-        px, py, pz = (values.reshape(-1, *[1] * x.ndim) for values in sources.positions[part].T)
+        chunk = slice(first, first + step)
+        px, py, pz = (values.reshape(-1, *[1] * x.ndim) for values in sources.positions[chunk].T)
         kernels = PointKernels(x - px, y - py, z + mirror * pz)
-        spread = sources.volumes[part] * sources.spreads[part] if potential == "psi" else np.zeros(1)
+        spread = sources.volumes[chunk] * sources.spreads[chunk] if potential == "psi" else np.zeros(1)
         for row, order in enumerate(orders):
-            out[row] += np.tensordot(sources.volumes[part], kernels.derivative(potential, order), 1)
+            out[row] += np.tensordot(sources.volumes[chunk], kernels.derivative(potential, order), 1)
             if spread.any():
                 out[row] += np.tensordot(spread, kernels.derivative("phi", order), 1)
     return out
@@ -171,14 +171,14 @@ class _Powers:
     """Powers 0, 1, 2, ... of an array, each computed when first used."""
 
     def __init__(self, base: FloatArray) -> None:
-        self._known = [np.ones_like(base), base]
+        self._powers = [np.ones_like(base), base]
 
     def __getitem__(self, exponent: int) -> FloatArray:
         if exponent < 0:
             return np.asarray(1.0 / self[-exponent])
-        while len(self._known) <= exponent:
-            self._known.append(self._known[-1] * self._known[1])
-        return self._known[exponent]
+        while len(self._powers) <= exponent:
+            self._powers.append(self._powers[-1] * self._powers[1])
+        return self._powers[exponent]
 
 
 def _add(order: Order, axis: int, times: int) -> Order:

@@ -85,8 +85,8 @@ def _fields(
     far = shape.far_field().levels[0] if isinstance(shape, HasFarField) else None  # the fewest: derivatives are dear
 
     def fill(first: int) -> None:
-        part = slice(first, first + _CHUNK)
-        out[:, part] = _evaluate(shape, far, forms, x[part], y[part], z[part])
+        chunk = slice(first, first + _CHUNK)
+        out[:, chunk] = _evaluate(shape, far, forms, x[chunk], y[chunk], z[chunk])
 
     in_parallel(threads or available_threads(), [partial(fill, first) for first in range(0, x.size, _CHUNK)])
     plane = np.flatnonzero(z == 0.0) if space == "full" else np.empty(0, dtype=int)
@@ -160,27 +160,27 @@ def kernel_values(
 ) -> FloatArray:
     """Derivatives of a shape's potentials and of its image's, ``(len(kernels), n)``."""
     out = np.empty((len(kernels), x.size))
-    for whose in ("real", "image", "inside"):
-        depth = -z if whose == "image" else z
-        away = _beyond(far, x, y, depth)
+    for origin in ("real", "image", "inside"):
+        depth = -z if origin == "image" else z
+        away = _in_far_field(far, x, y, depth)
         for mask, sources in ((~away, None), (away, far)):
             if not mask.any():
                 continue
-            every = bool(mask.all())
-            at = (x, y, depth) if every else (x[mask], y[mask], depth[mask])
+            everywhere = bool(mask.all())
+            at = (x, y, depth) if everywhere else (x[mask], y[mask], depth[mask])
             for name in ("psi", "phi", "chi", ""):
-                chosen = [row for row, kernel in enumerate(kernels) if kernel[:2] == (whose, name)]
-                if not chosen:
+                rows = [row for row, kernel in enumerate(kernels) if kernel[:2] == (origin, name)]
+                if not rows:
                     continue
-                values = _derivatives(shape, sources, (whose, name), [kernels[row][2] for row in chosen], at)
-                if every:
-                    out[chosen] = values
+                values = _derivatives(shape, sources, (origin, name), [kernels[row][2] for row in rows], at)
+                if everywhere:
+                    out[rows] = values
                 else:
-                    out[np.array(chosen)[:, None], np.flatnonzero(mask)] = values
+                    out[np.array(rows)[:, None], np.flatnonzero(mask)] = values
     return out
 
 
-def _beyond(far: PointSources | None, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+def _in_far_field(far: PointSources | None, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
     if far is None:
         return np.zeros(x.shape, dtype=bool)
     cx, cy, cz = far.center
@@ -190,14 +190,14 @@ def _beyond(far: PointSources | None, x: FloatArray, y: FloatArray, z: FloatArra
 def _derivatives(
     shape: HasPotentials,
     sources: PointSources | None,
-    which: tuple[str, str],
+    potential: tuple[str, str],
     orders: list[Order],
     at: tuple[FloatArray, FloatArray, FloatArray],
 ) -> FloatArray:
     """Derivatives of one potential; `at` is the mirrored point for the image."""
-    whose, name = which
+    origin, name = potential
     x, y, z = at
-    if whose == INSIDE[0]:
+    if origin == INSIDE[0]:
         if sources is not None:
             return np.zeros((1, x.size))
         trace = derivatives(shape, "phi", [(2, 0, 0), (0, 2, 0), (0, 0, 2)], x, y, z).sum(axis=0)
@@ -216,7 +216,7 @@ def _derivatives(
         values = source_derivatives(sources, name, orders, x, y, z)
     else:
         values = derivatives(shape, name, orders, x, y, z)
-    if whose == "image":
+    if origin == "image":
         signs = np.array([-1.0 if order[2] % 2 else 1.0 for order in orders])
         values = values * signs[:, None]
     return values

@@ -1,4 +1,4 @@
-"""What a shape offers: derivatives of its potentials. The half-space theorem needs nothing else of it.
+"""Interface of a shape: derivatives of its potentials. The half-space theorem needs nothing else.
 
 With R the distance between field point and source point, the potentials of a region are::
 
@@ -65,7 +65,7 @@ class HasPotentials(Protocol):
 
 @runtime_checkable
 class HasSidedPotentials(Protocol):
-    """Ability of a shape with potentials that may have a flat face in the surface: it is told the side that is meant.
+    """Ability of a shape with a flat face in the surface: potentials on a given side of this face.
 
     Points of the body see such a face from inside, their mirror points see it from above. Where a shape sets
     ``takes_side = True``, `phi` and `psi` are given that as `side`, an array of the shape of z: 1 where z = 0 is seen
@@ -154,7 +154,7 @@ class PointSources:
 
 @runtime_checkable
 class HasFarField(Protocol):
-    """Ability of a shape: point sources that replace it at a distance, where its closed form would cancel."""
+    """Ability of a shape: point sources that replace it at distances where its closed form cancels."""
 
     def far_field(self) -> PointSources:
         """Point sources, exact to round-off beyond their distance."""

@@ -31,9 +31,11 @@ Rule = tuple[FloatArray, FloatArray]
 _LATTICE = 6
 # Distance in radii of the target from which its few points do: what they miss is then below 0.4 % of a point source.
 _FAR = 4.0
-# Orders of the rules on a sphere (2 n² points): for a load that comes from near, and for a close neighbour, which they
-# take to 2 % and 0.03 % where the gap between two balls is 0.15 radii.
-_OF_LOAD, _OF_NEIGHBOUR = 5, 8
+# Order of the rule on a sphere (2 n² points) for a load that comes from near: an error of 2 % where the gap between two
+# balls is 0.15 radii.
+_OF_LOAD = 5
+# Order of the rule for a close neighbour: an error of 0.03 % at the same gap.
+_OF_NEIGHBOUR = 8
 
 
 class RegionMeans:
@@ -85,8 +87,8 @@ class RegionMeans:
         """Mean stress ``(6, n)``, in units of the shear modulus, by the Mandel eigenstrains ``(6, n)`` [-]."""
         out = np.zeros_like(eigenstrains)
         if self._far and len(self._shapes) > 1:
-            regions, chosen = list(self._far.values()), eigenstrains[:, list(self._far)].T
-            out += self._few.mean(self._summed(regions, chosen, self._few.points, threads=self._threads))
+            regions, strains = list(self._far.values()), eigenstrains[:, list(self._far)].T
+            out += self._few.mean(self._summed(regions, strains, self._few.points, threads=self._threads))
         targets, sources, matrices = self._pairs
         shares = np.einsum("pij,jp->ip", matrices, eigenstrains[:, sources])
         for component, values in enumerate(shares):
@@ -110,19 +112,19 @@ class RegionMeans:
         """Target, source and matrix of all that the sum over point sources leaves out or gets wrong."""
         count = len(self._shapes)
         self.own = np.zeros((count, 6, 6))
-        known: dict[Hashable, FloatArray] = {}
+        corrections: dict[Hashable, FloatArray] = {}
         targets, sources, matrices = [], [], []
         for source in range(count):
             near = self._near(source) if source in self._far else np.arange(count)
             points = np.concatenate([rules[target][0] for target in near]).T
             weights = [rules[target][1] for target in near]
-            fine = _means(self._fields(source, points, known), weights)
+            fine = _means(self._fields(source, points, corrections), weights)
             self.own[source] = fine[list(near).index(source)]
             if source in self._far and count > 1:
                 few = [slice(self._few.starts[target], self._few.starts[target + 1]) for target in near]
-                at = np.concatenate([self._few.points[:, part] for part in few], axis=1)
+                at = np.concatenate([self._few.points[:, region] for region in few], axis=1)
                 counted = np.array([self._summed([self._far[source]], unit[None], at) for unit in np.eye(6)])
-                fine -= _means(counted, [self._few.weights[part] for part in few])
+                fine -= _means(counted, [self._few.weights[region] for region in few])
             targets.append(near)
             sources.append(np.full(near.size, source))
             matrices.append(fine)
@@ -130,13 +132,13 @@ class RegionMeans:
 
     def _near(self, source: int) -> IntArray:
         """Regions that are close to one, or to its mirror image; itself too."""
-        found = np.zeros(len(self._shapes), dtype=bool)
+        is_near = np.zeros(len(self._shapes), dtype=bool)
         reach = np.maximum(_FAR * self._radii, self._far[source].distance + self._radii)
         for mirror in (1.0, -1.0)[: 2 if self._space == "half" else 1]:
             offsets = self._centers - self._centers[source] * (1.0, 1.0, mirror)
-            found |= np.einsum("ni,ni->n", offsets, offsets) < reach**2
-        found[source] = True
-        return np.flatnonzero(found)
+            is_near |= np.einsum("ni,ni->n", offsets, offsets) < reach**2
+        is_near[source] = True
+        return np.flatnonzero(is_near)
 
     def _sums(self, source: int, points: FloatArray, space: str) -> FloatArray:
         """Stress ``(6 eigenstrains, 6, points)`` of the point sources of a region."""
@@ -148,7 +150,7 @@ class RegionMeans:
         x, y, z = points
         return unit_fields_at_points(self._shapes[source], (x, y, z), space=space, threads=1, **self._given)
 
-    def _fields(self, source: int, points: FloatArray, known: dict[Hashable, FloatArray]) -> FloatArray:
+    def _fields(self, source: int, points: FloatArray, corrections: dict[Hashable, FloatArray]) -> FloatArray:
         """Stress ``(6 eigenstrains, 6, points)`` of a region."""
         if source not in self._far:
             return self._exact(source, points, self._space)
@@ -161,9 +163,11 @@ class RegionMeans:
         # In full space stress does not depend on the size: all balls share one matrix, and so do equal shapes.
         rounded = np.round(offsets[close] / (1e-12 * far.distance))
         key = ("ball" if _is_ball(far) else _likeness(self._shapes[source]), rounded.tobytes())
-        if key not in known:
-            known[key] = self._exact(source, points[:, close], "full") - self._sums(source, points[:, close], "full")
-        out[:, :, close] += known[key]
+        if key not in corrections:
+            corrections[key] = self._exact(source, points[:, close], "full") - self._sums(
+                source, points[:, close], "full"
+            )
+        out[:, :, close] += corrections[key]
         if self._space == "half":
             offsets = points.T - far.center * (1.0, 1.0, -1.0)
             close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
@@ -202,7 +206,7 @@ class _Rules:
 
 def _means(fields: FloatArray, weights: Sequence[FloatArray]) -> FloatArray:
     """Matrices ``(targets, 6, 6)`` from stress ``(6 eigenstrains, 6, points)``."""
-    starts = np.cumsum([0, *(part.size for part in weights[:-1])])
+    starts = np.cumsum([0, *(weights_of_region.size for weights_of_region in weights[:-1])])
     means = np.add.reduceat(fields * np.concatenate(weights), starts, axis=2)
     return np.asarray(means.transpose(2, 1, 0))
 
@@ -262,8 +266,8 @@ def _shells(order: int, count: int) -> Rule:
 
 def _lattice(shape: HasPotentials) -> Rule:
     low, high = (np.array(corner, dtype=float) for corner in shape.bounds)
-    parts = (np.arange(_LATTICE) + 0.5) / _LATTICE
-    grid = np.array(np.meshgrid(parts, parts, parts)).reshape(3, -1)
+    fractions = (np.arange(_LATTICE) + 0.5) / _LATTICE
+    grid = np.array(np.meshgrid(fractions, fractions, fractions)).reshape(3, -1)
     x, y, z = low[:, None] + grid * (high - low)[:, None]
     inside = shape.phi([(2, 0, 0), (0, 2, 0), (0, 0, 2)], x, y, z).sum(axis=0) < -2.0 * np.pi
     rule = f"thick enough to hold one of {_LATTICE} x {_LATTICE} x {_LATTICE} points in its bounds"

@@ -101,7 +101,7 @@ class VoxelisedShape:
         return self._sum("chi", orders, x, y, z)
 
     def far_field(self) -> PointSources:
-        """Points over which polynomials integrate as over the cells; what they leave out is below 1e-10."""
+        """Points and weights with the integrals of polynomials over the cells; the error is below 1e-10."""
         return self._far
 
     @cached_property
@@ -138,14 +138,14 @@ class VoxelisedShape:
         """Derivatives at some points, in units of the cells."""
         pairs = [self._pairs(point, image=name == "chi") for point in points.T]
         starts = np.cumsum([0, *(weights.size for *_, weights in pairs[:-1])])
-        offsets, even, odd, weights = (np.concatenate(parts, axis=-1) for parts in zip(*pairs, strict=True))
+        offsets, even, odd, weights = (np.concatenate(arrays, axis=-1) for arrays in zip(*pairs, strict=True))
         values = self._corner(name, orders, *np.abs(offsets))
-        known: dict[tuple[int, ...], FloatArray] = {}
+        weights_of: dict[tuple[int, ...], FloatArray] = {}
         for row, order in enumerate(orders):
             parity = tuple(n % 2 for n in order)
-            if parity not in known:
-                known[parity] = weights * np.prod([(even, odd)[n][axis] for axis, n in enumerate(parity)], axis=0)
-            values[row] *= known[parity]
+            if parity not in weights_of:
+                weights_of[parity] = weights * np.prod([(even, odd)[n][axis] for axis, n in enumerate(parity)], axis=0)
+            values[row] *= weights_of[parity]
         return np.asarray(np.add.reduceat(values, starts, axis=1))
 
     def _pairs(self, point: FloatArray, *, image: bool) -> tuple[FloatArray, ...]:
@@ -171,8 +171,8 @@ class VoxelisedShape:
             even[2] = 1.0
         stop = self._weights.size
         for axis, section_nodes in enumerate(nodes[1:]):
-            part = slice(stop, stop := stop + section_nodes.shape[1])
-            offset[axis, part], even[axis, part], odd[axis, part] = 0.0, 1.0, 0.0
+            nodes_of_section = slice(stop, stop := stop + section_nodes.shape[1])
+            offset[axis, nodes_of_section], even[axis, nodes_of_section], odd[axis, nodes_of_section] = 0.0, 1.0, 0.0
         total = np.concatenate(weights)
         return offset, even, odd, -total if image else total
 
@@ -188,7 +188,7 @@ class VoxelisedShape:
         key = axis, above, below
         if key not in self._sections:
             padded = np.concatenate([self._along, np.zeros_like(self._along.take([0], axis))], axis)
-            across = tuple(other for other in range(3) if other != axis)
+            across = tuple(across_axis for across_axis in range(3) if across_axis != axis)
             fractions = -(padded.take([above], axis) + padded.take([below], axis))
             self._sections[key] = self._weighted_nodes(fractions, across)
         return self._sections[key]
@@ -198,8 +198,8 @@ class VoxelisedShape:
         for axis in axes:
             edge = np.zeros_like(fractions.take([0], axis))
             fractions = np.diff(fractions, axis=axis, prepend=edge, append=edge)
-        found = np.argwhere(fractions)
-        return self._low[:, None] + found.T * self._pitch[:, None], fractions[tuple(found.T)]
+        nodes = np.argwhere(fractions)
+        return self._low[:, None] + nodes.T * self._pitch[:, None], fractions[tuple(nodes.T)]
 
 
 def _interpolation(low: float, edge: float, count: int, distance: float) -> tuple[FloatArray, FloatArray]:

@@ -14,12 +14,15 @@ __all__ = ["Point", "Region", "Voxels", "volume_fractions", "voxels_across"]
 
 FloatArray = NDArray[np.float64]
 
-_COARSE, _FINE = 3, 10  # samples per cell and axis: everywhere, and in cells that the boundary cuts
+# Samples per cell and axis in all cells.
+_COARSE = 3
+# Samples per cell and axis in cells that the boundary cuts.
+_FINE = 10
 _BATCH = 2_000_000
 
 
 class Region(Protocol):
-    """What is asked of a shape."""
+    """Interface of a shape."""
 
     @property
     def bounds(self) -> tuple[Point, Point]:
@@ -70,19 +73,19 @@ def volume_fractions(region: Region, voxels: Voxels) -> FloatArray:
     SceneError
         ``contains`` or ``volume_fractions`` answers with the wrong shape, type or values.
     """
-    given = _given(region, voxels)
-    return _sampled_twice(region, voxels) if given is None else given
+    fractions = _fractions_of_region(region, voxels)
+    return _sampled_twice(region, voxels) if fractions is None else fractions
 
 
-def _given(region: Region, voxels: Voxels) -> FloatArray | None:
+def _fractions_of_region(region: Region, voxels: Voxels) -> FloatArray | None:
     """Fractions that a region knows itself."""
     if not isinstance(region, HasVolumeFractions):
         return None
     (x, y, z), (dx, dy, dz) = voxels.low.tolist(), voxels.edges.tolist()
-    answer = region.volume_fractions((x, y, z), (dx, dy, dz), voxels.shape)
-    if answer is None:
+    returned = region.volume_fractions((x, y, z), (dx, dy, dz), voxels.shape)
+    if returned is None:
         return None
-    fractions = np.array(answer, dtype=float)
+    fractions = np.array(returned, dtype=float)
     where, rule = _name(region), f"of shape {voxels.shape}, in 0 to 1"
     require(fractions.shape == voxels.shape, where, "volume_fractions", f"shape {fractions.shape}", rule)
     wrong = ~((fractions >= 0) & (fractions <= 1))
@@ -115,7 +118,7 @@ def _sampled(region: Region, voxels: Voxels, count: int) -> FloatArray:
     planes = max(1, _BATCH // (nx * ny * count**3))
     for first in range(0, nz, planes):
         z = axes[2][first * count : (first + planes) * count]
-        inside = _asked(region, axes[0][None, None, :], axes[1][None, :, None], z[:, None, None])
+        inside = _contained(region, axes[0][None, None, :], axes[1][None, :, None], z[:, None, None])
         blocks = inside.reshape(-1, count, ny, count, nx, count)
         out[first : first + planes] = blocks.mean(axis=(1, 3, 5))
     return out
@@ -126,24 +129,24 @@ def _sampled_cells(region: Region, voxels: Voxels, cells: NDArray[np.intp], coun
     out = np.empty(len(cells))
     step = max(1, _BATCH // count**3)
     for first in range(0, len(cells), step):
-        part = cells[first : first + step]
+        chunk = cells[first : first + step]
         at = [
-            (voxels.low[axis] + (part[:, 2 - axis, None] + inner) * voxels.edges[axis]).reshape(
-                len(part), *(count if other == 2 - axis else 1 for other in range(3))
+            (voxels.low[axis] + (chunk[:, 2 - axis, None] + inner) * voxels.edges[axis]).reshape(
+                len(chunk), *(count if along == 2 - axis else 1 for along in range(3))
             )
             for axis in range(3)
         ]
-        out[first : first + step] = _asked(region, *at).mean(axis=(1, 2, 3))
+        out[first : first + step] = _contained(region, *at).mean(axis=(1, 2, 3))
     return out
 
 
-def _asked(region: Region, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+def _contained(region: Region, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
     inside = np.asarray(region.contains(x, y, z))
-    wanted = np.broadcast_shapes(x.shape, y.shape, z.shape)
-    if inside.dtype != np.bool_ or inside.shape != wanted:
+    shape = np.broadcast_shapes(x.shape, y.shape, z.shape)
+    if inside.dtype != np.bool_ or inside.shape != shape:
         raise SceneError(
             f"{_name(region)}.contains must return booleans of the broadcast shape "
-            f"{wanted} (got {inside.dtype} of shape {inside.shape})"
+            f"{shape} (got {inside.dtype} of shape {inside.shape})"
         )
     return inside
 

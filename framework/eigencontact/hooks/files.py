@@ -75,7 +75,7 @@ def with_files(registry: Registry, files: Iterable[Path]) -> Registry:
 
 
 def _refuse_bundled(registry: Registry, path: Path, kind: str, key: str) -> None:
-    if any(other.bundled and other.kind == kind for other in registry.named(key)):
+    if any(entry.bundled and entry.kind == kind for entry in registry.named(key)):
         raise PluginError(f"plugin file {path.name} must register keys of its own (got {kind} {key!r}, a bundled one)")
 
 
@@ -90,8 +90,10 @@ def _text(path: Path) -> str:
         return sent
     if path.suffix != ".py" or not path.is_file():
         beside = [item.name for item in path.parent.glob("*.py")] if path.parent.is_dir() else []
-        found = "no Python file" if path.exists() else "no such file"
-        raise PluginError(f"plugin file must be a Python file (got {str(path)!r}, {found}){nearest(path.name, beside)}")
+        reason = "no Python file" if path.exists() else "no such file"
+        raise PluginError(
+            f"plugin file must be a Python file (got {str(path)!r}, {reason}){nearest(path.name, beside)}"
+        )
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, ValueError) as problem:
@@ -123,13 +125,13 @@ def _run(path: Path, text: str) -> ModuleType:
 
 
 def _broken(path: Path, problem: BaseException) -> str:
-    """What is wrong with a file, and in which line of it."""
+    """Fault of a file as text, with its line."""
     lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == str(path)]
     line = problem.lineno if isinstance(problem, SyntaxError) else lines[-1] if lines else None
-    words = " ".join((problem.msg if isinstance(problem, SyntaxError) else str(problem)).split())
+    message = " ".join((problem.msg if isinstance(problem, SyntaxError) else str(problem)).split())
     where = "" if line is None else f", line {line}"
     kind = "" if isinstance(problem, PluginError) else f"{type(problem).__name__}: "
     hint = ""
     if isinstance(problem, ModuleNotFoundError) and (path.parent / f"{problem.name}.py").is_file():
         hint = "; a plugin file stands alone: several files make a package, see `eigencontact new-plugin`"
-    return f"plugin file {path.name}{where} is broken: {kind}{words or '(no message)'}{hint}"
+    return f"plugin file {path.name}{where} is broken: {kind}{message or '(no message)'}{hint}"

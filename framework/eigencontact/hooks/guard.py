@@ -72,8 +72,8 @@ def guard_methods(cls: type) -> None:
 
     Methods of a base class that is no plugin, a mixin of the author, count too.
     """
-    written = [base for base in cls.__mro__ if base.__module__.partition(".")[0] not in _BASES]
-    for name in dict.fromkeys(name for base in written for name in vars(base) if not name.startswith("_")):
+    bases = [base for base in cls.__mro__ if base.__module__.partition(".")[0] not in _BASES]
+    for name in dict.fromkeys(name for base in bases for name in vars(base) if not name.startswith("_")):
         value = inspect.getattr_static(cls, name)
         if isinstance(value, FunctionType):
             setattr(cls, name, _guarded(cls, value))
@@ -92,13 +92,13 @@ def _guarded(cls: Any, function: Any) -> Any:
     import numpy as np  # the command line imports this module for its help
 
     @wraps(function)
-    def call(*arguments: Any, **named: Any) -> Any:
+    def call(*arguments: Any, **keywords: Any) -> Any:
         owner = next(item for item in (*arguments[:1], cls) if hasattr(item, "kind"))
         with plugin_code(lambda problem: _failure(owner, function, problem)):
-            answer = function(*arguments, **named)
-        if np.ma.is_masked(answer):  # NumPy would use the values under the mask
-            raise PluginError(f"{_words(owner, function)} must return no masked values (got {answer.mask.sum()})")
-        return answer
+            result = function(*arguments, **keywords)
+        if np.ma.is_masked(result):  # NumPy would use the values under the mask
+            raise PluginError(f"{_name_of(owner, function)} must return no masked values (got {result.mask.sum()})")
+        return result
 
     setattr(call, _MARK, True)
     return call
@@ -109,10 +109,10 @@ def _failure(owner: Any, function: Any, problem: BaseException) -> str:
     file = getattr(getattr(function, "__code__", None), "co_filename", "")
     lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == file]
     place = f", line {lines[-1]} of {Path(file).name}" if lines else ""
-    return f"{_words(owner, function)} must return without an exception (got {reason_of(problem)}{place})"
+    return f"{_name_of(owner, function)} must return without an exception (got {reason_of(problem)}{place})"
 
 
-def _words(owner: Any, function: Any) -> str:
+def _name_of(owner: Any, function: Any) -> str:
     name = getattr(function, "__name__", "a method")
     return f"{name} of {owner.kind.replace('-', ' ')} {getattr(owner, 'key', '')!r}"
 

@@ -1,4 +1,4 @@
-"""What a plugin package implements: one hook, called once per process, when the registry is filled.
+"""Hook of a plugin package, called once per process when the registry is filled.
 
 Order never matters: the registry sorts by key. The hook returns classes, not instances.
 """

@@ -38,12 +38,12 @@ def load_plugins(
     """
     registry, manager = Registry(kinds), _manager()
     points = entry_points(group=hookspecs.NAMESPACE) if discovered is None else discovered
-    named = cache(_named)  # each question to a distribution reads its metadata again
+    name_and_version = cache(_name_and_version)  # each question to a distribution reads its metadata again
     for point in sorted(points, key=lambda point: (point.name, point.value)):
         package, version = point.value, ""
         try:
             if point.dist:
-                package, version = named(point.dist)
+                package, version = name_and_version(point.dist)
             with plugin_code(reason_of, passing=()):
                 _register(registry, manager, point.load(), package, version)
         except PluginError as problem:
@@ -77,10 +77,10 @@ def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, pa
     manager.register(module)
     try:
         manager.check_pending()
-        found = _classes(manager, module)
+        classes = _classes(manager, module)
         trial = registry.copy()
         for register_in in (trial, registry):
-            for component in found:
+            for component in classes:
                 register_in.add(component, package=package, version=version)
     except BaseException:
         manager.unregister(module)
@@ -89,18 +89,18 @@ def _register(registry: Registry, manager: pluggy.PluginManager, module: Any, pa
 
 def _classes(manager: pluggy.PluginManager, module: Any) -> list[type]:
     """Classes that the hook of a module returns."""
-    found = [
+    classes = [
         component
         for implementation in getattr(manager.hook, hookspecs.HOOK).get_hookimpls()
         if implementation.plugin is module
         for component in implementation.function()
     ]
-    if not found:
+    if not classes:
         raise PluginError(f"it registers nothing: implement {hookspecs.HOOK} and return its classes")
-    return found
+    return classes
 
 
-def _named(dist: Distribution) -> tuple[str, str]:
+def _name_and_version(dist: Distribution) -> tuple[str, str]:
     """Name and version of an installed package."""
     metadata = dist.metadata
     return metadata["Name"], metadata["Version"]

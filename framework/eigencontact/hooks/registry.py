@@ -1,4 +1,4 @@
-"""The registry: which component classes are installed, from which package, and what failed to load."""
+"""Registry of the installed component classes, their packages, and plugins that failed to load."""
 
 from __future__ import annotations
 
@@ -103,9 +103,9 @@ class Registry:
                 "import what they name outside TYPE_CHECKING"
             ) from problem
         place = str(kind), key, _normal(package)
-        known = self._entries.get(place)
-        if known is not None and known.component is not component:
-            raise PluginError(f"{kind} {key!r} is already registered by {known.origin}; choose another key")
+        registered = self._entries.get(place)
+        if registered is not None and registered.component is not component:
+            raise PluginError(f"{kind} {key!r} is already registered by {registered.origin}; choose another key")
         self._entries[place] = Entry(str(kind), key, component, package, version)
 
     def copy(self) -> Registry:
@@ -132,16 +132,16 @@ class Registry:
             Names what is installed, the nearest key, and any broken plugin that may have been meant; or the packages
             that share a key.
         """
-        found = [entry for entry in self.named(key) if entry.kind == kind]
-        found = [entry for entry in found if entry.bundled] or found
+        entries = [entry for entry in self.named(key) if entry.kind == kind]
+        entries = [entry for entry in entries if entry.bundled] or entries
         prefix = f"{where}: " if where else ""
-        if len(found) > 1:
-            owners = " and ".join(entry.origin for entry in found)
-            choices = " or ".join(repr(entry.full_key) for entry in found)
+        if len(entries) > 1:
+            owners = " and ".join(entry.origin for entry in entries)
+            choices = " or ".join(repr(entry.full_key) for entry in entries)
             raise PluginError(f"{prefix}{kind} {key!r} must be of one package (got {owners}); say {choices}")
-        if not found:
+        if not entries:
             raise PluginError(f"{prefix}{self.unknown(key, kind)}")
-        return found[0]
+        return entries[0]
 
     def named(self, key: str) -> list[Entry]:
         """Entries of any kind and package with this key; of one package for ``package:key``."""
@@ -157,16 +157,16 @@ class Registry:
         PluginError
             Neither is installed.
         """
-        found = [entry for entry in self if entry.component is type(component)]
-        return found[0] if found else self.get(component.kind, component.key)
+        entries = [entry for entry in self if entry.component is type(component)]
+        return entries[0] if entries else self.get(component.kind, component.key)
 
     def spelling(self, entry: Entry) -> str:
-        """What a scene writes as ``type``: the plain key where it means this entry, else ``package:key``."""
-        rivals = [other for other in self.named(entry.key) if other.kind == entry.kind]
+        """Value of ``type`` in a scene: the plain key where it is unambiguous, else ``package:key``."""
+        rivals = [candidate for candidate in self.named(entry.key) if candidate.kind == entry.kind]
         return entry.key if len(rivals) == 1 or entry.bundled else entry.full_key
 
     def unknown(self, key: str, kind: str | None = None) -> str:
-        """Words of a refusal: what is installed, the nearest key, and broken plugins that may have been meant."""
+        """Message of a refusal: installed keys, the nearest key, and broken plugins of a similar name."""
         entries = list(self) if kind is None else self.of_kind(kind)
         names = sorted({self.spelling(entry) for entry in entries})
         message = f"unknown {kind or 'plugin'} {key!r}; installed: {', '.join(map(repr, names)) or 'none'}"

@@ -66,9 +66,9 @@ def plot(
     from eigencontact.errors import EigencontactError
 
     try:
-        one = field is not None or (region is not None and "=" not in region)
+        single = field is not None or (region is not None and "=" not in region)
         options = {"component": component, "zoom": zoom, "cmap": cmap}
-        if one:
+        if single:
             from eigencontact.pictures.plot import draw_chosen
 
             _refuse({"--animation": animation or mp4}, "all pictures, without --field and without the name of a region")
@@ -79,7 +79,7 @@ def plot(
             from eigencontact import afterwards
             from eigencontact.pictures.plot import dpi_of, format_of
 
-            _refuse({f"--{name}": given for name, given in options.items()}, "--field, or the name of a region")
+            _refuse({f"--{name}": value for name, value in options.items()}, "--field, or the name of a region")
             files = afterwards.draw(
                 results,
                 output,
@@ -102,9 +102,9 @@ def plot(
 
 
 def _refuse(options: dict[str, object], rule: str) -> None:
-    """Refuse options that were given without those that they go with."""
+    """Refuse options without the option that they require."""
     from eigencontact.errors import SceneError
 
-    for name, given in options.items():
-        if given:
+    for name, value in options.items():
+        if value:
             raise SceneError(f"{name} must be given with {rule} (got it alone)")

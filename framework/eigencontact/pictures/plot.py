@@ -85,7 +85,7 @@ def plot(
     look = look_of(style)
     options = {"component": component, "region": region, "zoom": zoom, "cmap": cmap}
     with _opened(results) as dataset, figure_look(look), shown_figures():
-        figure = _chosen(dataset, field, step, options).figure
+        figure = _picture_of(dataset, field, step, options).figure
         finish(figure)
     axes: Axes = figure.axes[0]
     return axes
@@ -131,22 +131,22 @@ def draw_chosen(
 
     look, source = look_of(style), results_file(results)
     ending = output.suffix.lower().removeprefix(".") if output is not None else ""
-    named = ending in FORMATS
-    kind = format_of(kind, ending if named else None)
-    found: Any = results
+    has_format = ending in FORMATS
+    kind = format_of(kind, ending if has_format else None)
+    dataset_or_path: Any = results
     if region is not None and "=" in region:
-        found, region, step = new_region(results, region, step=step), None, None
-        region = next(iter(_regions(found)))
-    with _opened(found) as dataset, figure_look(look):
-        chosen = _chosen(dataset, field, step, {"region": region, **options})
+        dataset_or_path, region, step = new_region(results, region, step=step), None, None
+        region = next(iter(_regions(dataset_or_path)))
+    with _opened(dataset_or_path) as dataset, figure_look(look):
+        picture = _picture_of(dataset, field, step, {"region": region, **options})
         number = int(dataset["step"][-1]) if step is None else step
         after = f"-step-{number}" if dataset.sizes["step"] > 1 and step is not None else ""
         folder = output or source.parent
-        file = output if named and output is not None else folder / f"{chosen.name}{after}.{kind}"
+        file = output if has_format and output is not None else folder / f"{picture.name}{after}.{kind}"
         refuse_foreign_file(file)
         writable_folder(file.parent)
-        save(chosen.figure, file, dpi_of(dpi))
-    return {file: chosen.sentence}
+        save(picture.figure, file, dpi_of(dpi))
+    return {file: picture.sentence}
 
 
 def format_of(kind: str | None, ending: str | None = None) -> str:
@@ -157,9 +157,9 @@ def format_of(kind: str | None, ending: str | None = None) -> str:
     SceneError
         An unknown one, with the nearest.
     """
-    known = ", ".join(map(repr, FORMATS))
+    formats = ", ".join(map(repr, FORMATS))
     if kind is not None and kind not in FORMATS:
-        raise SceneError(f"format must be one of {known} (got {shown(kind)}){nearest(str(kind), FORMATS)}")
+        raise SceneError(f"format must be one of {formats} (got {shown(kind)}){nearest(str(kind), FORMATS)}")
     if kind and ending and kind != ending:
         raise SceneError(f"format must be that of the file, {ending!r} (got {kind!r}); leave it out")
     return kind or ending or FORMATS[0]
@@ -196,7 +196,7 @@ def _opened(results: Any) -> Iterator[Results]:
     yield dataset
 
 
-def _chosen(dataset: Results, field: str | None, step: int | None, options: dict[str, Any]) -> Chosen:
+def _picture_of(dataset: Results, field: str | None, step: int | None, options: dict[str, Any]) -> Chosen:
     from eigencontact.afterwards import place_of
     from eigencontact.viz.chosen import chosen_picture
 
@@ -206,5 +206,5 @@ def _chosen(dataset: Results, field: str | None, step: int | None, options: dict
 def _regions(dataset: Any) -> dict[str, Any]:
     import json
 
-    found: dict[str, Any] = json.loads(dataset.attrs["regions"])
-    return found
+    regions: dict[str, Any] = json.loads(dataset.attrs["regions"])
+    return regions

@@ -21,7 +21,7 @@ DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeEr
 
 @contextmanager
 def of_this_version(file: Path, damage: tuple[type[Exception], ...] = DAMAGE) -> Iterator[None]:
-    """Run code that takes the contents of a results file for granted; what is damaged or missing is one clear error.
+    """Run code that relies on the contents of a results file; damage raises one clear error.
 
     Parameters
     ----------
@@ -54,10 +54,10 @@ class Sink:
         """Write all of `data`; after a failure, nothing more."""
         view = memoryview(data)
         view = view.cast("B") if view.nbytes else view
-        done = 0
+        written_bytes = 0
         try:
-            while self.error is None and done < len(view):
-                done += self._raw.write(view[done:])
+            while self.error is None and written_bytes < len(view):
+                written_bytes += self._raw.write(view[written_bytes:])
         except BaseException as error:  # noqa: BLE001 - an interrupt in here must not reach HDF5 either
             self.error = error
         return len(view)
@@ -92,7 +92,7 @@ class Sink:
             raise self.error
 
     def flush(self) -> None:
-        """Nothing to do: writes are not buffered."""
+        """Do nothing: writes are not buffered."""
 
 
 def open_hdf5(file: Path | Sink, mode: str) -> Any:

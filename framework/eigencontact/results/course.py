@@ -15,12 +15,20 @@ __all__ = ["course_table", "driven_motions"]
 
 FloatArray = NDArray[np.float64]
 
-#: Rows of a table of many steps at least, and of any at most.
-_FEW, _MANY = 6, 12
-#: A load below this part of the largest of its kind is a by-product; so is a load by this part of the normal one.
-_BY_PRODUCT, _NOTHING = 1e-3, 1e-6
-#: Width of the table and what stands before and between its columns.
-_WIDTH, _INDENT, _GAP = 80, 2, "  "
+#: Fewest rows of a table of many steps.
+_FEW = 6
+#: Most rows of a table.
+_MANY = 12
+#: A load below this part of the largest of its kind is a by-product.
+_BY_PRODUCT = 1e-3
+#: A load below this part of the normal load is a by-product.
+_NOTHING = 1e-6
+#: Width of the table [letters].
+_WIDTH = 80
+#: Spaces before the table.
+_INDENT = 2
+#: Text between columns.
+_GAP = "  "
 #: A value below this part of the largest of its column is round-off.
 _ROUND_OFF = 1e-9
 #: By motion: headings of displacement and force, and their units.
@@ -33,7 +41,7 @@ _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n", -12: "p",
 
 
 def driven_motions(history: Mapping[str, FloatArray]) -> list[str]:
-    """Which of ``x``, ``y`` and ``twist`` a history with friction loads; by-products of the others do not count.
+    """Driven motions among ``x``, ``y`` and ``twist`` of a history with friction, without by-products of other loads.
 
     Parameters
     ----------
@@ -51,17 +59,17 @@ def driven_motions(history: Mapping[str, FloatArray]) -> list[str]:
         return float(np.nanmax(np.abs(history[name]), initial=0.0)) if name in history else 0.0
 
     modes = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
-    found = []
+    motions = []
     for motion, mode in modes.items():
         alike = [mode] if motion == "twist" else [modes["x"], modes["y"]]
         arm = largest("contact_radius") if motion == "twist" else 1.0
         leads = all(
-            largest(getattr(mode, side)) > _BY_PRODUCT * max(largest(getattr(one, side)) for one in alike)
+            largest(getattr(mode, side)) > _BY_PRODUCT * max(largest(getattr(rival, side)) for rival in alike)
             for side in ("force", "displacement")
         )
         if leads and largest(mode.force) > _NOTHING * largest("normal_load") * arm:
-            found.append(motion)
-    return found
+            motions.append(motion)
+    return motions
 
 
 def course_table(history: Sequence[Mapping[str, Any]]) -> str:
@@ -97,24 +105,24 @@ def course_table(history: Sequence[Mapping[str, Any]]) -> str:
     motions = driven_motions(columns)
     rows, cut = _rows(columns, motions)
     steps = ["step", "", *(f"{columns['step'][row]:.0f}" for row in rows)]
-    texts = [_texts(heading, unit, values, rows) for heading, unit, values in _shown(columns, motions)]
+    texts = [_texts(heading, unit, values, rows) for heading, unit, values in _table_columns(columns, motions)]
     if cut:
         for column in (steps, *texts):
             column.insert(2 + len(rows) // 2, "..." if column is steps else "")
-    return "\n\n".join(_side_by_side([steps, *part]) for part in _narrow(steps, texts))
+    return "\n\n".join(_side_by_side([steps, *group]) for group in _narrow(steps, texts))
 
 
 def _narrow(steps: list[str], texts: list[list[str]]) -> Iterator[list[list[str]]]:
     """Columns in groups that fit into the width, each beside the numbers of the steps."""
-    part, width = list[list[str]](), 0
+    group, width = list[list[str]](), 0
     for column in texts:
-        own = len(_GAP) + max(map(len, column))
-        if part and _INDENT + len(max(steps, key=len)) + width + own > _WIDTH:
-            yield part
-            part, width = [], 0
-        part.append(column)
-        width += own
-    yield part
+        column_width = len(_GAP) + max(map(len, column))
+        if group and _INDENT + len(max(steps, key=len)) + width + column_width > _WIDTH:
+            yield group
+            group, width = [], 0
+        group.append(column)
+        width += column_width
+    yield group
 
 
 def _side_by_side(texts: list[list[str]]) -> str:
@@ -130,30 +138,30 @@ def _number(value: Any) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _shown(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> list[tuple[str, str, FloatArray]]:
+def _table_columns(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> list[tuple[str, str, FloatArray]]:
     """Heading, unit and values of each column."""
-    wanted = [("load", "N", "normal_load")]
+    choice = [("load", "N", "normal_load")]
     if "slip_fraction" in columns:
         modes = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
         for motion in motions:
             way, way_unit, force, force_unit = _MOTIONS[motion]
-            wanted += [(way, way_unit, modes[motion].displacement), (force, force_unit, modes[motion].force)]
+            choice += [(way, way_unit, modes[motion].displacement), (force, force_unit, modes[motion].force)]
         if not motions:
-            wanted.append(("radius", "m", "contact_radius"))
+            choice.append(("radius", "m", "contact_radius"))
     else:
-        wanted += [("approach", "m", "approach"), ("radius", "m", "contact_radius"), ("pressure", "Pa", "max_pressure")]
-    found = [(heading, unit, columns[name]) for heading, unit, name in wanted if name in columns]
+        choice += [("approach", "m", "approach"), ("radius", "m", "contact_radius"), ("pressure", "Pa", "max_pressure")]
+    columns_of_table = [(heading, unit, columns[name]) for heading, unit, name in choice if name in columns]
     if "slip_fraction" in columns:
         touches = columns["normal_load"] > 0.0
-        found.append(("stick", "%", np.where(touches, 100.0 * (1.0 - columns["slip_fraction"]), np.nan)))
+        columns_of_table.append(("stick", "%", np.where(touches, 100.0 * (1.0 - columns["slip_fraction"]), np.nan)))
         work = friction_work(columns)
         assert work is not None
-        found.append(("work", "J", work))
+        columns_of_table.append(("work", "J", work))
     if "max_worn_depth" in columns:
-        found.append(("worn", "m", columns["max_worn_depth"]))
+        columns_of_table.append(("worn", "m", columns["max_worn_depth"]))
     if "cycles" in columns and np.nanmax(columns["cycles"], initial=0.0) > 1.0:
-        found.insert(0, ("cycle", "", columns["cycles"]))
-    return found
+        columns_of_table.insert(0, ("cycle", "", columns["cycles"]))
+    return columns_of_table
 
 
 def _rows(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> tuple[list[int], bool]:
@@ -164,29 +172,29 @@ def _rows(columns: Mapping[str, FloatArray], motions: Sequence[str]) -> tuple[li
     count = len(columns["step"])
     if count <= _MANY:
         return list(range(count)), False
-    kept = {0, count - 1}
+    positions = {0, count - 1}
     if "time" in columns:
-        kept |= set(np.flatnonzero(np.abs(columns["time"] - np.round(columns["time"])) < _ROUND_OFF).tolist())
+        positions |= set(np.flatnonzero(np.abs(columns["time"] - np.round(columns["time"])) < _ROUND_OFF).tolist())
     modes = dict(zip(_MOTIONS, TANGENTIAL_MODES, strict=True))
     for name in ("normal_load", *(modes[motion].displacement for motion in motions)):
         moves = np.diff(columns[name])
         moves[np.abs(moves) < _ROUND_OFF * np.nanmax(np.abs(columns[name]), initial=0.0)] = 0.0
-        kept |= set((np.flatnonzero(moves[1:] * moves[:-1] < 0.0) + 1).tolist())
-    if len(kept) < _FEW:
-        kept |= set(np.round(np.linspace(0, count - 1, _FEW)).astype(int).tolist())
-    rows = sorted(kept)
+        positions |= set((np.flatnonzero(moves[1:] * moves[:-1] < 0.0) + 1).tolist())
+    if len(positions) < _FEW:
+        positions |= set(np.round(np.linspace(0, count - 1, _FEW)).astype(int).tolist())
+    rows = sorted(positions)
     cut = len(rows) > _MANY
     return [*rows[: _MANY // 2], *rows[-_MANY // 2 :]] if cut else rows, cut
 
 
 def _texts(heading: str, unit: str, values: FloatArray, rows: Sequence[int]) -> list[str]:
     """Heading, unit and the values of some rows, with as many decimals as the largest needs for four digits."""
-    shown = np.where(np.abs(values) < _ROUND_OFF * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
-    largest = float(np.nanmax(np.abs(shown), initial=0.0))
+    numbers = np.where(np.abs(values) < _ROUND_OFF * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
+    largest = float(np.nanmax(np.abs(numbers), initial=0.0))
     power = 0
     if unit not in ("%", "") and largest > 0.0:
         power = int(np.clip(3 * np.floor(np.log10(largest * (1.0 + _ROUND_OFF)) / 3), min(_PREFIXES), max(_PREFIXES)))
     largest /= 10.0**power
     digits = 1 if unit == "%" else 0 if not unit or largest == 0.0 else max(0, 3 - int(np.floor(np.log10(largest))))
-    texts = (f"{round(value / 10.0**power, digits) + 0.0:.{digits}f}" for value in shown[rows])
+    texts = (f"{round(value / 10.0**power, digits) + 0.0:.{digits}f}" for value in numbers[rows])
     return [heading, f"{_PREFIXES[power]}{unit}", *("-" if text == "nan" else text for text in texts)]

@@ -108,17 +108,19 @@ def last_cycle(history: Mapping[str, ArrayLike], motion: Literal["shift", "twist
         return None
     steps = len(next(iter(columns.values())))
     zero = np.zeros(steps)
-    found = _ends(_states(columns))
-    if found is None:
+    ends = _ends(_states(columns))
+    if ends is None:
         return None
-    first, last = found
-    part = slice(first, last + 1)
+    first, last = ends
+    cycle_steps = slice(first, last + 1)
 
     def area(pairs: tuple[tuple[str, str], ...]) -> float:
-        return sum(_polygon(columns.get(way, zero)[part], columns.get(load, zero)[part]) for load, way in pairs)
+        return sum(
+            _polygon(columns.get(way, zero)[cycle_steps], columns.get(load, zero)[cycle_steps]) for load, way in pairs
+        )
 
     def amplitude(side: int) -> float:
-        points = np.stack([columns.get(pair[side], zero)[part] for pair in _MOTIONS[motion]], axis=-1)
+        points = np.stack([columns.get(pair[side], zero)[cycle_steps] for pair in _MOTIONS[motion]], axis=-1)
         return 0.5 * float(np.max(np.linalg.norm(points[:, None] - points[None], axis=-1)))
 
     dissipated = float("nan")
@@ -142,7 +144,7 @@ def skips_cycles(history: Mapping[str, ArrayLike]) -> bool:
 
 
 def friction_work(history: Mapping[str, ArrayLike]) -> NDArray[np.float64] | None:
-    """Work of friction at each step [J], with that of skipped cycles; None where it is not stored.
+    """Work of friction at each step [J], including skipped cycles; None where it is not stored.
 
     Where cycles are skipped it is the work up to the last cycle that ended.
 
@@ -159,9 +161,11 @@ def _states(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
     """Loads and displacements in units of their ranges, ``(steps, k)``, of the pairs that do work worth the name."""
     pairs = [(columns[load], columns[way]) for load, way in _PAIRS if load in columns and way in columns]
     works = [float(np.ptp(load) * np.ptp(way)) for load, way in pairs]
-    kept = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
+    driven = [pair for pair, work in zip(pairs, works, strict=True) if work > _BY_PRODUCT * max(works) > 0]
     return (
-        np.stack([values / np.ptp(values) for pair in kept for values in pair], axis=-1) if kept else np.zeros((0, 0))
+        np.stack([values / np.ptp(values) for pair in driven for values in pair], axis=-1)
+        if driven
+        else np.zeros((0, 0))
     )
 
 

@@ -1,4 +1,4 @@
-"""What bodies remember, beside the stored steps: the next step starts from it, and so does a look at another region.
+"""History fields of bodies beside the stored steps: the next step and fields in new regions start from them.
 
 The history of a step is a file of its own, so that a run can keep that of its last steps alone. Variables are
 ``<name>(history_step[, mandel], cells_<body>_z, cells_<body>_y, cells_<body>_x)`` with the centres of the cells as
@@ -33,13 +33,13 @@ def history_name(step: Path) -> Path:
 
 
 def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
-    """What bodies remembered after a step, from an open file; empty where it does not hold that."""
+    """History fields of bodies after a step, from an open file; empty where the file has none."""
     if HISTORY_STEP not in file:
         return {}
     steps = [int(step) for step in file[HISTORY_STEP][...]]
     if index not in steps:
         return {}
-    found = {}
+    records = {}
     for name, variable in file.items():
         if str(variable.attrs.get("role")) == "history":
             body = int(np.ravel(variable.attrs["body"])[0])  # an array of one in joined results
@@ -48,7 +48,7 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
             else:
                 coords = {axis: file[place][...] for axis in "zyx" if (place := f"cells_{body}_{axis}") in file}
             values, points = variable[steps.index(index)], len(coords) or 1
-            found[name] = HistoryRecord(
+            records[name] = HistoryRecord(
                 name=name,
                 body=body,
                 values=values.reshape(-1, *values.shape[values.ndim - points :]),
@@ -56,7 +56,7 @@ def history_of(file: Any, index: int) -> dict[str, HistoryRecord]:
                 unit=str(variable.attrs["units"]),
                 meaning=str(variable.attrs["long_name"]),
             )
-    return found
+    return records
 
 
 def history_variables(record: StepRecord) -> Iterator[Variable]:
@@ -73,7 +73,7 @@ def history_variables(record: StepRecord) -> Iterator[Variable]:
     for axis, values in on_surface[0].items() if on_surface else ():
         yield Variable(name=axis, dims=(axis,), values=values, attrs=axis_attributes(axis))
     for item in record.history.values():
-        yield _stored(item)
+        yield _variable_of(item)
 
 
 def _centres(body: int, coords: Mapping[str, Any]) -> Iterator[Variable]:
@@ -83,7 +83,7 @@ def _centres(body: int, coords: Mapping[str, Any]) -> Iterator[Variable]:
         yield Variable(name=name, dims=(name,), values=np.asarray(values, dtype=float), attrs=attrs)
 
 
-def _stored(item: HistoryRecord) -> Variable:
+def _variable_of(item: HistoryRecord) -> Variable:
     surface = bool(item.coords) and "z" not in item.coords
     prefix = "" if surface else f"cells_{item.body}_"
     points = [f"{prefix}{axis}" for axis in item.coords] or [f"inclusion_{item.body}"]

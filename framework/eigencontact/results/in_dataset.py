@@ -20,12 +20,12 @@ __all__ = ["step_of"]
 class _Variable:
     """Variable of a dataset with the face of one in a file."""
 
-    def __init__(self, made: xr.DataArray) -> None:
-        self.attrs, self._made = made.attrs, made
+    def __init__(self, array: xr.DataArray) -> None:
+        self.attrs, self._array = array.attrs, array
 
     def __getitem__(self, place: Any) -> Any:
         """Values at a place."""
-        return self._made.values[place]
+        return self._array.values[place]
 
 
 def step_of(dataset: xr.Dataset, index: int | None = None) -> tuple[StepRecord, list[str]]:
@@ -42,20 +42,20 @@ def step_of(dataset: xr.Dataset, index: int | None = None) -> tuple[StepRecord, 
         A step that the results do not hold.
     """
     steps = [int(step) for step in dataset["step"].values]
-    wanted = steps[-1] if index is None else index
-    if wanted not in steps:
+    number = steps[-1] if index is None else index
+    if number not in steps:
         raise SceneError(f"step must be one that was solved, {steps[0]} to {steps[-1]} (got {shown(index)})")
-    at = steps.index(wanted)
+    at = steps.index(number)
     fields, scalars = dict[str, Any](), dict[str, Any]()
     for name, variable in dataset.data_vars.items():
         role = variable.attrs.get("role")
         if role in ("field", "scalar") and not np.all(np.isnan(values := variable.values[at])):
             (fields if role == "field" else scalars)[str(name)] = values
     record = StepRecord(
-        index=wanted,
+        index=number,
         time=float(dataset["time"][at]),
         scalars={name: float(value) for name, value in scalars.items()},
         fields=fields,
-        history=history_of({name: _Variable(dataset[name]) for name in dataset.variables}, wanted),
+        history=history_of({name: _Variable(dataset[name]) for name in dataset.variables}, number),
     )
     return record, [str(name) for name in json.loads(dataset.attrs.get("history", "[]"))]

@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 
 __all__ = ["dataset_of", "join_steps"]
 
-#: Steps are joined in groups of at most this size [bytes] of a variable, and of this number: their files are all open.
-_GROUP_BYTES, _GROUP = 2**25, 64
+#: Largest size of a variable [bytes] in the group of steps that are joined together.
+_GROUP_BYTES = 2**25
+#: Most steps of a group: their files are all open.
+_GROUP = 64
 
 
 @dataclass(slots=True)
@@ -75,11 +77,11 @@ def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[P
     ResultsError
         When a step is damaged (named), when the sub-surface points differ between steps, or when the disk is full.
     """
-    plain, kept, attrs = _columns(steps, histories)
-    sizes = {dim: n for c in (plain | kept).values() for dim, n in zip(c.dims, c.whole, strict=True)}
+    plain, remembered, attrs = _columns(steps, histories)
+    sizes = {dim: n for c in (plain | remembered).values() for dim, n in zip(c.dims, c.whole, strict=True)}
     with replacing(target, "results") as sink, open_hdf5(sink, "w") as out:
-        lay_out(out, sizes, plain | kept, attrs)
-        for parts, columns in ((steps, plain), (histories, kept)):
+        lay_out(out, sizes, plain | remembered, attrs)
+        for parts, columns in ((steps, plain), (histories, remembered)):
             largest = max((c.dtype.itemsize * int(np.prod(c.shape)) for c in columns.values()), default=1)
             group = max(1, min(_GROUP, _GROUP_BYTES // max(1, largest)))
             for at in range(0, len(parts), group):
@@ -100,9 +102,9 @@ def dataset_of(steps: Sequence[Part], histories: Sequence[Part] = ()) -> xr.Data
     """
     import xarray as xr
 
-    plain, kept, attrs = _columns(steps, histories)
+    plain, remembered, attrs = _columns(steps, histories)
     variables = {}
-    for parts, columns in ((steps, plain), (histories, kept)):
+    for parts, columns in ((steps, plain), (histories, remembered)):
         for name, values in _values(parts, columns):
             column = columns[name]
             missing = {"_FillValue": column.dtype.type(np.nan)} if column.missing else {}
@@ -122,12 +124,12 @@ def _attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
 def _columns(
     steps: Sequence[Path | Part], histories: Sequence[Path | Part]
 ) -> tuple[dict[str, _Column], dict[str, _Column], dict[str, Any]]:
-    """Everything that occurs in the steps, and in the last history; and the attributes of the last step."""
+    """All variables of the steps and of the last history, and the attributes of the last step."""
     columns: dict[str, _Column] = {}
     regions: set[str] = set()
     attrs: dict[str, Any] = {}
     for step in steps:
-        with _opened(step) as part, _named(step):
+        with _opened(step) as part, _damage_named(step):
             attrs = dict(part.attrs)
             regions.add(attrs.get("regions", ""))
             for name, variable in part.items():
@@ -140,15 +142,15 @@ def _columns(
             f"sub-surface points must be the same in all steps (got {len(regions)} different sets); "
             "give every step the same regions"
         )
-    kept: dict[str, _Column] = {}
+    remembered: dict[str, _Column] = {}
     for history in histories[-1:]:  # the cells of a body only grow
-        with _opened(history) as part, _named(history):
-            kept = {name: _column(variable, len(histories)) for name, variable in part.items()}
-            for name, column in kept.items():
+        with _opened(history) as part, _damage_named(history):
+            remembered = {name: _column(variable, len(histories)) for name, variable in part.items()}
+            for name, column in remembered.items():
                 column.count = len(histories)
                 if column.dims == (name,):
                     column.values = part[name][...]
-    return columns, kept, attrs
+    return columns, remembered, attrs
 
 
 def _column(variable: Any, steps: int) -> _Column:
@@ -158,27 +160,27 @@ def _column(variable: Any, steps: int) -> _Column:
 
 
 def _values(sources: Sequence[Path | Part], columns: Mapping[str, _Column]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Each variable that occurs in some steps, joined over them; of what does not change, that of the last."""
+    """Each variable of some steps, joined over them; constant variables from the last step."""
     with ExitStack() as stack:
         parts = [(source, stack.enter_context(_opened(source))) for source in sources]
         for name, column in columns.items():
-            found = [(source, part) for source, part in parts if name in part]
-            if not column.stepped or (len(parts) == 1 and found and found[0][1][name].shape == column.shape):
-                for source, part in found[-1:]:
-                    with _named(source):
+            holders = [(source, part) for source, part in parts if name in part]
+            if not column.stepped or (len(parts) == 1 and holders and holders[0][1][name].shape == column.shape):
+                for source, part in holders[-1:]:
+                    with _damage_named(source):
                         values = part[name][...]
                     yield name, values
                 continue
             values = np.full((len(parts), *column.shape[1:]), np.nan if column.missing else 0, column.dtype)
             for at, (source, part) in enumerate(parts):
                 if name in part:
-                    with _named(source):
+                    with _damage_named(source):
                         values[(at, *_place(part, part[name], column, columns))] = part[name][0]
             yield name, values
 
 
 def _place(part: Any, variable: Any, column: _Column, columns: Mapping[str, _Column]) -> tuple[Any, ...]:
-    """Where the fewer cells of an earlier step lie among those of the last; the others are zero: at rest."""
+    """Position of the cells of an earlier, smaller box in the box of the last step."""
     if variable.shape[1:] == column.shape[1:]:
         return ()
     places = []
@@ -198,13 +200,13 @@ def _opened(source: Path | Part) -> Iterator[Any]:
         yield source
         return
     with ExitStack() as stack:
-        with _named(source):
+        with _damage_named(source):
             part = stack.enter_context(open_part(source))
         yield part
 
 
 @contextmanager
-def _named(source: Path | Part) -> Iterator[None]:
+def _damage_named(source: Path | Part) -> Iterator[None]:
     """Report damage by the name of its file."""
     try:
         yield

@@ -104,14 +104,14 @@ def variables(info: RunInfo, record: StepRecord) -> list[Variable]:
     listed.extend(line_variables({name: line for name, line in info.lines.items() if name in record.regions}))
     for name, region in record.regions.items():
         listed.extend(_region(name, region))
-    seen = set(record.history)
+    names = set(record.history)
     for variable in listed:
-        if variable.name in seen or "/" in variable.name or not variable.name:
+        if variable.name in names or "/" in variable.name or not variable.name:
             raise ResultsError(
                 f"step {record.index}: name of a result must be unique and without '/' (got {variable.name!r}); "
                 "rename the region or the number of the observer"
             )
-        seen.add(variable.name)
+        names.add(variable.name)
     return listed
 
 
@@ -161,12 +161,12 @@ def _load_history(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
 def _outlines(info: RunInfo) -> Iterator[Variable]:
     for region, segments in info.outlines.items():
         name = f"{region}_outline" if region else "outline"
-        words = f"outline of inclusions on {region}" if region else "outline of inclusions seen from above"
+        long_name = f"outline of inclusions on {region}" if region else "outline of inclusions seen from above"
         yield Variable(
             name=name,
             dims=(f"{name}_segment", "end", "place"),
             values=np.asarray(segments, dtype=float),
-            attrs={"role": "outline", "units": "m", "long_name": words},
+            attrs={"role": "outline", "units": "m", "long_name": long_name},
         )
 
 
@@ -188,14 +188,14 @@ def _scalars(info: RunInfo, record: StepRecord) -> Iterator[Variable]:
 
 
 def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
-    named = {axis: f"{name}_{axis}" for axis in (*region.coords, *region.dims)}
+    name_of = {axis: f"{name}_{axis}" for axis in (*region.coords, *region.dims)}
     for axis, values in region.coords.items():
         dims: tuple[str, ...] = ()
         if np.ndim(values) == 1:
-            dims = (named[axis] if axis in region.dims else f"{name}_point",)
+            dims = (name_of[axis] if axis in region.dims else f"{name}_point",)
         attrs = {**axis_attributes(axis), "region": name}
-        yield Variable(name=named[axis], dims=dims, values=np.asarray(values, dtype=float), attrs=attrs)
-    beside = " ".join(["time", *(named[axis] for axis in region.coords if axis not in region.dims)])
+        yield Variable(name=name_of[axis], dims=dims, values=np.asarray(values, dtype=float), attrs=attrs)
+    beside = " ".join(["time", *(name_of[axis] for axis in region.coords if axis not in region.dims)])
     sizes = {axis: np.size(region.coords[axis]) for axis in region.dims if axis in region.coords}
     sizes["point"] = max((np.size(values) for values in region.coords.values()), default=1)
     grid = tuple(sizes[axis] for axis in region.dims)
@@ -210,20 +210,20 @@ def _region(name: str, region: RegionRecord) -> Iterator[Variable]:
             "body": region.body,
             **({"comment": region.note} if region.note else {}),
         }
-        dims = ("step", *lead, *(named[axis] for axis in region.dims))
+        dims = ("step", *lead, *(name_of[axis] for axis in region.dims))
         yield Variable(name=f"{name}_{quantity}", dims=dims, values=np.asarray(values)[None], attrs=attrs)
 
 
 def axis_attributes(axis: str) -> dict[str, str | int]:
-    """Attributes of a coordinate along x, y or z, by the conventions CF: which axis it is, and that z points down."""
+    """Attributes of a coordinate along x, y or z by the CF conventions: its axis, and the downward direction of z."""
     down = {"positive": "down", "standard_name": "depth"} if axis == "z" else {}
     return {**described("coordinate", AXES[axis]), "axis": axis.upper(), **down}
 
 
 def described(role: str, quantity: Quantity | None) -> dict[str, str | int]:
     """Attributes of a variable."""
-    found = quantity or Quantity("unknown", "no entry in the vocabulary of quantities")
-    return {"role": role, "units": found.unit, "long_name": found.long_name}
+    entry = quantity or Quantity("unknown", "no entry in the vocabulary of quantities")
+    return {"role": role, "units": entry.unit, "long_name": entry.long_name}
 
 
 def _fits(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:

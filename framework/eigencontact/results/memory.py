@@ -53,5 +53,5 @@ class MemoryStore:
         return [*(nothing | row for row in self._rows[:-1]), last.row()]
 
     def dataset(self) -> xr.Dataset:
-        """Everything, as `eigencontact.results.reader.open_results` would give it; the steps are given up for it."""
+        """Dataset as `eigencontact.results.reader.open_results` returns it; the call releases the stored steps."""
         return dataset_of(self._steps, self._histories)

@@ -24,15 +24,17 @@ if TYPE_CHECKING:
 
 __all__ = ["Layout", "fill", "lay_out"]
 
-#: Fields of at least this size are stored in bands of about that size [bytes]; smaller ones are written faster whole.
-_LARGE, _BAND = 2**22, 2**20
+#: Size of fields [bytes] from which on they are stored in bands; smaller ones are written faster whole.
+_LARGE = 2**22
+#: Size of a band [bytes], about.
+_BAND = 2**20
 
 #: Name of a scale that is a dimension and no variable; its size takes ten places.
 _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
 class Layout(Protocol):
-    """What a variable is to be."""
+    """Dimensions, type and attributes of a variable."""
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -74,9 +76,11 @@ def lay_out(
     for name, variable in variables.items():
         shape = tuple(dimensions[dim] for dim in variable.dims)
         empty = np.nan if variable.missing else None
-        made = file.create_dataset(name, shape, variable.dtype, fillvalue=empty, chunks=_bands(shape, variable.dtype))
+        variable_in_file = file.create_dataset(
+            name, shape, variable.dtype, fillvalue=empty, chunks=_bands(shape, variable.dtype)
+        )
         missing = {"_FillValue": np.array([np.nan], variable.dtype)} if variable.missing else {}
-        describe(made, {**missing, **variable.attrs})
+        describe(variable_in_file, {**missing, **variable.attrs})
     for number, (dim, size) in enumerate(dimensions.items()):
         scale = file[dim] if dim in file else file.create_dataset(dim, (size,), ">f4")
         h5py.h5ds.set_scale(scale.id, (dim if dim in variables else _NO_VARIABLE.format(size)).encode())
@@ -84,26 +88,26 @@ def lay_out(
     _attach(h5py, file, {name: variable.dims for name, variable in variables.items()})
 
 
-def fill(made: Any, start: int, values: NDArray[Any]) -> None:
+def fill(target: Any, start: int, values: NDArray[Any]) -> None:
     """Write values into an array as `lay_out` made it, from a place of its first dimension on.
 
     Bands that are zero throughout are left out of the file: what is not there is read as zero. Most of a surface is
     free of pressure and shear.
     """
-    if made.chunks is None or made.fillvalue != 0:
-        made[start : start + len(values)] = values
+    if target.chunks is None or target.fillvalue != 0:
+        target[start : start + len(values)] = values
         return
-    rows = made.chunks[-2]
+    rows = target.chunks[-2]
     for at, field in enumerate(values):
         for place in np.ndindex(field.shape[:-2]):
             for row in range(0, field.shape[-2], rows):
                 band = field[place][row : row + rows]
                 if band.any():
-                    made[(start + at, *place, slice(row, row + rows))] = band
+                    target[(start + at, *place, slice(row, row + rows))] = band
 
 
 def _bands(shape: tuple[int, ...], dtype: DTypeLike) -> tuple[int, ...] | None:
-    """Bands of whole rows in which a large array of fields is stored; None where it is stored in one piece."""
+    """Shape of the bands of whole rows that store a large array of fields; None for storage in one piece."""
     if len(shape) < 3:
         return None
     row = np.dtype(dtype).itemsize * shape[-1]
@@ -113,18 +117,18 @@ def _bands(shape: tuple[int, ...], dtype: DTypeLike) -> tuple[int, ...] | None:
 
 
 def _describer(h5py: Any) -> Any:
-    """How attributes are written: numbers as lists, as netCDF has no others. Takes a fifth of h5py's time."""
+    """Function that writes attributes, numbers as lists as netCDF requires, in a fifth of h5py's time."""
     text, scalar = h5py.h5t.py_create(h5py.string_dtype(), logical=True), h5py.h5s.create(h5py.h5s.SCALAR)
 
-    def describe(made: Any, attrs: Mapping[str, Any]) -> None:
+    def describe(target: Any, attrs: Mapping[str, Any]) -> None:
         for name, value in attrs.items():
             if isinstance(value, str):
-                created = h5py.h5a.create(made.id, name.encode(), text, scalar)
+                created = h5py.h5a.create(target.id, name.encode(), text, scalar)
                 created.write(np.array(value, dtype=TEXT))
             else:
                 values = np.asarray(value) if name.startswith("_") else np.atleast_1d(value)
                 space = h5py.h5s.create_simple(values.shape) if values.ndim else scalar
-                h5py.h5a.create(made.id, name.encode(), h5py.h5t.py_create(values.dtype), space).write(values)
+                h5py.h5a.create(target.id, name.encode(), h5py.h5t.py_create(values.dtype), space).write(values)
 
     return describe
 
@@ -138,11 +142,11 @@ def _attach(h5py: Any, file: Any, dims: Mapping[str, tuple[str, ...]]) -> None:
     entry = np.dtype([("dataset", h5py.ref_dtype), ("dimension", np.int32)])
     several = h5py.h5t.vlen_create(h5py.h5t.STD_REF_OBJ)
     used: dict[str, list[tuple[Any, int]]] = {}
-    for name, own in dims.items():
-        if not own or own == (name,):  # a scale has no scales
+    for name, dims_of_variable in dims.items():
+        if not dims_of_variable or dims_of_variable == (name,):  # a scale has no scales
             continue
-        listed = np.empty(len(own), dtype=h5py.vlen_dtype(h5py.ref_dtype))
-        for axis, dim in enumerate(own):
+        listed = np.empty(len(dims_of_variable), dtype=h5py.vlen_dtype(h5py.ref_dtype))
+        for axis, dim in enumerate(dims_of_variable):
             listed[axis] = np.array([reference[dim]], dtype=h5py.ref_dtype)
             used.setdefault(dim, []).append((reference[name], axis))
         space = h5py.h5s.create_simple(listed.shape)

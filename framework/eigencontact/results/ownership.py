@@ -17,8 +17,14 @@ from eigencontact.errors import ResultsError
 
 __all__ = ["REPORT", "RESULTS", "STEPS", "SUMMARY", "is_ours", "listed_files", "refuse_foreign", "refuse_foreign_file"]
 
-#: The results of a finished run, the steps of an unfinished one, the numbers of a run, and the page about it.
-RESULTS, STEPS, SUMMARY, REPORT = "results.nc", "steps", "summary.json", "report.html"
+#: Results of a finished run.
+RESULTS = "results.nc"
+#: Folder of the steps of an unfinished run.
+STEPS = "steps"
+#: Numbers of a run.
+SUMMARY = "summary.json"
+#: Page about a run.
+REPORT = "report.html"
 _NAME = b"eigencontact"
 #: Marks of our text files; files of others, which may mention us, do not have them. Tables: the end of the first line.
 _MARKS: dict[str, tuple[bytes, ...]] = {
@@ -37,7 +43,7 @@ def is_ours(path: Path) -> bool:
 
 
 def listed_files(folder: Path) -> list[str]:
-    """Names of the files that the summary in a folder lists as written; none where there is no summary of ours."""
+    """Names of the files in the list of a folder's summary; none without a summary of this program."""
     try:
         summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         return [str(name) for name in summary["files"]] if "scene_hash" in summary else []
@@ -54,7 +60,7 @@ def refuse_foreign(
     vtk: bool,
     animation: bool = False,
 ) -> None:
-    """Refuse a folder that holds files of others under names that a run or its drawings may use.
+    """Refuse a folder with foreign files under names of a run or of its pictures.
 
     Parameters
     ----------
@@ -75,8 +81,8 @@ def refuse_foreign(
     except (OSError, ValueError):  # missing, or no folder that can be written: that is said where it is made
         return
     names = "|".join(re.escape(name) for name in (SURFACE, *regions))
-    drawn = [region + more for region in regions for more in ("", *OF_REGIONS)]
-    stems = "|".join(re.escape(name) for name in (*PICTURES, *drawn))
+    pictures_of_regions = [region + more for region in regions for more in ("", *OF_REGIONS)]
+    stems = "|".join(re.escape(name) for name in (*PICTURES, *pictures_of_regions))
     names += r"|cells_[12]"
     ending = pictures if isinstance(pictures, str) else "png"
     used = [rf"({stems})\.{ending}"] * bool(pictures) + [rf"({names})(_\d{{4,}}\.vt[irp]|\.pvd)"] * vtk

@@ -66,11 +66,11 @@ class Part(dict[str, Stored]):
 def part_of(attrs: Mapping[str, Any], variables: Sequence[Variable], *, copied: bool = True) -> Part:
     """Part in memory; it holds copies, or the arrays themselves, which then must not change as long as it is used."""
 
-    def held(variable: Variable) -> Stored:
+    def stored_copy(variable: Variable) -> Stored:
         values = np.array(variable.values) if copied else variable.values
         return Stored(attrs=_described(variable), shape=values.shape, dtype=values.dtype, read=values.view)
 
-    return Part(attrs, {variable.name: held(variable) for variable in variables})
+    return Part(attrs, {variable.name: stored_copy(variable) for variable in variables})
 
 
 def write_part(sink: Sink, attrs: Mapping[str, Any], variables: Sequence[Variable]) -> None:
@@ -114,15 +114,15 @@ def open_part(path: Path) -> Iterator[Any]:
 def _read(file: BufferedReader) -> Part:
     line = file.readline(_LINE)
     _, length, checksum = line.split()
-    found = json.loads(_checked(file.read(int(length)), int(checksum), "the header"))
+    header = json.loads(_checked(file.read(int(length)), int(checksum), "the header"))
     arrays, at = {}, len(line) + int(length)
-    for item in found["arrays"]:
+    for item in header["arrays"]:
         dtype = TEXT if item["dtype"] == "text" else np.dtype(item["dtype"])
         values = item.get("values")
         read = partial(_array, file, at, item) if values is None else partial(np.array, values, dtype)
         arrays[item["name"]] = Stored(attrs=item["attrs"], shape=tuple(item["shape"]), dtype=dtype, read=read)
         at += item.get("bytes", 0)
-    return Part(found["attrs"], arrays)
+    return Part(header["attrs"], arrays)
 
 
 def _array(file: BufferedReader, at: int, item: Mapping[str, Any]) -> NDArray[Any]:
@@ -132,9 +132,9 @@ def _array(file: BufferedReader, at: int, item: Mapping[str, Any]) -> NDArray[An
     return np.frombuffer(_checked(block, item["checksum"], item["name"]), item["dtype"]).reshape(item["shape"])
 
 
-def _checked(block: Any, checksum: int, what: str) -> Any:
+def _checked(block: Any, checksum: int, name: str) -> Any:
     if crc32(block) != checksum:
-        raise ValueError(f"the checksum of {what} does not fit")
+        raise ValueError(f"the checksum of {name} does not fit")
     return block
 
 

@@ -52,11 +52,11 @@ def open_results(path: str | Path) -> xr.Dataset:
 
 
 def refuse_damaged(dataset: xr.Dataset | _Stored, file: Path) -> None:
-    """Refuse an open file that is not ours, or that lacks what it says it holds; it is closed then."""
-    found = dataset.attrs.get("format")
-    if found != FORMAT:
+    """Refuse and close an open file of another format, or without the variables that it lists."""
+    file_format = dataset.attrs.get("format")
+    if file_format != FORMAT:
         dataset.close()
-        raise ResultsError(f"{file} must be a file of format {FORMAT!r} (got {found!r}); it is not one of ours")
+        raise ResultsError(f"{file} must be a file of format {FORMAT!r} (got {file_format!r}); it is not one of ours")
     missing = _missing(dataset)
     if missing:
         dataset.close()
@@ -67,7 +67,7 @@ def refuse_damaged(dataset: xr.Dataset | _Stored, file: Path) -> None:
 
 
 def results_file(path: str | Path) -> Path:
-    """The results file that a path stands for: itself, or that in a folder.
+    """Results file of a path: the path itself, or the file in this folder.
 
     Raises
     ------
@@ -75,13 +75,13 @@ def results_file(path: str | Path) -> Path:
         When there is nothing, or only the steps of an interrupted run.
     """
     try:
-        given = Path(path)
-        file = given / RESULTS if given.is_dir() else given
-        there = file.exists()
+        folder_or_file = Path(path)
+        file = folder_or_file / RESULTS if folder_or_file.is_dir() else folder_or_file
+        exists = file.exists()
     except (OSError, TypeError, ValueError) as error:
         raise ResultsError(f"results must be a file or folder (got {shown(path)}); {reason(error)}") from None
-    if not there:
-        steps = (given if given.is_dir() else given.parent) / STEPS
+    if not exists:
+        steps = (folder_or_file if folder_or_file.is_dir() else folder_or_file.parent) / STEPS
         if steps.is_dir():
             count = len({path.name.partition(".")[0] for path in steps.glob("[0-9]*")})
             raise ResultsError(
@@ -93,15 +93,15 @@ def results_file(path: str | Path) -> Path:
 
 
 def _missing(dataset: xr.Dataset | _Stored) -> str:
-    """What the attribute ``regions`` lacks or names in vain, in words."""
+    """Fault of the attribute ``regions``, as text: no list, or a variable that the file does not hold."""
     try:
         regions = json.loads(dataset.attrs["regions"])
-        wanted = [
-            f"{name}_{part}"
+        names = [
+            f"{name}_{suffix}"
             for name, region in regions.items()
-            for part in (*"xyz", *region["fields"])
+            for suffix in (*"xyz", *region["fields"])
             if region["shape"] and region["body"] in (1, 2) and region["dims"]
         ]
     except DAMAGE as error:
         return f"no list of them: {reason(error)}"
-    return next((f"no {name!r}" for name in wanted if name not in dataset.variables), "")
+    return next((f"no {name!r}" for name in names if name not in dataset.variables), "")

@@ -1,4 +1,4 @@
-"""What one accepted load step hands to storage, pictures and observers."""
+"""Records of one accepted load step for storage, pictures and observers."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ class StepRecord:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunInfo:
-    """What holds for all steps of a run.
+    """Data that all steps of a run share.
 
     Attributes
     ----------

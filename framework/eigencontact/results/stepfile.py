@@ -38,7 +38,7 @@ def step_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part
 
 
 def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> Part:
-    """What the bodies remember after a step, in memory."""
+    """History fields of the bodies after a step, in memory."""
     return part_of(_marked(info), list(history_variables(record)), copied=copied)
 
 
@@ -143,27 +143,27 @@ def _opened(path: Path, scene_hash: str | None = None) -> Iterator[Any]:
     """Open a file of ours, of this scene where one is given; damage inside is reported too."""
     try:
         with open_part(path) as file:
-            found, own = file.attrs.get("format"), file.attrs.get("scene_hash")
-            if found != FORMAT:
-                raise ResultsError(_refusal(path, f"of format {FORMAT!r}", str(found)))
-            if not isinstance(own, str):
+            file_format, stored_hash = file.attrs.get("format"), file.attrs.get("scene_hash")
+            if file_format != FORMAT:
+                raise ResultsError(_refusal(path, f"of format {FORMAT!r}", str(file_format)))
+            if not isinstance(stored_hash, str):
                 raise ResultsError(_refusal(path, "complete", "no hash of its scene"))
-            if scene_hash not in (None, own):
-                raise ResultsError(_refusal(path, "of this scene", f"scene hash {own}"))
+            if scene_hash not in (None, stored_hash):
+                raise ResultsError(_refusal(path, "of this scene", f"scene hash {stored_hash}"))
             yield file
     except DAMAGE as error:
         raise ResultsError(_refusal(path, "complete", reason(error))) from error
 
 
 def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRecord:
-    kept: dict[str, dict[str, Any]] = {"field": {}, "scalar": {}, "observed": {}}
+    by_role: dict[str, dict[str, Any]] = {"field": {}, "scalar": {}, "observed": {}}
     for name, variable in file.items():
         role = str(variable.attrs.get("role"))  # the dimensions of joined results have none
-        if role in kept:
+        if role in by_role:
             value = variable[at]
             # A quantity that this step did not have is stored as NaN throughout when steps are joined.
             if "_FillValue" not in variable.attrs or not np.all(np.isnan(value)):
-                kept[role][name] = value if role == "field" else float(value)
+                by_role[role][name] = value if role == "field" else float(value)
     regions = {}
     for name, region in described.items():
         coords = {axis: file[f"{name}_{axis}"] for axis in "xyz" if f"{name}_{axis}" in file}
@@ -180,12 +180,12 @@ def _record(file: Any, index: int, at: int, described: dict[str, Any]) -> StepRe
     return StepRecord(
         index=index,
         time=float(file["time"][at]),
-        scalars=kept["scalar"],
-        fields=kept["field"],
+        scalars=by_role["scalar"],
+        fields=by_role["field"],
         regions=regions,
-        observed=kept["observed"],
+        observed=by_role["observed"],
     )
 
 
-def _refusal(path: Path, rule: str, got: str) -> str:
-    return f"{path} must be a results file {rule} (got: {got}); it is not used"
+def _refusal(path: Path, rule: str, content: str) -> str:
+    return f"{path} must be a results file {rule} (got: {content}); it is not used"

@@ -104,13 +104,13 @@ class ResultStore:
         if resume and overwrite:
             raise SceneError("results must be continued or replaced, not both; give --resume or --overwrite")
         try:
-            kept = tuple(
+            hashes = tuple(
                 _kept_hash(path, read, overwrite=overwrite)
                 for path, read in ((folder / STEPS / _MARK, _stored_hash), (folder / RESULTS, _results_hash))
             )
             _refuse_foreign_steps(folder / STEPS)
             if not overwrite:
-                _refuse_conflict(folder, info, kept, resume=resume)
+                _refuse_conflict(folder, info, hashes, resume=resume)
             store.made = [path for path in (folder, *folder.parents) if not path.exists()]
             writable_folder(folder)
             if overwrite:
@@ -180,14 +180,14 @@ class ResultStore:
         self.problems = []
         if self.finished:
             return stored_steps(self.folder / RESULTS)
-        found = _step_files(self.folder / STEPS)
+        files = _step_files(self.folder / STEPS)
         usable: list[int] = []
-        for index in sorted(found):
+        for index in sorted(files):
             if index != len(usable) + 1:
                 self.problems.append(f"step {len(usable) + 1} is missing; it and the steps after it are computed again")
                 break
             try:
-                read_step(found[index], self.info.scene_hash, index)
+                read_step(files[index], self.info.scene_hash, index)
             except ResultsError as error:
                 self.problems.append(f"{error}; step {index} and those after it are computed again")
                 break
@@ -233,15 +233,17 @@ class ResultStore:
         target = self.folder / RESULTS
         if self.finished:
             return target
-        found = _step_files(self.folder / STEPS)
-        if not found or sorted(found) != list(range(1, len(found) + 1)):
+        files = _step_files(self.folder / STEPS)
+        if not files or sorted(files) != list(range(1, len(files) + 1)):
             raise ResultsError(
-                f"{self.folder / STEPS} must hold steps 1, 2, ... without a gap (got {sorted(found)}); "
+                f"{self.folder / STEPS} must hold steps 1, 2, ... without a gap (got {sorted(files)}); "
                 "--resume computes the missing ones"
             )
         histories = _files(self.folder / STEPS, _HISTORY_FILE)
-        kept = sorted(histories) if self.info.every_history else [index for index in histories if index == max(found)]
-        join_steps(target, [found[index] for index in sorted(found)], [histories[index] for index in kept])
+        history_indices = (
+            sorted(histories) if self.info.every_history else [index for index in histories if index == max(files)]
+        )
+        join_steps(target, [files[index] for index in sorted(files)], [histories[index] for index in history_indices])
         _remove_steps(self.folder)
         return target
 
@@ -254,13 +256,13 @@ class ResultStore:
 
     def dataset(self) -> xr.Dataset:
         """Open the finished results; `ResultsError` where they have been replaced by those of another scene."""
-        found = open_results(self.folder)
-        if found.attrs["scene_hash"] != self.info.scene_hash:
-            found.close()
+        results = open_results(self.folder)
+        if results.attrs["scene_hash"] != self.info.scene_hash:
+            results.close()
             raise ResultsError(
                 f"{self.folder} must hold the results of {self.info.name!r} (got those of another scene)"
             )
-        return found
+        return results
 
     def _path(self, index: int) -> Path:
         path = self.folder / STEPS / f"{index:04d}.step"
@@ -279,7 +281,7 @@ def _files(steps: Path, pattern: re.Pattern[str]) -> dict[int, Path]:
 
 
 def _kept_hash(path: Path, read: Callable[[Path], str], *, overwrite: bool) -> str | None:
-    """Scene hash of what is stored; None where there is nothing, or damage that will be overwritten."""
+    """Scene hash of stored files; None without files, or for damaged files that the run overwrites."""
     if not path.exists():
         return None
     try:
@@ -314,15 +316,15 @@ def _refuse_foreign_steps(steps: Path) -> None:
             )
 
 
-def _refuse_conflict(folder: Path, info: RunInfo, kept: tuple[str | None, ...], *, resume: bool) -> None:
+def _refuse_conflict(folder: Path, info: RunInfo, hashes: tuple[str | None, ...], *, resume: bool) -> None:
     choices = "--overwrite replaces them, another -o keeps them"
-    if any(found not in (None, info.scene_hash) for found in kept):
+    if any(stored_hash not in (None, info.scene_hash) for stored_hash in hashes):
         also = "; --resume continues the same scene only" if resume else ""
         raise ResultsError(
             f"{folder} must be empty or of the scene {info.name!r} as it is now (got results of another scene, "
             f"or of this one before it was changed){also}; {choices}"
         )
-    if kept[0] is not None and not resume and _step_files(folder / STEPS):
+    if hashes[0] is not None and not resume and _step_files(folder / STEPS):
         raise ResultsError(
             f"{folder} must not hold an unfinished run (got steps {sorted(_step_files(folder / STEPS))} of "
             f"{info.name!r}); --resume continues it, {choices}"
@@ -330,7 +332,7 @@ def _refuse_conflict(folder: Path, info: RunInfo, kept: tuple[str | None, ...], 
 
 
 def _remove_own(folder: Path) -> None:
-    """Remove what an earlier run stored: steps, results, summary, report, and the files that the summary names."""
+    """Remove the files of an earlier run: steps, results, summary, report, and the files in the list of the summary."""
     _remove_steps(folder)
     names = [*listed_files(folder), *(name for name in (SUMMARY, REPORT) if is_ours(folder / name))]
     inside = folder.resolve()

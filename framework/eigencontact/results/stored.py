@@ -58,14 +58,14 @@ class Variable(Protocol):
 
     @property
     def attrs(self) -> Mapping[Any, Any]:
-        """What is said of it: units, long name, role."""
+        """Attributes: units, long name, role."""
 
     def __getitem__(self, index: Any) -> Values: ...
     def __float__(self) -> float: ...
 
 
 class Results(Protocol):
-    """What pictures ask of results; `open_stored` gives it, and so does xarray."""
+    """Interface of results for pictures; `open_stored` and xarray provide it."""
 
     @property
     def attrs(self) -> Mapping[Any, Any]:
@@ -77,7 +77,7 @@ class Results(Protocol):
 
     @property
     def variables(self) -> Mapping[Any, Any]:
-        """Everything by name."""
+        """Variables by name."""
 
     @property
     def data_vars(self) -> Mapping[Any, Variable]:
@@ -98,13 +98,13 @@ def open_stored(path: str | Path) -> _Stored:
     """
     file = results_file(path)
     try:
-        stored = _Stored(open_hdf5(file, "r"))
+        results = _Stored(open_hdf5(file, "r"))
     except DAMAGE as error:
         raise ResultsError(
             f"{file} must be a complete results file (got: {reason(error)}); run the scene again with --overwrite"
         ) from error
-    refuse_damaged(stored, file)
-    return stored
+    refuse_damaged(results, file)
+    return results
 
 
 @dataclass(slots=True)
@@ -123,17 +123,17 @@ class _Array:
 class _Variable:
     """Variable of the file; an index reads what it asks for."""
 
-    def __init__(self, made: Any) -> None:
-        text = made.dtype.kind == "O"
-        self._made = made.asstr() if text else made
+    def __init__(self, array: Any) -> None:
+        text = array.dtype.kind == "O"
+        self._array = array.asstr() if text else array
         self._text = text
-        self._stored = made
-        self.shape: tuple[int, ...] = made.shape
-        self.ndim: int = made.ndim
+        self._stored = array
+        self.shape: tuple[int, ...] = array.shape
+        self.ndim: int = array.ndim
 
     def __getitem__(self, index: Any) -> _Array:
-        found = np.asarray(self._made[index])
-        return _Array(found.astype(str) if self._text else found)
+        values = np.asarray(self._array[index])
+        return _Array(values.astype(str) if self._text else values)
 
     def __float__(self) -> float:
         return float(self.values)
@@ -146,14 +146,14 @@ class _Variable:
     @cached_property
     def dims(self) -> tuple[str, ...]:
         """Names of its dimensions."""
-        made = self._stored
-        if made.is_scale:
-            return (made.name.lstrip("/"),)
-        return tuple(dim[0].name.lstrip("/") for dim in made.dims)
+        array = self._stored
+        if array.is_scale:
+            return (array.name.lstrip("/"),)
+        return tuple(dim[0].name.lstrip("/") for dim in array.dims)
 
     @cached_property
     def attrs(self) -> dict[str, Any]:
-        """What is said of it: units, long name, role."""
+        """Attributes: units, long name, role."""
         return {name: _plain(value) for name, value in self._stored.attrs.items() if name not in _INNER}
 
     @property
@@ -169,9 +169,9 @@ class _Stored:
         self._file = file
         self.attrs = {name: _plain(value) for name, value in file.attrs.items() if name != "_NCProperties"}
         self.variables = {
-            name: _Variable(made)
-            for name, made in file.items()
-            if not (made.is_scale and made.attrs["NAME"].startswith(b"This is a netCDF dimension"))
+            name: _Variable(array)
+            for name, array in file.items()
+            if not (array.is_scale and array.attrs["NAME"].startswith(b"This is a netCDF dimension"))
         }
 
     def __enter__(self) -> Self:
@@ -196,7 +196,7 @@ class _Stored:
     @cached_property
     def sizes(self) -> dict[str, int]:
         """Length of every dimension."""
-        return {name: made.shape[0] for name, made in self._file.items() if made.is_scale}
+        return {name: array.shape[0] for name, array in self._file.items() if array.is_scale}
 
     @cached_property
     def data_vars(self) -> dict[str, _Variable]:

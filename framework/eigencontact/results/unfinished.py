@@ -19,13 +19,13 @@ def stored_files(folder: Path) -> list[Path]:
     steps = folder / STEPS
     if (folder / RESULTS).exists() or not steps.is_dir():
         return []
-    found: list[Path] = []
+    files: list[Path] = []
     while True:
-        named = [steps / f"{len(found) + 1:04d}.{ending}" for ending in ("step", "h5")]  # .h5 of earlier versions
-        there = [path for path in named if path.exists()]
-        if not there:
-            return found
-        found.append(there[0])
+        candidates = [steps / f"{len(files) + 1:04d}.{ending}" for ending in ("step", "h5")]  # .h5 of earlier versions
+        existing = [path for path in candidates if path.exists()]
+        if not existing:
+            return files
+        files.append(existing[0])
 
 
 def join_unfinished(folder: Path, target: Path) -> int:

@@ -51,12 +51,14 @@ class Anderson:
         residual = image - guess
         self._images = [*self._images[-self._depth :], image]
         self._residuals = [*self._residuals[-self._depth :], residual]
-        products = np.array([_dot(one, residual) for one in self._residuals])
-        gram, kept = np.empty((products.size, products.size)), products.size - 1
-        gram[:kept, :kept] = self._gram[len(self._gram) - kept :, len(self._gram) - kept :]
+        products = np.array([_dot(earlier, residual) for earlier in self._residuals])
+        gram, known_products = np.empty((products.size, products.size)), products.size - 1
+        gram[:known_products, :known_products] = self._gram[
+            len(self._gram) - known_products :, len(self._gram) - known_products :
+        ]
         gram[-1], gram[:, -1] = products, products
         self._gram = gram
-        if kept == 0:
+        if known_products == 0:
             return image
         last = products[:-1]
         changes = gram[:-1, :-1] - last[:, None] - last[None, :] + products[-1]  # of the residuals, to the last one

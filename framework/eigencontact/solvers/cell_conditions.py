@@ -1,4 +1,4 @@
-r"""What each cell of an inhomogeneous body demands of its stress and eigenstrain, cells cut by a boundary included.
+r"""Conditions on stress and eigenstrain in the cells of an inhomogeneous body, including cells cut by a boundary.
 
 A cell of stiffness C_i in a matrix of stiffness C_m, compliance M_m, with mean stress σ and eigenstrain ε*, obeys
 
@@ -70,7 +70,7 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True)
 class Shares:
-    """How cells are cut, by flat index.
+    """Shares of materials in cut cells, by flat index.
 
     Attributes
     ----------
@@ -105,18 +105,18 @@ class Shares:
         read = share[index > 0]
         good = not read.size or bool(read.min() > 0.0 and read.max() <= 1.0)
         require(good, where, "fraction", "values outside" if read.size else 0, "above 0 and up to 1 in every cell")
-        other = np.zeros(shape, dtype=int) if beside is None else np.asarray(beside)
-        require(other.dtype.kind in "iu", where, "beside", other.dtype, "of integers")
-        require(other.shape == shape, where, "beside", other.shape, f"of shape {shape}")
+        second = np.zeros(shape, dtype=int) if beside is None else np.asarray(beside)
+        require(second.dtype.kind in "iu", where, "beside", second.dtype, "of integers")
+        require(second.shape == shape, where, "beside", second.shape, f"of shape {shape}")
         rule = f"from 0 (the matrix) to {materials}, the number of materials given"
-        require(other.min() >= 0 and other.max() <= materials, where, "beside", int(other.max()), rule)
+        require(second.min() >= 0 and second.max() <= materials, where, "beside", int(second.max()), rule)
         across = None if normal is None else np.asarray(normal, dtype=float)
         if across is not None:
             require(across.shape == (3, *shape), where, "normal", across.shape, f"of shape {(3, *shape)}")
             require(bool(np.isfinite(across).all()), where, "normal", "NaN or infinity", "finite")
             across = across.reshape(3, -1)
-        cut = (index > 0) & (share < 1.0) & (index != other)
-        return cls(cut.ravel(), share.ravel(), other.ravel(), across)
+        cut = (index > 0) & (share < 1.0) & (index != second)
+        return cls(cut.ravel(), share.ravel(), second.ravel(), across)
 
 
 class Conditions:
@@ -133,11 +133,11 @@ class Conditions:
         cut = int(np.count_nonzero(~shares.mixed[cells]))
         names, starts = np.unique(index[cells[:cut]], return_index=True)
         for name, start, stop in zip(names, starts, [*starts[1:], cut][: names.size], strict=True):
-            yield slice(int(start), int(stop)), self._whole(int(name), cells[start:stop])
+            yield slice(int(start), int(stop)), self._of_material(int(name), cells[start:stop])
         if cut < cells.size:
             yield slice(cut, cells.size), self._cut(cells[cut:], index, shares)
 
-    def _whole(self, name: int, cells: NDArray[np.intp]) -> Condition:
+    def _of_material(self, name: int, cells: NDArray[np.intp]) -> Condition:
         """Of one material; 0 is the matrix, whose P is zero."""
         if name == 0:
             matrix = self.matrix
@@ -149,8 +149,8 @@ class Conditions:
     def _by_cell(self, names: IntArray, cells: NDArray[np.intp]) -> Condition:
         stress, strain = np.empty((2, cells.size, 6, 6))
         for name in np.unique(names):
-            here = names == name
-            stress[here], strain[here], _ = self._whole(int(name), cells[here])
+            of_name = names == name
+            stress[of_name], strain[of_name], _ = self._of_material(int(name), cells[of_name])
         return Condition(stress, strain, strain)
 
     def _cut(self, cells: NDArray[np.intp], index: IntArray, shares: Shares) -> Condition:

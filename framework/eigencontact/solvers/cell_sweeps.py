@@ -64,8 +64,8 @@ class CellSweeps:
     def __init__(self, linear: InhomogeneousCells, laws: LawCells) -> None:
         self._linear, self._laws = linear, laws
         # Where the cells of the laws are the whole box in its order, nothing is copied.
-        whole = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
-        self._at: slice | NDArray[np.intp] = slice(None) if whole else laws.cells
+        fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
+        self._at: slice | NDArray[np.intp] = slice(None) if fills_box else laws.cells
         self._own: tuple[FloatArray, FloatArray] | None = None
         self._last: tuple[FloatArray, FloatArray] | None = None
         self.applications = 0
@@ -99,8 +99,8 @@ class CellSweeps:
         image[:, self._linear.cells] = self._linear.answer(eigenstrain, stress, prestrain)
         remembered: list[Remembered] = []
         if self._laws.cells.size:
-            e, sigma, own = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
-            image[:, self._at], remembered = self._laws.answer(e, sigma, own, before, steps)
+            e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
+            image[:, self._at], remembered = self._laws.answer(e, sigma, prescribed, before, steps)
         change = norm_of(image - eigenstrain.reshape(6, -1))
         size = self._size(applied_stress, prestrain)
         if start is not None:
@@ -118,16 +118,16 @@ class CellSweeps:
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
     ) -> float:
-        """How far the stress of cells is from what their laws answer to their strain, relative to the largest stress.
+        """Largest difference of the stress of cells from the response of their laws, relative to the largest stress.
 
         See `sweep` for the parameters; of laws that are linear the residual of a sweep says the same.
         """
         if not self._laws.cells.size:
             return 0.0
         stress = applied_stress + self._caused(eigenstrain)
-        e, sigma, own = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
+        e, sigma, prescribed = (values.reshape(6, -1)[:, self._at] for values in (eigenstrain, stress, prestrain))
         largest = float(np.linalg.norm(sigma, axis=0).max())
-        return self._laws.misfit(e, sigma, own, before, steps) / largest if largest > 0.0 else 0.0
+        return self._laws.misfit(e, sigma, prescribed, before, steps) / largest if largest > 0.0 else 0.0
 
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
         """Strain of the load in the cells, as `InclusionReport` measures by it."""
@@ -138,7 +138,7 @@ class CellSweeps:
         return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 
     def _caused(self, eigenstrain: FloatArray) -> FloatArray:
-        """Stress by an eigenstrain; that of the last one is known, so that elastic increments apply nothing."""
+        """Stress by an eigenstrain, stored for the last eigenstrain so that elastic increments apply nothing."""
         if self._last is None or not np.array_equal(self._last[0], eigenstrain):
             self._last = eigenstrain, self._stress_of(eigenstrain)
         return self._last[1]

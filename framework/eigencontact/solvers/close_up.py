@@ -25,8 +25,10 @@ FloatArray = NDArray[np.float64]
 #: Cells within this many of their longest edges from the points are summed exactly. The field of the rest is
 #: interpolated, with an error of some 1e-5 of its largest value.
 _REACH = 6
-#: Points beyond the part on either side that the interpolation is given, and its degree.
-_MORE, _DEGREE = 3, 5
+#: Points on either side beyond the part that the interpolation uses.
+_MORE = 3
+#: Degree of the interpolation.
+_DEGREE = 5
 
 
 def close_up(
@@ -78,12 +80,12 @@ def close_up(
         "applications": float(np.prod(finer)),
     }
     out = np.zeros((3 if quantity == "displacement" else 6, *target.shape))
-    near, rest = _split(source, target, strain)
-    if rest.any():
-        out += _interpolated(cell, source, rest, target, options)
+    near, far_strain = _split(source, target, strain)
+    if far_strain.any():
+        out += _interpolated(cell, source, far_strain, target, options)
     if near is None:
         return out
-    part = Cells(
+    near_cells = Cells(
         first=tuple(source.first[a] + near[2 - a].start * source.pitch[a] for a in range(3)),
         pitch=source.pitch,
         shape=tuple(where.stop - where.start for where in near),
@@ -96,39 +98,39 @@ def close_up(
             pitch=source.pitch,
             shape=tuple(-(-(n - begin) // m) for n, begin, m in zip(target.shape, shift, finer, strict=True)),  # type: ignore[arg-type]
         )
-        out[(slice(None), *where)] += VolumeField(cell, part, points, **options).apply(inner)
+        out[(slice(None), *where)] += VolumeField(cell, near_cells, points, **options).apply(inner)
     return out
 
 
 def _finer(source: Cells, target: Cells) -> tuple[int, int, int]:
-    """How many times finer the points are along (z, y, x)."""
+    """Refinement of the points along (z, y, x)."""
     ratio = np.divide(source.pitch, target.pitch)
-    whole = np.maximum(1, np.rint(ratio))
-    good = np.allclose(ratio, whole, rtol=1e-9, atol=0.0)
+    multiples = np.maximum(1, np.rint(ratio))
+    good = np.allclose(ratio, multiples, rtol=1e-9, atol=0.0)
     require(good, "close-up", "pitch of points", target.pitch, f"{source.pitch} divided by whole numbers [m]")
-    return int(whole[2]), int(whole[1]), int(whole[0])
+    return int(multiples[2]), int(multiples[1]), int(multiples[0])
 
 
 def _split(source: Cells, target: Cells, strain: FloatArray) -> tuple[tuple[slice, slice, slice] | None, FloatArray]:
     """Place (z, y, x) of the cells near the points that carry eigenstrain, None without any; the strain of the rest."""
-    found = []
+    slices = []
     for axis in (2, 1, 0):
         points, edge, count = target.centres(axis), source.pitch[axis], source.shape[2 - axis]
         reach = int(np.ceil(_REACH * max(source.pitch) / edge))
         begin = int(np.floor((points[0] - source.first[axis]) / edge + 0.5)) - reach
         end = int(np.floor((points[-1] - source.first[axis]) / edge + 0.5)) + reach + 1
-        found.append(slice(min(max(begin, 0), count), min(max(end, 0), count)))
-    near = (found[0], found[1], found[2])
-    rest = strain.copy()
-    rest[(slice(None), *near)] = 0.0
+        slices.append(slice(min(max(begin, 0), count), min(max(end, 0), count)))
+    near = (slices[0], slices[1], slices[2])
+    far_strain = strain.copy()
+    far_strain[(slice(None), *near)] = 0.0
     carried = np.any(strain[(slice(None), *near)] != 0.0, axis=0)
     if not carried.any():
-        return None, rest
+        return None, far_strain
     tight = [np.flatnonzero(carried.any(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3)]
     z, y, x = (
         slice(where.start + int(hit[0]), where.start + int(hit[-1]) + 1) for where, hit in zip(near, tight, strict=True)
     )
-    return (z, y, x), rest
+    return (z, y, x), far_strain
 
 
 def _interpolated(

@@ -29,9 +29,11 @@ __all__ = ["CoarseToFine", "margin", "refuse_edge"]
 
 FloatArray = NDArray[np.float64]
 
-# On coarser grids the start need not be better than the error of those grids. What is asked of the last before the
-# finest saves iterations there; what is asked of the others does not.
-_COARSE_TOLERANCE, _COARSER_TOLERANCE = 1e-3, 1e-2
+# Tolerance of the last grid before the finest: the start need not be better than the error of that grid, and a tighter
+# start saves iterations on the finest grid.
+_COARSE_TOLERANCE = 1e-3
+# Tolerance of the other coarse grids, where a tighter one saves nothing.
+_COARSER_TOLERANCE = 1e-2
 
 
 class CoarseToFine:
@@ -71,7 +73,7 @@ class CoarseToFine:
         return self._finest(fixed, self._from_below(ladder))
 
     def _from_below(self, ladder: list[tuple[Grid, FloatArray, tuple[int, int]]]) -> FloatArray | None:
-        """Start on the finest grid of a ladder, which is given up; None where there is no coarser one."""
+        """Start on the finest grid from a ladder of coarser grids, which is released; None without a coarser grid."""
         pressure: FloatArray | None = None
         while len(ladder) > 1:
             grid, field_, factors = ladder.pop()
@@ -80,16 +82,16 @@ class CoarseToFine:
         return pressure
 
     def _cell_compliance(self, grid: Grid) -> float:
-        """What a unit pressure on one cell does to it [m/Pa]."""
+        """Displacement of a cell by a unit pressure on itself [m/Pa]."""
         compliance = self.solver.compliance(grid)
         compliance.table(1, 1)
         return compliance.unit
 
     def _prolonged(self, pressure: FloatArray, grid: Grid, finer: Grid, factors: tuple[int, int]) -> FloatArray:
-        """Pressure on the next finer grid; where springs jump, what it does to a cell is smooth, and not itself."""
+        """Pressure on the next finer grid; the product with the relative compliance is smooth and interpolated."""
         if not self._springs:
             return prolong(pressure, factors, finer.shape)
-        coarse, fine = (self._springs[one] / self._cell_compliance(one) for one in (grid, finer))
+        coarse, fine = (self._springs[level] / self._cell_compliance(level) for level in (grid, finer))
         return prolong(pressure * (1.0 + coarse), factors, finer.shape) / (1.0 + fine)
 
     def _coarse(self, grid: Grid, fixed: FloatArray, pressure: FloatArray | None, tolerance: float) -> FloatArray:
@@ -105,15 +107,15 @@ class CoarseToFine:
         """Solve on the whole grid; grow the box while the certificate finds overlap outside it."""
         options, grid = self.options, self.grid
         compliance = self.solver.compliance(grid)
-        whole = Box(0, grid.ny, 0, grid.nx)
+        window = Box(0, grid.ny, 0, grid.nx)
         box = self.solver.box(compliance, pressure)
-        compliance.reserve(box, whole)
+        compliance.reserve(box, window)
         tolerance = 0.7 * options.tolerance  # of the iteration, so that the certificate holds with room to spare
         left = options.max_iterations
         for _ in range(50):
-            done = self.report.iterations
+            iterations = self.report.iterations
             pressure, residual = self._on_box(compliance, fixed, pressure, box, tolerance, left)
-            left -= self.report.iterations - done
+            left -= self.report.iterations - iterations
             solution, overlapping = self._certify(compliance, fixed, pressure, box)
             certificate = solution.report.certificate
             if certificate is not None and certificate.holds:
@@ -183,7 +185,7 @@ class CoarseToFine:
         grid = compliance.grid
         operator = compliance.between(box, box)
         unit = compliance.unit
-        here = fixed[box.slices]
+        separation = fixed[box.slices]
         modes, forces, _ = self._modes(grid, box)
         dtype = np.float64 if compliance.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
@@ -194,7 +196,7 @@ class CoarseToFine:
             p /= scale
             loaded = p > 0
         else:
-            p, loaded = self._first(here, grid)
+            p, loaded = self._first(separation, grid)
             p = p / scale
         circulant = self.solver.circulant(compliance, box)
         # The circulant is cheaper and knows the energy of pressures without a load, away from the edges, to a few %.
@@ -202,7 +204,7 @@ class CoarseToFine:
         problem = BoxProblem(
             apply=operator,
             precondition=circulant.inverse,
-            separation=(here / length).astype(dtype),
+            separation=(separation / length).astype(dtype),
             modes=modes,
             forces=forces / (scale * grid.cell_area),
             least_deflection=self._least_deflection(compliance) / length,
@@ -227,9 +229,9 @@ class CoarseToFine:
 
         state, left = BoxState(p.astype(dtype, copy=False), np.zeros(len(modes)), inf), max(1, iterations)
         for solve in (solve_box, solve_settled):
-            done = self.report.iterations
+            iterations_before = self.report.iterations
             state = solve(problem, state.pressure, loaded, tolerance=tolerance, max_iterations=left, on_iteration=note)
-            left -= self.report.iterations - done
+            left -= self.report.iterations - iterations_before
             if state.residual <= tolerance or left <= 0:
                 break
             loaded = state.pressure > 0
@@ -247,15 +249,15 @@ class CoarseToFine:
             sizes.append(size)
         return RigidModes(fields), np.array(list(self.free.values())) / np.array(sizes), np.array(sizes)
 
-    def _first(self, here: FloatArray, grid: Grid) -> tuple[FloatArray, NDArray[np.bool_]]:
+    def _first(self, separation: FloatArray, grid: Grid) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Start from nothing: the lowest cells share the load, or the overlapping cells are loaded with zero."""
         if 0 not in self.free:
-            return np.zeros(here.shape), here < 0
-        loaded = np.ones(here.shape, dtype=bool)
+            return np.zeros(separation.shape), separation < 0
+        loaded = np.ones(separation.shape, dtype=bool)
         if len(self.free) == 1:
             # Cells equal by symmetry must not be told apart by round-off: scaled scenes then take the same course.
-            low, quarter = float(here.min()), float(np.quantile(here, 0.25))
-            loaded = here <= quarter + 1e-6 * (quarter - low)
+            low, quarter = float(separation.min()), float(np.quantile(separation, 0.25))
+            loaded = separation <= quarter + 1e-6 * (quarter - low)
         return np.where(loaded, self.free[0] / (grid.cell_area * loaded.sum()), 0.0), loaded
 
     def _certify(
@@ -263,11 +265,11 @@ class CoarseToFine:
     ) -> tuple[NormalSolution, Box | None]:
         """Check the contact conditions on the whole window, with a convolution of its own."""
         grid, options = self.grid, self.options
-        whole = Box(0, grid.ny, 0, grid.nx)
-        source = whole if options.periodic else box
+        window = Box(0, grid.ny, 0, grid.nx)
+        source = window if options.periodic else box
         inner = pressure[source.slices]
         top = float(inner.max()) or 1.0
-        displacement = np.asarray(compliance.between(source, whole)(inner / top), dtype=float)
+        displacement = np.asarray(compliance.between(source, window)(inner / top), dtype=float)
         displacement *= top * compliance.unit
         deflected = displacement + self._springs[grid] * pressure if self._springs else displacement
         gap = fixed + deflected
@@ -284,8 +286,8 @@ class CoarseToFine:
         near = gap[source.slices]
         inside = float(np.abs(near * weight).max()) / deflection
         overlap = max(0.0, -_least_outside(gap, source), -float((near * (1.0 - weight)).min())) / deflection
-        every = RigidModes([_cut(mode_field(mode, grid), source) for mode in range(3)])
-        forces = [float(force) * grid.cell_area for force in every.project(inner)]
+        rigid_modes = RigidModes([_cut(mode_field(mode, grid), source) for mode in range(3)])
+        forces = [float(force) * grid.cell_area for force in rigid_modes.project(inner)]
         self.report.certificate = Certificate(
             gap=inside, penetration=overlap, load=self._load_error(forces), tolerance=options.tolerance
         )
@@ -308,7 +310,7 @@ class CoarseToFine:
         return solution, over
 
     def _least_deflection(self, compliance: Compliance) -> float:
-        """What the prescribed load, spread over the window, does to one cell [m]; 0 where no load is prescribed.
+        """Displacement of a cell by its share of the prescribed load, spread over the window [m]; 0 without a load.
 
         On a half-space the deflection in contact is always larger. A periodic body under a uniform pressure does not
         deflect, its mean displacement being zero by definition; its gaps are measured against this.

@@ -128,7 +128,7 @@ class _Iteration:
         self.gauge(problem.separation)
 
     def weight(self, rows: slice, out: Array) -> Array:
-        """What each cell of some rows takes part in a rigid motion."""
+        """Weight of each cell of some rows in a rigid motion."""
         out[:] = self.c[rows]
         if self.problem.share is not None:
             out *= self.problem.share[rows]
@@ -137,27 +137,27 @@ class _Iteration:
     def gauge(self, more: Array, factor: float = 1.0) -> None:
         """Add to the gap; find the largest deflection of loaded cells, and the sums for the rigid displacements."""
 
-        def one(k: int, rows: slice) -> tuple[float, Array, Array]:
-            gap, part, (work, weight) = self.g[rows], self.parts[k], self.sweep.scratch(k)
+        def measure_block(k: int, rows: slice) -> tuple[float, Array, Array]:
+            gap, modes, (work, weight) = self.g[rows], self.parts[k], self.sweep.scratch(k)
             gap += more[rows] if factor == 1.0 else np.multiply(more[rows], self.dtype.type(factor), out=work)
             np.subtract(gap, self.problem.separation[rows], out=work)
             work *= self.c[rows]
             largest = float(work.max())
             self.weight(rows, weight)
-            return largest, part.project(np.multiply(gap, weight, out=work)), part.gram(weight)
+            return largest, modes.project(np.multiply(gap, weight, out=work)), modes.gram(weight)
 
-        largest, projections, grams = zip(*self.sweep(one), strict=True)
+        largest, projections, grams = zip(*self.sweep(measure_block), strict=True)
         self.deflection, self.projection, self.gram = max(largest), sum(projections), sum(grams)
 
     def judge(self, rigid: Array, least: float) -> tuple[float, float]:
-        """Gaps of the loaded cells, and of the others that overlap by at least so much, which are taken in.
+        """Gaps of the loaded cells, and of the cells that join them because they overlap by at least `least`.
 
         Returns the largest overlap of cells not loaded, and the largest gap of loaded ones.
         """
 
-        def one(k: int, rows: slice) -> tuple[float, float, Array, Array]:
-            part, loaded, r, (outside, weight) = self.parts[k], self.c[rows], self.r[rows], self.sweep.scratch(k)
-            np.subtract(part.combine(rigid, self.dtype), self.g[rows], out=outside)  # overlap positive
+        def judge_block(k: int, rows: slice) -> tuple[float, float, Array, Array]:
+            modes, loaded, r, (outside, weight) = self.parts[k], self.c[rows], self.r[rows], self.sweep.scratch(k)
+            np.subtract(modes.combine(rigid, self.dtype), self.g[rows], out=outside)  # overlap positive
             np.multiply(outside, loaded, out=r)
             outside -= r
             overlap, inside = float(outside.max()), max(float(r.max()), -float(r.min()))
@@ -169,9 +169,9 @@ class _Iteration:
                 loaded |= outside > 0
             self.weight(rows, weight)
             weighed = r if self.problem.share is None else np.multiply(r, weight, out=outside)
-            return overlap, inside, part.project(weighed), part.gram(weight)
+            return overlap, inside, modes.project(weighed), modes.gram(weight)
 
-        overlaps, insides, projections, grams = zip(*self.sweep(one), strict=True)
+        overlaps, insides, projections, grams = zip(*self.sweep(judge_block), strict=True)
         self.projection, self.gram = sum(projections), sum(grams)
         return max(overlaps), max(insides)
 
@@ -180,28 +180,28 @@ class _Iteration:
         if len(self.modes):
             amounts = self.modes.amounts(self.gram, self.projection)
 
-            def one(k: int, rows: slice) -> None:
+            def level_block(k: int, rows: slice) -> None:
                 r = self.r[rows]
                 r -= self.parts[k].combine(amounts, self.dtype)
                 r *= self.c[rows]
 
-            self.sweep(one)
+            self.sweep(level_block)
 
     def products(self) -> tuple[float, float]:
         """Keep the correction to the loaded cells; its products with the gaps now and before."""
 
-        def one(_: int, rows: slice) -> tuple[float, float]:
+        def block_products(_: int, rows: slice) -> tuple[float, float]:
             z = self.z[rows]
             z *= self.c[rows]
             return dot(self.r[rows], z), dot(self.r_old[rows], z)
 
-        new, old = zip(*self.sweep(one), strict=True)
+        new, old = zip(*self.sweep(block_products), strict=True)
         return sum(new), sum(old)
 
     def turn(self, beta: float) -> float:
         """Next search direction, without forces; its product with the gaps."""
 
-        def one(k: int, rows: slice) -> Array:
+        def project_block(k: int, rows: slice) -> Array:
             d = self.direction[rows]
             if beta > 0:
                 d *= self.dtype.type(beta)
@@ -211,34 +211,34 @@ class _Iteration:
                 d[:] = self.z[rows]
             return self.parts[k].project(d)
 
-        projection = np.sum(self.sweep(one), axis=0)
+        projection = np.sum(self.sweep(project_block), axis=0)
         amounts = self.modes.amounts(self.gram, projection) if len(self.modes) else projection
 
-        def other(k: int, rows: slice) -> float:
+        def correct_block(k: int, rows: slice) -> float:
             d, (work, weight) = self.direction[rows], self.sweep.scratch(k)
             if len(self.modes):
                 self.weight(rows, weight)
                 d -= np.multiply(self.parts[k].combine(amounts, self.dtype), weight, out=work)
             return dot(self.r[rows], d)
 
-        return sum(self.sweep(other))
+        return sum(self.sweep(correct_block))
 
     def go(self, step: float) -> tuple[float, Array]:
         """Pressure after a step, to `rest`, zero where it would pull; its smallest value before, and its forces."""
 
-        def one(k: int, rows: slice) -> tuple[float, Array]:
-            rest = np.multiply(self.direction[rows], self.dtype.type(step), out=self.rest[rows])
-            rest += self.p[rows]
-            least = float(rest.min())
+        def step_block(k: int, rows: slice) -> tuple[float, Array]:
+            stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.rest[rows])
+            stepped += self.p[rows]
+            least = float(stepped.min())
             if least < 0:
-                np.maximum(rest, 0, out=rest)
-            return least, self.parts[k].project(rest)
+                np.maximum(stepped, 0, out=stepped)
+            return least, self.parts[k].project(stepped)
 
-        least, forces = zip(*self.sweep(one), strict=True)
+        least, forces = zip(*self.sweep(step_block), strict=True)
         return min(least), sum(forces)
 
     def carry(self, forces: Array) -> bool:
-        """Make `rest`, which carries some forces, carry those that are prescribed; whether it can."""
+        """Scale `rest` from its present forces to the prescribed ones; returns whether a positive pressure can."""
         factor = self.modes.factor(forces, self.problem.forces)
         if factor is None:
             self.rest = self.modes.carry(self.rest, self.problem.forces)

@@ -1,4 +1,4 @@
-"""What is prescribed: for each rigid mode of the approaching body either its force or its displacement.
+"""Prescribed values: for each rigid mode of the approaching body either its force or its displacement.
 
 Modes and signs are those of the gap ``g = h + u - δ - φx y + φy x``: the approach δ with the normal load P, the tilt
 φx with the moment Mx = Σ p y dA, the tilt φy with My = -Σ p x dA (thesis eqs 2.71, 2.72).
@@ -32,10 +32,10 @@ class PrescribedModes:
     def check_pairs(self) -> None:
         """Refuse both of a pair, and numbers that are not finite."""
         for displacement, force in self.modes:
-            given = [name for name in (displacement, force) if getattr(self, name) is not None]
-            if len(given) == 2:
+            names = [name for name in (displacement, force) if getattr(self, name) is not None]
+            if len(names) == 2:
                 raise SceneError(f"step must give {displacement} or {force} (got both); leave one out")
-            for name in given:
+            for name in names:
                 require(np.isfinite(getattr(self, name)), "step", name, getattr(self, name), "finite")
 
     @property

@@ -111,7 +111,7 @@ class VolumeField:
     def _sampled(self, cell: HasCornerPotentials, forms: Forms, precision: str) -> VolumeKernels:
         layout, unit, pitch = self.layout, self._unit, self.source.pitch
         kernels = cell_kernels(forms)
-        images = [whose == "image" for whose, *_ in kernels]
+        images = [origin == "image" for origin, *_ in kernels]
         store = VolumeKernels(layout, [parity_of(kernel) for kernel in kernels], images, precision=precision)
         x, y = nodes_around(layout.lattice_x, pitch[0], unit), nodes_around(layout.lattice_y, pitch[1], unit)
         real = nodes_around(layout.lattice_z, pitch[2], unit)
@@ -220,9 +220,9 @@ def _taps(points: int, cells: int, start: float) -> list[tuple[slice, slice, flo
         shifts = [(lower, 0.5), (lower + 1, 0.5)]
     else:
         shifts = [(lower if fraction < 0.5 else lower + 1, 1.0)]
-    found = []
+    taps = []
     for shift, weight in shifts:
         first, stop = max(0, -shift), min(points, cells - shift)
         if first < stop:
-            found.append((slice(first, stop), slice(first + shift, stop + shift), weight))
-    return found
+            taps.append((slice(first, stop), slice(first + shift, stop + shift), weight))
+    return taps

@@ -154,8 +154,8 @@ class PeriodicHalfSpace:
         def fill(first: int) -> None:
             batch = slice(first, first + count)
             for rows, columns, ky, kx, weight in self._waves(np.arange(ny)[batch], fractions):
-                found = self._sum(waves[:, :, batch][:, :, rows[:, None], columns], quantity, planes, ky, kx)
-                out[:, :, batch][:, :, rows[:, None], columns] += weight * found
+                waves_sum = self._sum(waves[:, :, batch][:, :, rows[:, None], columns], quantity, planes, ky, kx)
+                out[:, :, batch][:, :, rows[:, None], columns] += weight * waves_sum
 
         in_parallel(workers, [partial(fill, first) for first in range(0, ny, count)])
         out[:, :, 0, 0] += _uniform(waves[:, :, 0, 0].real, quantity, planes, self.interfaces, self.poisson_ratio)
@@ -168,14 +168,14 @@ class PeriodicHalfSpace:
     def _waves(
         self, rows: NDArray[np.intp], fractions: tuple[float, float]
     ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], FloatArray, FloatArray, ComplexArray]]:
-        """Waves that look alike on the grid as `rows` do: which rows and columns, ky, kx and their weights."""
+        """Aliases of `rows` on the grid: their rows and columns, ky, kx and weights."""
         ny, nx = self.shape
         for shift_y in self._shifts:
-            there, ky, weight_y = self._axis(rows, shift_y, ny, self.grid.dy, fractions[0])
-            for shift_x in self._shifts if there.size else ():
+            kept_rows, ky, weight_y = self._axis(rows, shift_y, ny, self.grid.dy, fractions[0])
+            for shift_x in self._shifts if kept_rows.size else ():
                 columns, kx, weight_x = self._axis(np.arange(nx // 2 + 1), shift_x, nx, self.grid.dx, fractions[1])
                 if columns.size:
-                    yield there, columns, ky[:, None], kx[None, :], weight_y[:, None] * weight_x
+                    yield kept_rows, columns, ky[:, None], kx[None, :], weight_y[:, None] * weight_x
 
     @property
     def _shifts(self) -> range:
@@ -190,12 +190,12 @@ class PeriodicHalfSpace:
         """
         moved = np.where(numbers > n // 2, numbers - n, numbers) + shift * n
         most = (2 * self.aliases + 1) * n
-        kept = np.flatnonzero(2 * np.abs(moved) <= most)
-        moved = moved[kept]
+        resolved = np.flatnonzero(2 * np.abs(moved) <= most)
+        moved = moved[resolved]
         weight = np.where(2 * np.abs(moved) == most, 0.5, 1.0) * np.exp(2j * np.pi * fraction / n * moved)
         if self.aliases:
             weight = weight * np.sinc(moved / n)
-        return kept, 2.0 * np.pi / (n * pitch) * moved, weight
+        return resolved, 2.0 * np.pi / (n * pitch) * moved, weight
 
     def _sum(
         self, eigenstrain: ComplexArray, quantity: str, planes: list[Plane], ky: FloatArray, kx: FloatArray

@@ -138,14 +138,14 @@ class PlaneFields:
         kernels, far = cell_kernels(forms), self._far(layers * dz, depth * dz)
         tables = np.empty((len(kernels), stop - first, x.size - 1, y.size - 1))
         for group in kernel_groups(kernels, 8 * x.size * y.size * (_LAYERS + 1)):
-            whose = group[0][0]
-            z = nodes_around(offsets[whose], dz, self._unit)
+            origin = group[0][0]
+            z = nodes_around(offsets[origin], dz, self._unit)
             if depth == 0 and self.space == "half":
                 z = seen_from_inside(z)
             singular = self.quantity != "displacement"
             table = sample_tables(cell, group, (x, y, z), threads=1, extended=far, singular=singular)
             values = np.moveaxis(table, 3, 1)
-            tables[[kernels.index(kernel) for kernel in group]] = values if whose == "image" else values[:, ::-1]
+            tables[[kernels.index(kernel) for kernel in group]] = values if origin == "image" else values[:, ::-1]
         weights = self._scale * _weights(forms, kernels, float(self.depths[plane]) / self._unit)
         for place, layer in enumerate(range(first, stop)):
             combined = np.einsum("osk,kxy->osxy", weights, tables[:, place])

@@ -50,7 +50,7 @@ FloatArray = NDArray[np.float64]
 
 
 class StressOperator(Protocol):
-    """What is asked of the operator: stress in the cells that carry the eigenstrain (``MeanVolumeField``)."""
+    """Operator that gives the stress in the cells of an eigenstrain (``MeanVolumeField``)."""
 
     source: Cells
     target: Cells
@@ -174,10 +174,10 @@ class InhomogeneousCells:
         if self._cells.size == 0:
             return
         for cells, (stress, strain, prestrain) in Conditions(matrix, materials).of(self._cells, flat, shares):
-            alone = stress @ self.alone + strain
-            self._parts.append((cells, _by_component(np.linalg.solve(alone, stress))))
+            condition = stress @ self.alone + strain
+            self._parts.append((cells, _by_component(np.linalg.solve(condition, stress))))
             if prestrain is not strain:  # cut cells, one run at the end
-                self._offset = _by_component(np.linalg.solve(alone, prestrain - strain))
+                self._offset = _by_component(np.linalg.solve(condition, prestrain - strain))
 
     @cached_property
     def alone(self) -> FloatArray:
@@ -227,15 +227,15 @@ class InhomogeneousCells:
         """
         began = perf_counter()
         self._report = report = InclusionReport(tolerance=tolerance)
-        given = _field("applied_stress", applied_stress, self.shape)
+        applied = _field("applied_stress", applied_stress, self.shape)
         fixed = np.zeros((6, *self.shape)) if prestrain is None else _field("prestrain", prestrain, self.shape)
-        load = given + self._apply(fixed)
+        load = applied + self._apply(fixed)
         cells = load.reshape(6, -1)[:, self._cells]
         shift = self._shift(fixed)
         size = norm_of(cells) / (2.0 * self.matrix.shear_modulus)
-        found = np.zeros_like(cells)
+        equivalent = np.zeros_like(cells)
         if start is not None:
-            found = (_field("start", start, self.shape) - fixed).reshape(6, -1)[:, self._cells]
+            equivalent = (_field("start", start, self.shape) - fixed).reshape(6, -1)[:, self._cells]
 
         def watch(norm: float) -> None:
             report.history.append(norm / size)
@@ -243,18 +243,20 @@ class InhomogeneousCells:
                 progress("equivalent inclusions", norm / size, tolerance)
 
         if size > 0.0:
-            rest = self._residual(found, cells + (self._caused(found) if found.any() else 0.0)) + shift
-            found = found + gmres(
+            residual = (
+                self._residual(equivalent, cells + (self._caused(equivalent) if equivalent.any() else 0.0)) + shift
+            )
+            equivalent = equivalent + gmres(
                 lambda x: self._row(x.reshape(6, -1)).ravel(),
-                rest.ravel(),
+                residual.ravel(),
                 bound=0.9 * tolerance * size,
                 max_iterations=max_iterations,
                 restart=restart,
                 watch=watch,
             ).reshape(6, -1)
-        eigenstrain = fixed + self._spread(found)
-        stress = given + self._apply(eigenstrain)
-        left = norm_of(self._residual(found, stress.reshape(6, -1)[:, self._cells]) + shift)
+        eigenstrain = fixed + self._spread(equivalent)
+        stress = applied + self._apply(eigenstrain)
+        left = norm_of(self._residual(equivalent, stress.reshape(6, -1)[:, self._cells]) + shift)
         report.residual = left / size if size > 0.0 else 0.0
         report.seconds = perf_counter() - began
         if not report.holds:
@@ -271,7 +273,7 @@ class InhomogeneousCells:
         return self._cells
 
     def answer(self, eigenstrain: FloatArray, stress: FloatArray, prestrain: FloatArray) -> FloatArray:
-        """What each cell would take for its eigenstrain, the others as they are: ``(6, n)`` of the `cells`.
+        """Eigenstrain of each cell for the present eigenstrain of the others: ``(6, n)`` of the `cells`.
 
         Parameters
         ----------
@@ -279,23 +281,23 @@ class InhomogeneousCells:
             The eigenstrain as it is, the total stress [Pa] under it, and the cells' own.
         """
         flat = [values.reshape(6, -1)[:, self._cells] for values in (eigenstrain, stress, prestrain)]
-        found = flat[0] - flat[2]
-        return flat[0] + self._residual(found, flat[1]) + self._shift(prestrain)
+        equivalent = flat[0] - flat[2]
+        return flat[0] + self._residual(equivalent, flat[1]) + self._shift(prestrain)
 
     def _row(self, x: FloatArray) -> FloatArray:
         return -self._residual(x, self._caused(x))
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
-        """What is missing in each cell's condition, as the eigenstrain it would add by itself."""
+        """Residual of each cell's condition, as the eigenstrain that removes it in this cell."""
         foreign = stress - self.alone @ x
         out = np.empty_like(x)
-        for cells, answer in self._parts:
-            out[:, cells] = _product(answer, foreign[:, cells])
+        for cells, matrix in self._parts:
+            out[:, cells] = _product(matrix, foreign[:, cells])
         out += x
         return np.negative(out, out=out)
 
     def _shift(self, prestrain: FloatArray) -> FloatArray | float:
-        """What a prestrain adds to the conditions of cut cells, where one part of the cell has it only."""
+        """Contribution of a prestrain to the conditions of cut cells, where only one part of the cell has it."""
         if self._offset is None or not prestrain.any():
             return 0.0
         out = np.zeros((6, self._cells.size))

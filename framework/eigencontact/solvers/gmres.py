@@ -58,15 +58,15 @@ def gmres(
         The best found. Whether it meets the bound is for the caller to check: rounding may have stopped it short.
     """
     total = np.zeros_like(residual)
-    left, rest = max_iterations, residual
-    while left > 0 and norm_of(rest) > bound:
+    left, remainder = max_iterations, residual
+    while left > 0 and norm_of(remainder) > bound:
         size = min(restart, left)
-        step, used = _cycle(operator, rest, bound, size, watch)
+        step, used = _cycle(operator, remainder, bound, size, watch)
         left -= used
         if left <= 0:
             return total + step
-        before, rest = norm_of(rest), residual - operator(total + step)
-        after = norm_of(rest)
+        before, remainder = norm_of(remainder), residual - operator(total + step)
+        after = norm_of(remainder)
         if after < before:
             total += step
         if not after < 0.999 * before:
@@ -91,13 +91,13 @@ def _cycle(
     while count < size:
         vector = operator(block[count])
         first = norm_of(vector)
-        known = block[: count + 1]
+        basis = block[: count + 1]
         column = np.zeros(count + 2)
         height = first
         for _ in range(2):
-            before, part = height, np.einsum("ij,j->i", known, vector)
-            vector = vector - np.einsum("i,ij->j", part, known)
-            column[:-1] += part
+            before, projection = height, np.einsum("ij,j->i", basis, vector)
+            vector = vector - np.einsum("i,ij->j", projection, basis)
+            column[:-1] += projection
             height = norm_of(vector)
             if height > 0.5 * before:
                 break  # little was taken away: once more only where rounding may have left some of it

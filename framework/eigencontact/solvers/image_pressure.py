@@ -255,9 +255,9 @@ class ImagePressureVolume:
         self, scheme: ImagePressure, cell: HasCornerPotentials, source: Cells, target: Cells, *, quantity: str
     ) -> None:
         top = target.first[2]
-        reached = source.flush and abs(top) <= 1e-9 * target.pitch[2]
+        at_surface = source.flush and abs(top) <= 1e-9 * target.pitch[2]
         rule = "below the surface where cells reach it and strain is asked for"
-        require(not (reached and quantity == "strain"), "image-pressure", "first target depth", top, rule)
+        require(not (at_surface and quantity == "strain"), "image-pressure", "first target depth", top, rule)
         require(top >= -1e-9 * target.pitch[2], "image-pressure", "first target depth", top, "0 or more [m]")
         body, grid = scheme.material, scheme.grid
         mirrored = replace(target, first=(*target.first[:2], -float(target.centres(2)[-1])))

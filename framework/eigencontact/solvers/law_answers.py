@@ -22,7 +22,7 @@ _FAR = 1.0
 
 
 class Law(Protocol):
-    """What is asked of a constitutive law; see `eigencontact.plugin.ConstitutiveLaw`."""
+    """Constitutive law as the solvers use it; see `eigencontact.plugin.ConstitutiveLaw`."""
 
     @property
     def key(self) -> Any:
@@ -31,7 +31,7 @@ class Law(Protocol):
 
     @property
     def advice(self) -> str:
-        """What helps where it softens."""
+        """Advice to the user where the law softens."""
         ...
 
     @property
@@ -85,14 +85,14 @@ def answer_of(law: Law, strain: FloatArray, before: Mapping[str, FloatArray], st
     PluginError
         The law fails, or answers with other shapes, other variables or no numbers.
     """
-    where, count = _words(law), strain.shape[1]
-    found = law.update(strain, before, step)
+    where, count = _name_of(law), strain.shape[1]
+    response = law.update(strain, before, step)
     with _of_its_form(where):
-        stress, tangent = (_numbers(getattr(found, name), where, name) for name in ("stress", "tangent"))
-        given = dict(found.variables)
+        stress, tangent = (_numbers(getattr(response, name), where, name) for name in ("stress", "tangent"))
+        returned = dict(response.variables)
     _formed(stress, [(6, count)], where, "stress")
     _formed(tangent, [(6, 6, count), (6, 6)], where, "tangent")
-    variables = _declared(law, given, count)
+    variables = _declared(law, returned, count)
     by_point = np.broadcast_to(tangent, (count, 6, 6)) if tangent.ndim == 2 else np.moveaxis(tangent, 2, 0)
     finite: NDArray[np.bool_] = np.asarray(np.isfinite(stress).all(axis=0) & np.isfinite(tangent).all(axis=(0, 1)))
     for values in variables.values():
@@ -110,13 +110,13 @@ def cell_answer_of(
     PluginError
         The law fails, or answers with other shapes, other variables or no finite numbers.
     """
-    where, count = _words(law), foreign.shape[1]
-    answer = law.cell_answer(foreign, prestrain, around, before, step)
+    where, count = _name_of(law), foreign.shape[1]
+    response = law.cell_answer(foreign, prestrain, around, before, step)
     with _of_its_form(where):
-        found, given = answer
-        eigenstrain, given = _numbers(found, where, "eigenstrain"), dict(given)
+        strain_returned, returned = response
+        eigenstrain, returned = _numbers(strain_returned, where, "eigenstrain"), dict(returned)
     _formed(eigenstrain, [(6, count)], where, "eigenstrain")
-    variables = _declared(law, given, count)
+    variables = _declared(law, returned, count)
     finite = np.isfinite(np.concatenate([eigenstrain, *variables.values()])).all(axis=0)
     if not finite.all():
         first = int(np.argmin(finite))
@@ -139,11 +139,13 @@ def refuse(law: Law, strain: FloatArray, answer: Answer, step: Any) -> None:
     bad = np.flatnonzero(~answer.finite)
     sizes = np.linalg.norm(strain[:, bad], axis=0)
     worst = int(bad[np.argmin(np.where(np.isfinite(sizes), sizes, np.inf))])
-    got = f"constitutive law {law.key!r} must answer with finite numbers (got others {place_of(worst, step)}, and at"
-    got += f" {bad.size} of {strain.shape[1]} points"
+    message = (
+        f"constitutive law {law.key!r} must answer with finite numbers (got others {place_of(worst, step)}, and at"
+    )
+    message += f" {bad.size} of {strain.shape[1]} points"
     if not np.linalg.norm(strain[:, worst]) <= _FAR:
-        raise NotConverged(f"{got}, at strains beyond {_FAR:g}); take smaller load steps")
-    raise PluginError(f"{got}, at a strain of {np.array2string(strain[:, worst], precision=4)})")
+        raise NotConverged(f"{message}, at strains beyond {_FAR:g}); take smaller load steps")
+    raise PluginError(f"{message}, at a strain of {np.array2string(strain[:, worst], precision=4)})")
 
 
 def place_of(point: int, step: Any) -> str:
@@ -152,7 +154,7 @@ def place_of(point: int, step: Any) -> str:
     return f"at x = {x:.6g} m, y = {y:.6g} m, z = {z:.6g} m"
 
 
-def _words(law: Any) -> str:
+def _name_of(law: Any) -> str:
     return f"constitutive law {law.key!r}"
 
 
@@ -165,24 +167,24 @@ def _of_its_form(where: str) -> Iterator[None]:
         raise PluginError(f"{where} failed with {type(problem).__name__}: {problem}") from problem
 
 
-def _declared(law: Any, given: dict[str, Any], count: int) -> dict[str, FloatArray]:
+def _declared(law: Any, returned: dict[str, Any], count: int) -> dict[str, FloatArray]:
     """Variables that a law returns, as it declares them."""
-    where = _words(law)
-    if set(given) != set(law.variables):
+    where = _name_of(law)
+    if set(returned) != set(law.variables):
         raise PluginError(
-            f"{where} must return the variables that it declares, {sorted(law.variables)} (got {sorted(given)})"
+            f"{where} must return the variables that it declares, {sorted(law.variables)} (got {sorted(returned)})"
         )
-    variables = {name: _numbers(values, where, f"variable {name!r}") for name, values in given.items()}
+    variables = {name: _numbers(values, where, f"variable {name!r}") for name, values in returned.items()}
     for name, values in variables.items():
         _formed(values, [(law.variables[name].components, count)], where, f"variable {name!r}")
     return variables
 
 
-def _numbers(values: Any, where: str, what: str) -> FloatArray:
-    return real_answer(values, f"{what} of {where}")
+def _numbers(values: Any, where: str, quantity: str) -> FloatArray:
+    return real_answer(values, f"{quantity} of {where}")
 
 
-def _formed(values: FloatArray, shapes: list[tuple[int, ...]], where: str, what: str) -> None:
+def _formed(values: FloatArray, shapes: list[tuple[int, ...]], where: str, quantity: str) -> None:
     if values.shape not in shapes:
         rule = " or ".join(map(str, shapes))
-        raise PluginError(f"{what} of {where} must be of shape {rule} (got shape {values.shape})")
+        raise PluginError(f"{quantity} of {where} must be of shape {rule} (got shape {values.shape})")

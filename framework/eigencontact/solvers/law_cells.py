@@ -1,4 +1,4 @@
-"""Cells that obey a law of any kind: each finds the eigenstrain with which it bears what the others do to it.
+"""Cells with a constitutive law: each cell finds the eigenstrain that satisfies its law under the others' stress.
 
 The stress of a cell is ``σ = σ_f + A e``: what the others cause, and its own eigenstrain e by the answer A of a cell
 alone. Its strain is ``M σ + e``, M the compliance of the matrix. The law must give σ for the strain less the
@@ -45,8 +45,12 @@ class Around(Protocol):
         ...
 
 
-#: Newton steps of one sweep, halvings of one of them, and residual that is round-off, in parts of the stress.
-_STEPS, _HALVINGS, _ROUND_OFF = 40, 12, 1e-11
+#: Most Newton steps of one sweep.
+_STEPS = 40
+#: Most halvings of one Newton step.
+_HALVINGS = 12
+#: Residual that is round-off, in parts of the stress.
+_ROUND_OFF = 1e-11
 #: Cells of which a law is asked at once where nothing but its stress is kept.
 _CHUNK = 16384
 #: Cells that answer as cells do at a time: with 274 000 of them fewer cost more calls, more no longer fit a cache.
@@ -99,7 +103,7 @@ class LawCells:
         before: Sequence[Mapping[str, FloatArray]],
         steps: Sequence[Any],
     ) -> tuple[FloatArray, list[Remembered]]:
-        """Eigenstrain that each cell would take, the others as they are, and what it would then remember.
+        """Eigenstrain of each cell for the present eigenstrain of the others, and its history variables.
 
         Parameters
         ----------
@@ -116,61 +120,61 @@ class LawCells:
             A law that answers what it must not; see `eigencontact.solvers.law_answers`.
         """
         out, remembered = np.empty_like(eigenstrain), []
-        for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
-            e, s, own = eigenstrain[:, cells], stress[:, cells], prestrain[:, cells]
-            with self._named(law, cells, step):
+        for (law, cells), records, step in zip(self.groups, before, steps, strict=True):
+            e, s, fixed = eigenstrain[:, cells], stress[:, cells], prestrain[:, cells]
+            with self._naming_cells(law, cells, step):
                 if self._around is not None and isinstance(law, AnsweringLaw):
-                    remembered.append(self._asked(law, out[:, cells], e, s, own, known, step))
+                    remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
                 foreign = s - product(self._body.alone, e)
-                found = _solved(_Question(self._body, law, foreign, own, known, step), e)
-                out[:, cells] = found.eigenstrain
-                remembered.append(found.answer.variables)
+                solution = _solved(_Question(self._body, law, foreign, fixed, records, step), e)
+                out[:, cells] = solution.eigenstrain
+                remembered.append(solution.answer.variables)
         return out, remembered
 
-    def _asked(
+    def _cell_answers(
         self,
         law: Law,
         out: FloatArray,
         eigenstrain: FloatArray,
         stress: FloatArray,
         prestrain: FloatArray,
-        known: Mapping[str, FloatArray],
+        records: Mapping[str, FloatArray],
         step: Any,
     ) -> Remembered:
-        """Put into `out` what a law answers for its cells, some of them at a time; what they would remember."""
+        """Write the answers of a law for its cells to `out`, chunk by chunk; returns their history variables."""
         count = out.shape[1]
         after = {name: np.empty((variable.components, count)) for name, variable in law.variables.items()}
         several: list[int] = []
 
-        def ask(part: slice) -> None:
-            ball = stress[:, part] + self._ball(eigenstrain[:, part])
-            before = {name: values[:, part] for name, values in known.items()}
+        def ask(chunk: slice) -> None:
+            ball = stress[:, chunk] + self._ball(eigenstrain[:, chunk])
+            before = {name: values[:, chunk] for name, values in records.items()}
             try:
-                found = cell_answer_of(law, ball, prestrain[:, part], self._around, before, step.of(part))
+                response = cell_answer_of(law, ball, prestrain[:, chunk], self._around, before, step.of(chunk))
             except NotUnique as problem:
                 if not len(problem.points):
                     raise
-                several.extend(part.start + int(point) for point in problem.points)
+                several.extend(chunk.start + int(point) for point in problem.points)
                 return
-            out[:, part] = found[0]
-            for name, values in found[1].items():
-                after[name][:, part] = values
+            out[:, chunk] = response[0]
+            for name, values in response[1].items():
+                after[name][:, chunk] = values
 
-        in_parallel(self._threads, [partial(ask, part) for part in _pieces(count, _ASKED)])
+        in_parallel(self._threads, [partial(ask, chunk) for chunk in _pieces(count, _ASKED)])
         if several:
             raise NotUnique(f"{len(several)} points have more than one answer", sorted(several))
         return after
 
     def words(self, law: Law, cell: int, step: Any) -> str:
         """Words for the cell of a law, counted among those of the law, with its index in the box and its place."""
-        cells = next(cells for other, cells in self.groups if other is law)
+        cells = next(cells for candidate, cells in self.groups if candidate is law)
         index = int(self.cells[cells][cell])
         where = index if self._shape is None else tuple(int(n) for n in np.unravel_index(index, self._shape))
         return f"cell {where}{'' if self._shape is None else ' (layer, row, column)'} {place_of(cell, step)}"
 
     @contextmanager
-    def _named(self, law: Law, cells: slice, step: Any) -> Iterator[None]:
+    def _naming_cells(self, law: Law, cells: slice, step: Any) -> Iterator[None]:
         """Cells without a unique answer are named, and what helps."""
         try:
             yield
@@ -199,14 +203,14 @@ class LawCells:
         """
         strain = product(self._body.compliance, stress) + eigenstrain - prestrain
         worst = 0.0
-        for (law, cells), known, step in zip(self.groups, before, steps, strict=True):
+        for (law, cells), records, step in zip(self.groups, before, steps, strict=True):
             count = cells.stop - cells.start
-            for part in _pieces(count, _CHUNK):
-                own = slice(cells.start + part.start, cells.start + part.stop)
-                remembered = {name: value[:, part] for name, value in known.items()}
-                answer = answer_of(law, strain[:, own], remembered, step.of(part))
-                difference = np.linalg.norm(answer.stress - stress[:, own], axis=0)
-                worst = max(worst, float(np.where(answer.finite, difference, np.inf).max()))
+            for chunk in _pieces(count, _CHUNK):
+                cells_of_chunk = slice(cells.start + chunk.start, cells.start + chunk.stop)
+                remembered = {name: value[:, chunk] for name, value in records.items()}
+                response = answer_of(law, strain[:, cells_of_chunk], remembered, step.of(chunk))
+                difference = np.linalg.norm(response.stress - stress[:, cells_of_chunk], axis=0)
+                worst = max(worst, float(np.where(response.finite, difference, np.inf).max()))
         return worst
 
     def _ball(self, eigenstrain: FloatArray) -> FloatArray:
@@ -229,7 +233,7 @@ class _Body:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Question:
-    """What the cells of one law must answer."""
+    """Equations of the cells of one law."""
 
     body: _Body
     law: Law
@@ -249,7 +253,7 @@ class _Question:
 
     def limit(self, state: _State) -> FloatArray:
         """Residual that is round-off."""
-        sizes = [np.linalg.norm(part, axis=0) for part in (state.eigenstrain, self.prestrain, self.foreign)]
+        sizes = [np.linalg.norm(tensor, axis=0) for tensor in (state.eigenstrain, self.prestrain, self.foreign)]
         strain = sizes[0] + sizes[1] + sizes[2] / self.body.size
         stiffness = np.linalg.norm(state.answer.tangent, axis=(1, 2))
         scale = np.maximum.reduce([self.body.size * sizes[0], self.body.size * sizes[1], sizes[2]])
@@ -300,11 +304,11 @@ def _solved(question: _Question, start: FloatArray) -> _State:
 
 def _nearer(question: _Question, state: _State, change: FloatArray) -> _State:
     """Newton's step, halved in the cells where it does not lower the residual, unless to round-off."""
-    part, enough = np.ones(change.shape[1]), np.maximum(state.error, question.limit(state))
+    fraction, enough = np.ones(change.shape[1]), np.maximum(state.error, question.limit(state))
     for _ in range(_HALVINGS):
-        trial = question.at(state.eigenstrain + part * change)
+        trial = question.at(state.eigenstrain + fraction * change)
         worse = ~(trial.error <= enough)
         if not worse.any():
             break
-        part = np.where(worse, 0.5 * part, part)
+        fraction = np.where(worse, 0.5 * fraction, fraction)
     return trial

@@ -21,8 +21,10 @@ from eigencontact.solvers.eigenstrain import VolumeField
 
 __all__ = ["MeanVolumeField"]
 
-# Gauss points along the shortest and, at most, along the longest edge of a cell.
-_FEWEST, _MOST = 2, 5
+# Gauss points along the shortest edge of a cell.
+_FEWEST = 2
+# Most Gauss points along the longest edge of a cell.
+_MOST = 5
 
 
 class MeanVolumeField(VolumeField):
@@ -48,7 +50,7 @@ class MeanVolumeField(VolumeField):
             rules[2] = [(0.0, 1.0)]
         out = np.zeros((len(group), *(axis.size - 1 for axis in nodes)))
         for (x, weight_x), (y, weight_y), (z, weight_z) in product(*rules):
-            shifted = [axis + part * edge for axis, part, edge in zip(nodes, (x, y, z), edges, strict=True)]
+            shifted = [axis + offset * edge for axis, offset, edge in zip(nodes, (x, y, z), edges, strict=True)]
             tables = super()._tables(cell, group, (shifted[0], shifted[1], shifted[2]), far=far)
             out += np.multiply(tables, weight_x * weight_y * weight_z, out=tables)
         return out

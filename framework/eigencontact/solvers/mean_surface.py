@@ -37,8 +37,10 @@ __all__ = ["MeanStressKernel", "SurfaceAndCells"]
 
 FloatArray = NDArray[np.float64]
 
-# Gauss points along each edge of a cell, and of those that touch the surface.
-_POINTS, _FLUSH = 2, 3
+# Gauss points along each edge of a cell.
+_POINTS = 2
+# Gauss points along each edge of a cell that touches the surface.
+_FLUSH = 3
 
 
 @dataclass(frozen=True, slots=True)

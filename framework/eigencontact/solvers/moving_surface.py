@@ -42,7 +42,7 @@ _OF_PRESSURE = 5.0
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Moved:
-    """What many cycles did to a surface.
+    """Change of a surface over many cycles.
 
     Attributes
     ----------
@@ -142,8 +142,8 @@ def moved(
 
     coarse, before, solves, count = stepped(1), None, 1, 1
     # The error of one sub-step: the trapezoidal rule would take the mean of the first and the last pressure.
-    other = coarse[0] - 0.5 * cycles * rate * (coarse[1] - pressure), 0.5 * (coarse[1] + pressure)
-    answer, errors = coarse, _difference(other, coarse, least)
+    trapezoidal = coarse[0] - 0.5 * cycles * rate * (coarse[1] - pressure), 0.5 * (coarse[1] + pressure)
+    state, errors = coarse, _difference(trapezoidal, coarse, least)
     while _worst(errors) > tolerance and count < _FINEST:
         count *= 2
         fine = stepped(count)
@@ -152,12 +152,12 @@ def moved(
         # Of the first extrapolation nothing is known but that it is better than what it is made of.
         finer = errors if before is None else _difference(before, plain, least)
         if _worst(finer) <= _worst(errors):
-            answer, errors = _extrapolated(coarse, fine, count, bounded=True), finer
+            state, errors = _extrapolated(coarse, fine, count, bounded=True), finer
         else:
-            answer = fine
+            state = fine
         coarse, before = fine, plain
     if _worst(errors) <= tolerance:
-        return Moved(depth=answer[0], pressure=answer[1], error=errors[0], pressure_error=errors[1], solves=solves)
+        return Moved(depth=state[0], pressure=state[1], error=errors[0], pressure_error=errors[1], solves=solves)
     raise NotConverged(
         f"worn depth over {cycles:.6g} cycles must come within the tolerance {tolerance:.1e} with {_FINEST} sub-steps "
         f"(got {errors[0]:.1e}, its pressure {errors[1]:.1e}); loosen the tolerance, solve contacts more closely, or "
@@ -170,13 +170,13 @@ def _stepped(
 ) -> _State:
     """Depth added and pressure after implicit sub-steps."""
     rate, steady = rates
-    added = np.zeros_like(depth)
+    growth = np.zeros_like(depth)
     for length in lengths:
         springs = rate * length
-        added = added + steady * length
-        pressure = pressed(depth + added, springs, pressure)
-        added = added + springs * pressure
-    return added, pressure
+        growth = growth + steady * length
+        pressure = pressed(depth + growth, springs, pressure)
+        growth = growth + springs * pressure
+    return growth, pressure
 
 
 def _lengths(count: int) -> FloatArray:
@@ -201,14 +201,14 @@ def _extrapolated(coarse: _State, fine: _State, count: int, *, bounded: bool) ->
     return (np.maximum(depth, 0.0), np.maximum(pressure, 0.0)) if bounded else (depth, pressure)
 
 
-def _difference(one: _State, other: _State, least: float) -> tuple[float, float]:
+def _difference(state: _State, reference: _State, least: float) -> tuple[float, float]:
     """Differences of depth and of pressure, relative to the second; sums over cells."""
 
     def relative(a: FloatArray, b: FloatArray, least: float = 0.0) -> float:
         size, off = max(float(np.sum(np.abs(b))), least), float(np.sum(np.abs(a - b)))
         return off / size if size > 0 else (inf if off > 0 else 0.0)
 
-    return relative(one[0], other[0], least), relative(one[1], other[1])
+    return relative(state[0], reference[0], least), relative(state[1], reference[1])
 
 
 def _worst(errors: tuple[float, float]) -> float:

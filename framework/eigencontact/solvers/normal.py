@@ -118,11 +118,11 @@ class NormalSolver:
         _check(self.grid, separation, control, start)
         if springs is not None:
             _check_springs(self.grid, springs)
-        report, done = SolveReport(), self.convolutions
+        report, before = SolveReport(), self.convolutions
         try:
             return CoarseToFine(self, separation, control, report, progress, tolerance, springs).run(start)
         finally:
-            report.convolutions = self.convolutions - done
+            report.convolutions = self.convolutions - before
             report.seconds = perf_counter() - began
 
     @property
@@ -150,24 +150,24 @@ class NormalSolver:
     def circulant(self, compliance: Compliance, box: Box) -> Circulant:
         """Circulant of one grid for preconditioners; that of the last box is kept."""
         key = compliance.grid
-        known = self._circulants.get(key)
-        if known is None or known[0] != box:
-            known = self._circulants[key] = box, Circulant(compliance, box)
-        return known[1]
+        cached = self._circulants.get(key)
+        if cached is None or cached[0] != box:
+            cached = self._circulants[key] = box, Circulant(compliance, box)
+        return cached[1]
 
     def box(self, compliance: Compliance, pressure: FloatArray | None) -> Box:
-        """Box that can touch: that of the start with a margin, or everything.
+        """Box of possible contact: the box of the start with a margin, or the whole window.
 
         It depends on the start alone, not on earlier solves: a resumed history repeats an uninterrupted one exactly.
         """
         grid = compliance.grid
-        whole = Box(0, grid.ny, 0, grid.nx)
+        window = Box(0, grid.ny, 0, grid.nx)
         loaded = None if pressure is None else Box.around(pressure > 0)
         if loaded is None:
-            return whole
+            return window
         box = loaded.grown(*margin(loaded), grid.shape)
         if self.options.periodic and max(box.shape[0] / grid.ny, box.shape[1] / grid.nx) > 0.5:
-            return whole
+            return window
         return box
 
 

@@ -118,9 +118,9 @@ class Compliance:
         return self._operators[source, target]
 
     def _make(self, source: Box, target: Box) -> BoxOperator:
-        whole = Box(0, self.grid.ny, 0, self.grid.nx)
-        if self._whole is not None and source == target == whole:
-            layout = Layout(whole.shape, whole.shape, periodic=True)
+        window = Box(0, self.grid.ny, 0, self.grid.nx)
+        if self._whole is not None and source == target == window:
+            layout = Layout(window.shape, window.shape, periodic=True)
             return self._operator(layout, self._whole)
         layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
         y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
@@ -140,7 +140,7 @@ class Compliance:
         return BoxOperator(self.convolver(layout), spectrum)
 
     def convolver(self, layout: Layout) -> Convolver:
-        """Convolver of one spectrum, in threads where that pays."""
+        """Convolver of one spectrum, with threads where they save time."""
         threads = self.threads if layout.y.length * layout.x.length >= _WORTH_THREADS else 1
         return Convolver(layout, precision=self.precision, threads=threads)
 

@@ -175,9 +175,9 @@ def _around_edges(
         mean = np.zeros(1)
         for moved in (first, second):
             for way in (-distance, distance):
-                there = list(line)
-                there[moved] = line[moved] + way
-                mean = mean + 0.25 * corner(*_open(there))
+                neighbour = list(line)
+                neighbour[moved] = line[moved] + way
+                mean = mean + 0.25 * corner(*_open(neighbour))
         values[:, place[0], place[1], place[2]] = mean
 
 

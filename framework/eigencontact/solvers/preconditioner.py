@@ -23,9 +23,10 @@ __all__ = ["Circulant", "Preconditioner", "SpringPreconditioner"]
 
 FloatArray = NDArray[np.float64]
 
-# Ratio of the stiffest to the most compliant cell, springs included, up to which one inverse does for all of them; and
-# the largest ratio of neighbouring inverses where there are several.
-_ALIKE, _APART = 10.0, 100.0
+# Largest ratio of the stiffest to the most compliant cell, springs included, for which one inverse serves all cells.
+_ALIKE = 10.0
+# Largest ratio of neighbouring inverses where there are several.
+_APART = 100.0
 
 
 class Preconditioner:

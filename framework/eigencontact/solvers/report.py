@@ -1,4 +1,4 @@
-"""What a solver says about its answer: a certificate, and the history that led to it."""
+"""Report of a solver: a certificate of its solution, and the history of its iterations."""
 
 from __future__ import annotations
 

@@ -55,12 +55,12 @@ class RigidModes:
             return np.array([[float(np.sum(weight, dtype=float)) * float(self.fields[0][0, 0]) ** 2]])
         rows, columns = _margins(weight)
         out = np.empty((len(self), len(self)))
-        for i, one in enumerate(self.fields):
-            for j, other in enumerate(self.fields[: i + 1]):
-                if 1 in (one.size, other.size) or one.shape == other.shape:
-                    value = _sum(one * other, rows, columns)
+        for i, first in enumerate(self.fields):
+            for j, second in enumerate(self.fields[: i + 1]):
+                if 1 in (first.size, second.size) or first.shape == second.shape:
+                    value = _sum(first * second, rows, columns)
                 else:
-                    y, x = (one, other) if one.shape[1] == 1 else (other, one)
+                    y, x = (first, second) if first.shape[1] == 1 else (second, first)
                     value = float(np.sum(y[:, 0] * np.einsum("ij,j->i", weight, x[0])))
                 out[i, j] = out[j, i] = value
         return out
@@ -83,7 +83,7 @@ class RigidModes:
         return RigidModes([field[rows] if field.shape[0] > 1 else field for field in self.fields])
 
     def factor(self, carried: Array, forces: Array) -> float | None:
-        """Factor with which a pressure that carries so much carries the forces; None where a factor will not do."""
+        """Factor that scales the resultants of a pressure to the forces; None where no factor does."""
         if not self.fields:
             return 1.0
         if not self._only_uniform:
@@ -125,7 +125,7 @@ class RigidModes:
         return pressure
 
     def shortage(self, pressure: Array, forces: Array) -> float:
-        """Largest part of the forces that a pressure does not carry; 0 for a load alone, which always can be carried.
+        """Largest part of the forces that a pressure does not carry; 0 for a normal load without moments.
 
         Relative to a force, or to what the pressure would exert if all of it pushed one way.
         """

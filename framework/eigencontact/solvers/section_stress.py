@@ -71,11 +71,11 @@ class SectionStress:
 
     def _fill(self, k: int, prepared: Sequence[TableAt]) -> None:
         """Sample and transform all components at one depth."""
-        grid, row, kept = self.grid, self._row, self._offsets[self._images :]
-        x, y = (kept, row.lattice) if self._across else (row.lattice, kept)
-        shape = (len(self._names), len(prepared), kept.size, row.half)
-        real, whole = ("f4", "c8") if self._precision == "single" else ("f8", "c16")
-        out = np.empty(shape, real if row.symmetric else whole)
+        grid, row, offsets = self.grid, self._row, self._offsets[self._images :]
+        x, y = (offsets, row.lattice) if self._across else (row.lattice, offsets)
+        shape = (len(self._names), len(prepared), offsets.size, row.half)
+        real_type, complex_type = ("f4", "c8") if self._precision == "single" else ("f8", "c16")
+        out = np.empty(shape, real_type if row.symmetric else complex_type)
         for t, tables in enumerate(prepared):
             for c, table in enumerate(tables(k, x * grid.dx, y * grid.dy)):
                 values = table.T if self._across else table
@@ -88,7 +88,7 @@ class SectionStress:
     @property
     def nbytes(self) -> int:
         """Memory of the transformed kernels."""
-        return sum(one.nbytes for one in self._kernels)
+        return sum(kernel.nbytes for kernel in self._kernels)
 
     def covers(self, box: Box) -> bool:
         """Whether tractions on `box` can be handed to `apply`."""
@@ -97,12 +97,12 @@ class SectionStress:
     def apply(self, tractions: Sequence[FloatArray]) -> FloatArray:
         """Mandel stress of tractions on the whole grid, ``(6, nz, ty, tx)`` [Pa]; or displacement, ``(3, ...)`` [m]."""
         waves = self._waves(tractions)
-        parts = [np.ascontiguousarray(part) for part in (waves.real, waves.imag)]
+        components = [np.ascontiguousarray(component) for component in (waves.real, waves.imag)]
         row = self._row
         out = np.empty((len(self._names), self.depths.size, row.targets))
 
         def superpose(k: int) -> None:
-            real, imaginary = (np.einsum("ctrk,ctrk->ck", self._kernels[k], part) for part in parts)
+            real, imaginary = (np.einsum("ctrk,ctrk->ck", self._kernels[k], component) for component in components)
             values = np.fft.irfft(real + 1j * imaginary, n=row.length, axis=1)
             out[:, k] = values[:, row.target_start : row.target_start + row.targets]
 

@@ -1,4 +1,4 @@
-"""What a normal contact is asked with, and what it answers."""
+"""Options and solution of a normal contact."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NormalOptions:
-    """How to solve; what to solve is the other arguments of `solve_normal`.
+    """Options of the solution; the other arguments of `solve_normal` define the problem.
 
     Parameters
     ----------

@@ -33,9 +33,11 @@ TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]
 #: Sum of a load over such a lattice, ``(n,)``.
 SumAt = Callable[[int, FloatArray, FloatArray], FloatArray]
 
-# Points, and depths of waves, that are prepared together: enough that they share work, few enough to be small. Waves
-# at 8 depths of one coating take a sixth of the time of 8 times one depth, and more depths save little.
-_POINTS, _WAVES = 128, 8
+# Points that are prepared together: enough that they share work, few enough to be small.
+_POINTS = 128
+# Depths of waves that are prepared together. Waves at 8 depths of one coating take a sixth of the time of 8 times one
+# depth, and more depths save little.
+_WAVES = 8
 
 
 class StressKernel(Protocol):
@@ -107,17 +109,17 @@ def _sums_at(
 ) -> SumAt:
     """Sums of a load over tables of all components at depths ``(nz,)``."""
     names = list(kernel.components)
-    found = kernel.sums_at(names, depths, half_widths, reach, load) if isinstance(kernel, HasSums) else None
-    if found is not None:
-        return found
+    sums = kernel.sums_at(names, depths, half_widths, reach, load) if isinstance(kernel, HasSums) else None
+    if sums is not None:
+        return sums
     table = tables_at(kernel, depths, half_widths, reach)
     parities = [kernel.parity(name) for name in names]
 
     def sum_at(number: int, x: FloatArray, y: FloatArray) -> FloatArray:
         left, below = mirrored(x), mirrored(y)
-        parts = {p: folded(folded(load, below, 0, p[0]), left, 1, p[1]) for p in parities}
+        folded_loads = {p: folded(folded(load, below, 0, p[0]), left, 1, p[1]) for p in parities}
         values = table(number, x[left:], y[below:])
-        return np.array([np.einsum("ij,ij", value, parts[p]) for value, p in zip(values, parities, strict=True)])
+        return np.array([np.einsum("ij,ij", value, folded_loads[p]) for value, p in zip(values, parities, strict=True)])
 
     return sum_at
 
@@ -130,14 +132,14 @@ def all_tables(
 
 
 def _side_by_side(threads: int, makers: Sequence[Callable[[], Made]]) -> list[Made]:
-    """What each of these makes, in their order."""
-    found: dict[int, Made] = {}
+    """Results of some functions, computed in parallel, in their order."""
+    results: dict[int, Made] = {}
 
     def make(number: int) -> None:
-        found[number] = makers[number]()
+        results[number] = makers[number]()
 
     in_parallel(threads, [partial(make, number) for number in range(len(makers))])
-    return [found[number] for number in range(len(makers))]
+    return [results[number] for number in range(len(makers))]
 
 
 def _responses(
@@ -151,16 +153,16 @@ def _responses(
 
 
 def mirrored(offsets: FloatArray) -> int:
-    """How many of ascending offsets are mirror images of others: half of them where they are symmetric about 0."""
+    """Number of ascending offsets that mirror others: half of them where they are symmetric about 0."""
     symmetric = offsets.size > 1 and np.abs(offsets + offsets[::-1]).max() <= 1e-12 * offsets[-1]
     return offsets.size // 2 if symmetric else 0
 
 
-def _whole(part: FloatArray, images: int, axis: int, sign: int) -> FloatArray:
+def _with_images(table: FloatArray, images: int, axis: int, sign: int) -> FloatArray:
     """Table with the mirror images of its last values, by their parity, before it."""
     if not images:
-        return part
-    return np.concatenate([sign * np.flip(part.take(range(-images, 0), axis), axis), part], axis)
+        return table
+    return np.concatenate([sign * np.flip(table.take(range(-images, 0), axis), axis), table], axis)
 
 
 def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[Any]:
@@ -168,9 +170,9 @@ def folded(values: NDArray[Any], images: int, axis: int, sign: int) -> NDArray[A
     if not images:
         return values
     along = np.moveaxis(values, axis, 0)
-    kept = along[images:].copy()
-    kept[-images:] += sign * along[:images][::-1]
-    return np.moveaxis(kept, 0, axis)
+    sums = along[images:].copy()
+    sums[-images:] += sign * along[:images][::-1]
+    return np.moveaxis(sums, 0, axis)
 
 
 class SubsurfaceStress:
@@ -212,8 +214,8 @@ class SubsurfaceStress:
         threads: int | None = None,
     ) -> None:
         self.grid, self.source, self.depths = grid, source, np.asarray(depths, dtype=float)
-        whole = Box(0, grid.ny, 0, grid.nx)
-        self._box = whole if periodic else source
+        window = Box(0, grid.ny, 0, grid.nx)
+        self._box = window if periodic else source
         shift = (origin[0] - self._box.y0, origin[1] - self._box.x0)
         self._layout = Layout(self._box.shape, target, shift)
         self._crop = tuple(
@@ -258,9 +260,9 @@ class SubsurfaceStress:
 
         def fill(k: int) -> None:
             for kernel, tables in zip(kernels, prepared, strict=True):
-                for row, (name, part) in enumerate(zip(self._names, tables(k, x[left:], y[below:]), strict=True)):
+                for row, (name, quadrant) in enumerate(zip(self._names, tables(k, x[left:], y[below:]), strict=True)):
                     parity = kernel.parity(name)
-                    table = _whole(_whole(part, below, 0, parity[0]), left, 1, parity[1])
+                    table = _with_images(_with_images(quadrant, below, 0, parity[0]), left, 1, parity[1])
                     spectrum = self._layout.spectrum(table, parity, precision=self._precision)
                     self._spectra[k][row].append(spectrum)
 

@@ -1,4 +1,4 @@
-"""Stress next to the surface as means over cells, where a shear that is uniform on cells has infinite stress on edges.
+"""Mean stress of cells next to the surface: a uniform shear on cells has infinite stress at their edges.
 
 A step of a shear between two cells makes the stress along their edge infinite at z = 0, logarithmically, however small
 the step. The stress of the smooth shear that the cells stand for is near its mean over each cell. The mean of four
@@ -68,8 +68,8 @@ class CellMeans:
 def _neighbours(places: FloatArray, first: float, pitch: float) -> tuple[NDArray[np.int64], FloatArray]:
     """Number of the last cell centre before each place, and the share of the next one."""
     number = (places - first) / pitch
-    whole = np.round(number)
-    number = np.where(np.abs(number - whole) < 1e-9, whole, number)
+    nearest = np.round(number)
+    number = np.where(np.abs(number - nearest) < 1e-9, nearest, number)
     before = np.floor(number)
     return before.astype(np.int64), number - before
 

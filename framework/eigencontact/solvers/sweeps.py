@@ -15,9 +15,12 @@ __all__ = ["Sweeps"]
 
 T = TypeVar("T")
 
-# Cells of a block: some six fields of it stay in a second-level cache. Larger ones where threads share the work, which
-# wait for the interpreter between any two operations; on fields below a million cells that costs more than they save.
-_CELLS, _CELLS_IN_THREADS, _WORTH_THREADS = 32_768, 131_072, 1_000_000
+# Cells of a block: some six fields of it stay in a second-level cache.
+_CELLS = 32_768
+# Cells of a block where threads share the work: they wait for the interpreter between any two operations.
+_CELLS_IN_THREADS = 131_072
+# Cells of a field from which on threads save more time than they wait.
+_WORTH_THREADS = 1_000_000
 
 
 class Sweeps:
@@ -44,11 +47,11 @@ class Sweeps:
         """Call ``work(number, rows)`` for every block; the results in order."""
         if self._threads == 1:
             return [work(k, rows) for k, rows in enumerate(self.blocks)]
-        found: list[Any] = [None] * len(self.blocks)
+        results: list[Any] = [None] * len(self.blocks)
 
         def some(first: int) -> None:
             for k in range(first, len(self.blocks), self._threads):
-                found[k] = work(k, self.blocks[k])
+                results[k] = work(k, self.blocks[k])
 
         in_parallel(self._threads, [partial(some, first) for first in range(self._threads)])
-        return found
+        return results

@@ -27,7 +27,7 @@ ALONG_WAVE = {"displacement": (1, 0, 0), "strain": (0, 0, 0, 0, 1, 1), "stress":
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """Where a depth lies among the interfaces.
+    """Position of a depth among the interfaces.
 
     ``above`` is the last interface at or above it, ``below`` the first at or below it, with the distances; None where
     there is none. ``inside`` are the layers at this depth and their shares.

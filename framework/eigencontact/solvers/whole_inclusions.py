@@ -90,12 +90,12 @@ class WholeInclusions:
         self.matrix = matrix
         self._means = RegionMeans(shapes, poisson_ratio=matrix.poisson_ratio, space=space, threads=threads)
         self._own = matrix.shear_modulus * self._means.own
-        known: dict[int, Condition] = {}  # the same object for many inclusions is the rule
-        answers = []
-        for item, own in zip(materials, self._own, strict=True):
-            stress, strain, _ = known.setdefault(id(item), condition_of(item, matrix))
-            answers.append(np.linalg.solve(stress @ own + strain, stress))
-        self._answers = np.array(answers)
+        conditions: dict[int, Condition] = {}  # the same object for many inclusions is the rule
+        responses = []
+        for item, self_stress in zip(materials, self._own, strict=True):
+            stress, strain, _ = conditions.setdefault(id(item), condition_of(item, matrix))
+            responses.append(np.linalg.solve(stress @ self_stress + strain, stress))
+        self._answers = np.array(responses)
         self._report = InclusionReport()
 
     @property
@@ -141,11 +141,11 @@ class WholeInclusions:
         """
         began = perf_counter()
         self._report = report = InclusionReport(tolerance=tolerance)
-        given = self._field("applied_stress", applied_stress)
-        fixed = np.zeros_like(given) if prestrain is None else self._field("prestrain", prestrain)
-        load = given + self._caused(fixed)
+        applied = self._field("applied_stress", applied_stress)
+        fixed = np.zeros_like(applied) if prestrain is None else self._field("prestrain", prestrain)
+        load = applied + self._caused(fixed)
         size = norm_of(load) / (2.0 * self.matrix.shear_modulus)
-        found = np.zeros_like(given) if start is None else self._field("start", start) - fixed
+        equivalent = np.zeros_like(applied) if start is None else self._field("start", start) - fixed
 
         def watch(norm: float) -> None:
             report.history.append(norm / size)
@@ -153,15 +153,15 @@ class WholeInclusions:
                 progress("equivalent inclusions", norm / size, tolerance)
 
         if size > 0.0:
-            found = found + gmres(
+            equivalent = equivalent + gmres(
                 lambda x: -self._residual(x.reshape(6, -1), self._caused(x.reshape(6, -1))).ravel(),
-                self._residual(found, load + self._caused(found)).ravel(),
+                self._residual(equivalent, load + self._caused(equivalent)).ravel(),
                 bound=0.9 * tolerance * size,
                 max_iterations=max_iterations,
                 watch=watch,
             ).reshape(6, -1)
-        stress = given + self._caused(fixed + found)
-        left = norm_of(self._residual(found, stress))
+        stress = applied + self._caused(fixed + equivalent)
+        left = norm_of(self._residual(equivalent, stress))
         report.residual = left / size if size > 0.0 else 0.0
         report.seconds = perf_counter() - began
         if not report.holds:
@@ -170,10 +170,10 @@ class WholeInclusions:
                 f"(tolerance {tolerance:.1e}); allow more iterations or a larger tolerance",
                 report,
             )
-        return UniformEigenstrains(fixed + found, stress, report)
+        return UniformEigenstrains(fixed + equivalent, stress, report)
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
-        """What is missing in each inclusion's condition, as the eigenstrain it would add by itself."""
+        """Residual of each inclusion's condition, as the eigenstrain that removes it in this inclusion."""
         foreign = stress - np.einsum("nij,jn->in", self._own, x)
         return np.asarray(-np.einsum("nij,jn->in", self._answers, foreign) - x)
 

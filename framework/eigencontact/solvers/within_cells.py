@@ -77,7 +77,7 @@ class WithinCells:
         self._places = [at[self._near] for at in placed]
 
     def difference(self, quantity: str, eigenstrain: FloatArray) -> FloatArray:
-        """What is to be added to the field of an eigenstrain, ``(6, n)``.
+        """Correction of the field of an eigenstrain inside cells, ``(6, n)``.
 
         Parameters
         ----------
@@ -107,8 +107,8 @@ class WithinCells:
             number[at] = _at(self._region, cell)
             mean[at] += weight * number[at]
             smooth[:, at] += weight * _at(padded, cell)
-        found = np.flatnonzero((number > 0) & (mean == number))
-        return found, number[found], smooth[:, found]
+        points = np.flatnonzero((number > 0) & (mean == number))
+        return points, number[points], smooth[:, points]
 
     def _sides(self) -> Iterator[tuple[IntArray, FloatArray, Cell]]:
         """Points, their weights, and the cell (x, y, z) of a region that they lie in: on a face once for each side."""
@@ -117,21 +117,21 @@ class WithinCells:
         on_face = [low != high for low, high in zip(lower, upper, strict=True)]
         weights = 0.5 ** np.sum(on_face, axis=0)
         for side in product((False, True), repeat=3):
-            taken = np.logical_and.reduce([face | (not second) for second, face in zip(side, on_face, strict=True)])
-            where = np.flatnonzero(taken)
+            on_side = np.logical_and.reduce([face | (not second) for second, face in zip(side, on_face, strict=True)])
+            where = np.flatnonzero(on_side)
             cell = [(high if second else low)[where] for second, low, high in zip(side, lower, upper, strict=True)]
-            whole = _at(self._region, cell) > 0
-            yield where[whole], weights[where[whole]], [index[whole] for index in cell]
+            within_region = _at(self._region, cell) > 0
+            yield where[within_region], weights[where[within_region]], [index[within_region] for index in cell]
 
     def _slope(self, padded: FloatArray, cell: Cell, axis: int, ahead: IntArray) -> FloatArray:
         """Change of the eigenstrain ``(6, n)`` by a cell along an axis: to the next, or from the last of the region."""
-        number, own = _at(self._region, cell), _at(padded, cell)
-        found = np.zeros_like(own)
+        number, values = _at(self._region, cell), _at(padded, cell)
+        slope = np.zeros_like(values)
         for way in (-ahead, ahead):
-            other = [index + way * (along == axis) for along, index in enumerate(cell)]
-            same = _at(self._region, other) == number
-            found = np.where(same, way * (_at(padded, other) - own), found)
-        return found
+            neighbour = [index + way * (along == axis) for along, index in enumerate(cell)]
+            same = _at(self._region, neighbour) == number
+            slope = np.where(same, way * (_at(padded, neighbour) - values), slope)
+        return slope
 
 
 def _at(padded: NDArray[Any], cell: Cell) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""What a sweep varies: a key of the scene and the values that it takes."""
+"""Axis of a sweep: a key of the scene and its values."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ def axis_of_text(text: str) -> Axis:
     if not equals or not key.strip() or not listed.strip():
         raise SceneError(f"--vary must be {_RULE} (got {text!r})")
     key = key.strip()
-    parts = [part.strip() for part in listed.split(":")]
-    if 3 <= len(parts) <= 4 and all(NUMBER.match(part) for part in parts[:2]):
-        if parts[3:] not in ([], ["log"]):
+    pieces = [piece.strip() for piece in listed.split(":")]
+    if 3 <= len(pieces) <= 4 and all(NUMBER.match(piece) for piece in pieces[:2]):
+        if pieces[3:] not in ([], ["log"]):
             raise SceneError(f"--vary {key} must be from:to:n or from:to:n:log (got {listed!r})")
-        return Axis(key, _between(key, parts[0], parts[1], value_of_text(parts[2]), log=len(parts) == 4))
-    return _checked(key, [value_of_text(part) for part in _split(listed)])
+        return Axis(key, _between(key, pieces[0], pieces[1], value_of_text(pieces[2]), log=len(pieces) == 4))
+    return _checked(key, [value_of_text(piece) for piece in _split(listed)])
 
 
 def axes_of(vary: Mapping[str, Any] | Sequence[str]) -> list[Axis]:
@@ -118,8 +118,8 @@ def _checked(key: str, values: list[Any]) -> Axis:
 
 def _between(key: str, first: str, last: str, count: Any, *, log: bool) -> tuple[Any, ...]:
     """Values spaced evenly, or by ratio, to six digits; with the unit that both ends have."""
-    (low, unit), (high, other) = _number(key, first), _number(key, last)
-    if unit != other:
+    (low, unit), (high, last_unit) = _number(key, first), _number(key, last)
+    if unit != last_unit:
         raise SceneError(f"vary.{key} must have one unit at both ends (got {first!r} and {last!r})")
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= _MOST:
         raise SceneError(f"vary.{key} must have 2 to {_MOST} values (got {shown(count)})")
@@ -127,8 +127,8 @@ def _between(key: str, first: str, last: str, count: Any, *, log: bool) -> tuple
         raise SceneError(f"vary.{key} must lie above 0 to be spaced by logarithms (got {first!r} to {last!r})")
     numbers = np.geomspace(low, high, count) if log else np.linspace(low, high, count)
     rounded = [low, *(float(f"{number:.6g}") for number in numbers[1:-1]), high]
-    whole = not unit and all(re.fullmatch(r"[+-]?\d+", text.strip()) for text in (first, last))
-    plain: list[Any] = [int(number) for number in rounded] if whole and _integers(rounded) else rounded
+    are_whole = not unit and all(re.fullmatch(r"[+-]?\d+", text.strip()) for text in (first, last))
+    plain: list[Any] = [int(number) for number in rounded] if are_whole and _integers(rounded) else rounded
     return _checked(key, [f"{number:.15g} {unit}" for number in plain] if unit else plain).values
 
 
@@ -137,15 +137,15 @@ def _integers(numbers: Sequence[float]) -> bool:
 
 
 def _number(key: str, text: str) -> tuple[float, str]:
-    found = NUMBER.match(text.strip())
-    if found is None or not isfinite(float(found[0])):
+    match = NUMBER.match(text.strip())
+    if match is None or not isfinite(float(match[0])):
         raise SceneError(f"vary.{key} must go from a number to a number (got {text!r})")
-    return float(found[0]), text.strip()[found.end() :].strip()
+    return float(match[0]), text.strip()[match.end() :].strip()
 
 
 def _split(text: str) -> list[str]:
     """Parts between commas that stand in no brackets, braces or quotes."""
-    parts, depth, quote = [""], 0, ""
+    pieces, depth, quote = [""], 0, ""
     for letter in text:
         if quote:
             quote = "" if letter == quote else quote
@@ -153,7 +153,7 @@ def _split(text: str) -> list[str]:
             quote = letter
         depth += 0 if quote else (letter in "[{") - (letter in "]}")
         if letter == "," and not depth and not quote:
-            parts.append("")
+            pieces.append("")
         else:
-            parts[-1] += letter
-    return [part.strip() for part in parts if part.strip()]
+            pieces[-1] += letter
+    return [piece.strip() for piece in pieces if piece.strip()]

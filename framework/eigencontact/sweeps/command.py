@@ -66,7 +66,7 @@ def sweep(
 
     try:
         on = cluster, memory, threads
-        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=on, told={
+        _run(scene, vary or [], changes or [], output, as_json=as_json, workers=workers, on=on, options_given={
             "pairs": pairs, "fields": field or [], "scalars": scalar or [], "pictures": pictures,
             "overwrite": overwrite,
             "grid": "shared" if shared_grid else "own",
@@ -81,7 +81,7 @@ def sweep(
 
 def _run(
     scene: str, vary: list[str], changes: list[str], output: Path | None, *, as_json: bool, workers: int,
-    on: tuple[str | None, float | None, int | None], told: dict[str, Any],
+    on: tuple[str | None, float | None, int | None], options_given: dict[str, Any],
 ) -> None:  # fmt: skip
     import json
 
@@ -90,29 +90,32 @@ def _run(
     from eigencontact.sweeps.sweep import read_sweep_file
     from eigencontact.sweeps.sweep import sweep as run_sweep
 
-    given: dict[str, Any] = {"scene": scene, "vary": vary}
+    description: dict[str, Any] = {"scene": scene, "vary": vary}
     if not vary and Path(scene).is_file():
-        given = read_sweep_file(Path(scene))
-    loaded = load_scene(given.pop("scene"), changes)
+        description = read_sweep_file(Path(scene))
+    loaded = load_scene(description.pop("scene"), changes)
     folder = output or Path(f"{Path(scene).stem if Path(scene).is_file() else loaded.label}-sweep")
-    options = {**given, **{name: value for name, value in told.items() if value not in (False, [], "own")}}
+    options = {
+        **description,
+        **{name: value for name, value in options_given.items() if value not in (False, [], "own")},
+    }
 
-    def say(words: str) -> None:
-        typer.echo(words, err=True)
+    def say(line: str) -> None:
+        typer.echo(line, err=True)
 
     cluster = cluster_of(*on, say=say)
     with _progress(enabled=not as_json) as tell:
-        found = run_sweep(
+        result = run_sweep(
             loaded, options.pop("vary"), folder, workers=workers, cluster=cluster, told=tell,
             say=None if as_json else say, **options
         )  # fmt: skip
     if as_json:
         content = {"folder": str(folder)}
-        content |= {name: getattr(found, name) for name in ("files", "failed", "warnings", "problems")}
+        content |= {name: getattr(result, name) for name in ("files", "failed", "warnings", "problems")}
         typer.echo(json.dumps(content, indent=2))
     else:
-        _report(found)
-    if found.failed:
+        _report(result)
+    if result.failed:
         raise typer.Exit(1)
 
 
@@ -133,19 +136,19 @@ def _progress(*, enabled: bool) -> Any:
             yield None
             return
         if not draws_in_place(sys.stderr):
-            yield lambda outcome, done, total: typer.echo(
-                f"variant {done} of {total}: {outcome.failed or time_in_words(outcome.seconds)}", err=True
+            yield lambda outcome, finished, total: typer.echo(
+                f"variant {finished} of {total}: {outcome.failed or time_in_words(outcome.seconds)}", err=True
             )
             return
         columns = (TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        with Progress(*columns, console=console, transient=True) as shown:
-            task = shown.add_task("variants", total=None)
-            yield lambda outcome, done, total: shown.update(task, completed=done, total=total)  # noqa: ARG005
+        with Progress(*columns, console=console, transient=True) as display:
+            task = display.add_task("variants", total=None)
+            yield lambda outcome, finished, total: display.update(task, completed=finished, total=total)  # noqa: ARG005
 
     return bar()
 
 
-def _report(found: Any) -> None:
+def _report(result: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -154,13 +157,13 @@ def _report(found: Any) -> None:
 
     console = Console(highlight=False)
     files = Table.grid(padding=(0, 2))
-    for name, text in found.files.items():
+    for name, text in result.files.items():
         files.add_row(f"  {name}", text)
-    console.print(f"in {found.folder.resolve()}:", soft_wrap=True)
+    console.print(f"in {result.folder.resolve()}:", soft_wrap=True)
     print_table(files, console)
-    for line in warnings_in_words(found.warnings, found.dataset["failed"].size):
+    for line in warnings_in_words(result.warnings, result.dataset["failed"].size):
         typer.echo(line)
-    for label, problem in found.problems.items():
+    for label, problem in result.problems.items():
         typer.echo(f"eigencontact: variant {label}: {problem}", err=True)
-    for label, reason in found.failed.items():
+    for label, reason in result.failed.items():
         typer.echo(f"eigencontact: variant {label} failed: {reason}", err=True)

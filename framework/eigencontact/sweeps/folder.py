@@ -17,8 +17,12 @@ if TYPE_CHECKING:
 
 __all__ = ["AGAIN", "DATASET", "DESCRIPTION", "PROFILES", "TABLE", "open_folder"]
 
-#: What a sweep leaves beside the folders of its variants: all numbers, the same as text, what was varied.
-DATASET, TABLE, DESCRIPTION = "sweep.nc", "sweep.csv", "sweep.json"
+#: All numbers of a sweep.
+DATASET = "sweep.nc"
+#: All numbers of a sweep as text.
+TABLE = "sweep.csv"
+#: Keys and values of a sweep.
+DESCRIPTION = "sweep.json"
 #: End of the name of the figure of a field.
 PROFILES = "-profiles"
 #: What a message says when the disk is full.
@@ -26,7 +30,7 @@ AGAIN = "running the sweep again reuses finished variants"
 
 
 def open_folder(
-    folder: Path, digest: str, axes: Sequence[Axis], variants: Sequence[Variant], drawn: Iterable[str], *,
+    folder: Path, digest: str, axes: Sequence[Axis], variants: Sequence[Variant], pictures: Iterable[str], *,
     overwrite: bool,
 ) -> None:  # fmt: skip
     """Make the folder of a sweep and write its description, before any variant is run.
@@ -39,7 +43,7 @@ def open_folder(
         Hash of what all variants share (`eigencontact.sweeps.identity.sweep_digest`).
     axes, variants : sequence
         What is varied.
-    drawn : iterable of str
+    pictures : iterable of str
         Names of the figures that may be drawn.
     overwrite : bool
         Replace the results of another sweep.
@@ -49,7 +53,7 @@ def open_folder(
     ResultsError
         A folder that cannot be written, that holds files of others under the names of ours, or another sweep.
     """
-    for name in (DATASET, TABLE, DESCRIPTION, *(f"{number}.png" for number in drawn)):
+    for name in (DATASET, TABLE, DESCRIPTION, *(f"{number}.png" for number in pictures)):
         refuse_foreign_file(folder / name)
     if not overwrite:
         _refuse_another(folder, digest)
@@ -65,17 +69,17 @@ def open_folder(
 
 def _refuse_another(folder: Path, digest: str) -> None:
     choice = "--overwrite (overwrite=True) replaces it, another folder with -o keeps it"
-    stored = digest
+    stored_hash = digest
     try:
         if (folder / DESCRIPTION).exists():
-            stored = str(json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))["scene_hash"])
+            stored_hash = str(json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))["scene_hash"])
         elif (folder / DATASET).exists():
             with open_hdf5(folder / DATASET, "r") as file:
-                stored = str(file.attrs["scene_hash"])
+                stored_hash = str(file.attrs["scene_hash"])
     except DAMAGE as problem:
         raise ResultsError(f"{folder} must hold a complete sweep (got: {reason(problem)}); {choice}") from problem
-    if stored != digest:
+    if stored_hash != digest:
         raise ResultsError(
             f"{folder} must be empty or hold this sweep, scene hash {digest[:16]} (got the sweep of another scene or "
-            f"of other keys, scene hash {stored[:16]}); {choice}"
+            f"of other keys, scene hash {stored_hash[:16]}); {choice}"
         )

@@ -33,7 +33,7 @@ _LISTED = 12
 
 
 def gathered(
-    axes: Sequence[Axis], variants: Sequence[Variant], found: Sequence[Outcome], title: str, *, pairs: bool
+    axes: Sequence[Axis], variants: Sequence[Variant], results: Sequence[Outcome], title: str, *, pairs: bool
 ) -> xarray.Dataset:
     """Dataset of all numbers at the last load step.
 
@@ -41,7 +41,7 @@ def gathered(
     ----------
     axes, variants : sequence
         What was varied.
-    found : sequence of Outcome
+    results : sequence of Outcome
         What came of the variants, in any order.
     title : str
         Of the scene.
@@ -59,8 +59,8 @@ def gathered(
     shape = (len(axes[0].values),) if pairs else tuple(len(axis.values) for axis in axes)
     dims = ("variant",) if pairs else tuple(axis.name for axis in axes)
     data: dict[str, Any] = {}
-    numbers = {outcome.place: _numbers(outcome.summary) for outcome in found}
-    tables = {name: table for outcome in found for name, table in outcome.summary.get("numbers", {}).items()}
+    numbers = {outcome.place: _numbers(outcome.summary) for outcome in results}
+    tables = {name: table for outcome in results for name, table in outcome.summary.get("numbers", {}).items()}
     declared = {name: Number(**table) for name, table in tables.items()}
     for name in dict.fromkeys(name for row in numbers.values() for name in row):
         values = np.full(shape, np.nan)
@@ -69,7 +69,7 @@ def gathered(
         data[name] = (dims, values, declared[name].attributes() if name in declared else {"units": "1"})
     failed, seconds = np.full(shape, "", dtype=object), np.zeros(shape)
     warned = failed.copy()
-    for outcome in found:
+    for outcome in results:
         failed[outcome.place], seconds[outcome.place] = outcome.failed, outcome.seconds
         warned[outcome.place] = codes_of(outcome.summary)
     data["failed"] = (dims, failed.astype(str), {"long_name": "why a variant failed"})
@@ -78,7 +78,7 @@ def gathered(
     coordinates = {axis.name: (dims if pairs else (axis.name,), *_coordinate(axis, variants, k))
                    for k, axis in enumerate(axes)}  # fmt: skip
     dataset = xr.Dataset(data, coordinates, {"title": title, "source": "eigencontact sweep"})
-    return _with_fields(dataset, dims, shape, found)
+    return _with_fields(dataset, dims, shape, results)
 
 
 def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
@@ -90,40 +90,40 @@ def _numbers(summary: Mapping[str, Any]) -> dict[str, float]:
 
 def _coordinate(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[Any, dict[str, str]]:
     """Values of an axis in SI units, as the scenes hold them; texts where they are no numbers."""
-    written, unit = _in_si(axis, variants, k)
+    values, unit = _in_si(axis, variants, k)
     attrs = {"long_name": axis.key, **({"units": unit} if unit else {})}
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in written):
-        return np.array(written, dtype=float), attrs
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return np.array(values, dtype=float), attrs
     return np.array([str(value) for value in axis.values]), {"long_name": axis.key}
 
 
 def _in_si(axis: Axis, variants: Sequence[Variant], k: int) -> tuple[list[Any], str]:
     """Values of the axis number `k`, quantities as numbers in SI units; and this unit, or nothing."""
-    held: dict[int, Any] = {}
+    values_of_scenes: dict[int, Any] = {}
     key = None
     for variant in variants:
         at = variant.place[min(k, len(variant.place) - 1)]
-        if at not in held and variant.scene is not None:
+        if at not in values_of_scenes and variant.scene is not None:
             tables = variant.scene.resolved()
-            held[at] = _at(tables, axis.key)
+            values_of_scenes[at] = _at(tables, axis.key)
             key = key or key_at(variant.scene.known_plugins(), tables, axis.key)
     unit = (key.unit if key is not None else "") or ""
-    written = []
-    for value in [held.get(at, value) for at, value in enumerate(axis.values)]:
+    in_si = []
+    for value in [values_of_scenes.get(at, value) for at, value in enumerate(axis.values)]:
         try:
-            written.append(parse_quantity(value, unit, axis.key) if unit else value)
+            in_si.append(parse_quantity(value, unit, axis.key) if unit else value)
         except ValueError:  # text that is no quantity: its variant is refused
-            written.append(value)
-    return written, unit
+            in_si.append(value)
+    return in_si, unit
 
 
 def values_in_words(axes: Sequence[Axis], variants: Sequence[Variant]) -> list[str]:
     """One line for each axis: its values as they were understood, with their unit, and a hint at a decimal comma."""
     lines = []
     for k, axis in enumerate(axes):
-        written, unit = _in_si(axis, variants, k)
+        values, unit = _in_si(axis, variants, k)
         texts = [value if isinstance(value, str) else readable(value, unit) if unit and isinstance(value, int | float)
-                 else shown(value) for value in written]  # fmt: skip
+                 else shown(value) for value in values]  # fmt: skip
         listed = texts if len(texts) <= _LISTED else [*texts[: _LISTED - 2], "...", texts[-1]]
         plain = [isinstance(value, int | float) for value in axis.values]
         mixed = bool(unit) and any(plain) and not all(plain)  # "0,5 N"
@@ -133,33 +133,35 @@ def values_in_words(axes: Sequence[Axis], variants: Sequence[Variant]) -> list[s
 
 
 def _at(table: Any, key: str) -> Any:
-    for part in key.split("."):
+    for name_part in key.split("."):
         if isinstance(table, list):
-            number = part.isdigit()
-            table = table[int(part)] if number else table[0]
+            number = name_part.isdigit()
+            table = table[int(name_part)] if number else table[0]
             if number:
                 continue
-        table = next((value for name, value in table.items() if name.replace("_", "-") == part.replace("_", "-")), None)
+        table = next(
+            (value for name, value in table.items() if name.replace("_", "-") == name_part.replace("_", "-")), None
+        )
         if table is None:
             return None
     return table
 
 
 def _with_fields(
-    dataset: xarray.Dataset, dims: tuple[str, ...], shape: tuple[int, ...], found: Sequence[Outcome]
+    dataset: xarray.Dataset, dims: tuple[str, ...], shape: tuple[int, ...], results: Sequence[Outcome]
 ) -> xarray.Dataset:
     """Dataset with the chosen fields; their cells must be the same in all variants."""
-    holding = [outcome for outcome in found if outcome.fields]
+    holding = [outcome for outcome in results if outcome.fields]
     if not holding:
         return dataset
     first = holding[0].fields
     for outcome in holding:
         for name in ("x", "y"):
-            mine, other = first[name], outcome.fields[name]
-            if mine.shape != other.shape or not np.allclose(mine, other, rtol=1e-9, atol=1e-12 * np.abs(mine).max()):
+            mine, theirs = first[name], outcome.fields[name]
+            if mine.shape != theirs.shape or not np.allclose(mine, theirs, rtol=1e-9, atol=1e-12 * np.abs(mine).max()):
                 raise ResultsError(
-                    f"fields must lie on the same cells in all variants (got {mine.size} and {other.size} along {name} "
-                    'or others); give grid = "shared" (--shared-grid), or grid.cells and grid.size'
+                    f"fields must lie on the same cells in all variants (got {mine.size} and {theirs.size} along "
+                    f'{name} or others); give grid = "shared" (--shared-grid), or grid.cells and grid.size'
                 )
     dataset = dataset.assign_coords({name: ((name,), first[name], {"units": "m"}) for name in ("x", "y")})
     for name in first:
@@ -173,18 +175,18 @@ def _with_fields(
     return dataset
 
 
-def as_csv(axes: Sequence[Axis], variants: Sequence[Variant], found: Sequence[Outcome]) -> str:
+def as_csv(axes: Sequence[Axis], variants: Sequence[Variant], results: Sequence[Outcome]) -> str:
     """One line a variant: its values as they were given, numbers in SI units, why it failed, codes of its warnings."""
-    rows = {outcome.place: _numbers(outcome.summary) for outcome in found}
+    rows = {outcome.place: _numbers(outcome.summary) for outcome in results}
     names = list(dict.fromkeys(name for row in rows.values() for name in row))
     text = io.StringIO()
     sheet = csv.writer(text, lineterminator="\n")
     sheet.writerow([*(axis.key for axis in axes), *names, "failed", "warnings"])
-    failed = {outcome.place: outcome.failed for outcome in found}
-    warned = {outcome.place: codes_of(outcome.summary) for outcome in found}
+    failed = {outcome.place: outcome.failed for outcome in results}
+    warned = {outcome.place: codes_of(outcome.summary) for outcome in results}
     for variant in variants:
         row = rows.get(variant.place, {})
         numbers = [repr(row[name]) if name in row and math.isfinite(row[name]) else "" for name in names]
-        said = (failed.get(variant.place, ""), warned.get(variant.place, ""))
-        sheet.writerow([*variant.values.values(), *numbers, *said])
+        remarks = (failed.get(variant.place, ""), warned.get(variant.place, ""))
+        sheet.writerow([*variant.values.values(), *numbers, *remarks])
     return text.getvalue()

@@ -32,15 +32,19 @@ if TYPE_CHECKING:
 
 __all__ = ["Outcome", "outcomes"]
 
-#: Beside the results of a variant: the scene that they belong to, with checksums; and why there are none.
-_MARK, _FAILED = "variant.json", "failed.json"
-#: Memory of what the variants of a process share [bytes], and the part of its memory that it may be.
-_MOST_KEPT, _PART_KEPT = 1e9, 0.1
+#: File beside the results of a variant: the scene that they belong to, with checksums.
+_MARK = "variant.json"
+#: File with the reason why a variant has no results.
+_FAILED = "failed.json"
+#: Most memory of the objects that the variants of a process share [bytes].
+_MOST_KEPT = 1e9
+#: Largest part of the memory of a process for these objects.
+_PART_KEPT = 0.1
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one variant.
+    """Outcome of one variant.
 
     Attributes
     ----------
@@ -68,7 +72,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class _Task:
-    """What one process is asked for."""
+    """Task of one process."""
 
     variant: Variant
     folder: Path | None
@@ -117,16 +121,16 @@ def outcomes(
         files = dict.fromkeys(path for scene in scenes for path in scene.plugin_files)
         begin = partial(_Held.within, texts=texts_of(files))
     with engine:
-        for task, answer in engine.map(_outcome, tasks, begin):
-            if isinstance(answer, Lost):
-                yield Outcome(task.variant.place, {}, {}, answer.reason, 0.0)
+        for task, outcome in engine.map(_outcome, tasks, begin):
+            if isinstance(outcome, Lost):
+                yield Outcome(task.variant.place, {}, {}, outcome.reason, 0.0)
             else:
-                yield answer
+                yield outcome
 
 
 @dataclass(frozen=True)
 class _Held:
-    """What the variants of one process share: spectra of stress in regions, and the threads."""
+    """Shared data of the variants of one process: spectra of stress in regions, and the threads."""
 
     kept: Kept
     threads: int | None
@@ -141,7 +145,7 @@ class _Held:
         return cls(Kept(min(_MOST_KEPT, _PART_KEPT * share.memory)), share.threads)
 
 
-def _outcome(task: _Task, held: _Held) -> Outcome:
+def _outcome(task: _Task, state: _Held) -> Outcome:
     """Run one variant, or read what it left."""
     began, variant = perf_counter(), task.variant
     summary: dict[str, Any] = {}
@@ -149,8 +153,8 @@ def _outcome(task: _Task, held: _Held) -> Outcome:
     failed, problem = variant.refused, ""
     try:
         if not failed:
-            with held.kept.offered():
-                summary, fields, problem = _computed(task, held.threads)
+            with state.kept.offered():
+                summary, fields, problem = _computed(task, state.threads)
     except (EigencontactError, MemoryError) as refusal:
         failed = " ".join(str(refusal).split()) or type(refusal).__name__
     except Exception as refusal:  # noqa: BLE001 - one variant must not take the others along, whatever it meets
@@ -169,9 +173,9 @@ def _record(task: _Task, failed: str) -> None:
     assert task.folder is not None
     task.folder.mkdir(parents=True, exist_ok=True)
     refuse_foreign_file(task.folder / _FAILED)
-    words = {"scene_hash": None, "values": task.variant.values, "failed": failed}
+    content = {"scene_hash": None, "values": task.variant.values, "failed": failed}
     with replacing(task.folder / _FAILED, "the reason of a failed variant", lasting=False, kept=AGAIN) as sink:
-        sink.write((json.dumps(words, indent=2, default=str) + "\n").encode())
+        sink.write((json.dumps(content, indent=2, default=str) + "\n").encode())
 
 
 def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any], str]:
@@ -192,7 +196,7 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
                 if not task.fields:
                     return summary, {}, ""
                 with open_results(folder) as dataset:
-                    return summary, _chosen(dataset, task.fields), ""
+                    return summary, _last_fields(dataset, task.fields), ""
         replaced = _is_of_sweep(folder, task)
         if replaced:
             _record(task, "it was interrupted")
@@ -200,7 +204,7 @@ def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[st
         numerics = scene.numerics.model_copy(update={"threads": threads})
         scene = scene.model_copy(update={"numerics": numerics})
     result = run(scene, folder, overwrite=replaced)
-    fields = _chosen(result.dataset, task.fields) if task.fields else {}
+    fields = _last_fields(result.dataset, task.fields) if task.fields else {}
     if folder is not None:
         if task.fields:
             result.dataset.close()
@@ -218,7 +222,7 @@ def _is_of_sweep(folder: Path, task: _Task) -> bool:
 
 
 def _mark(folder: Path) -> dict[str, Any]:
-    """Hash of the scene and checksums that a finished variant left; empty where there are none."""
+    """Hash of the scene and checksums of a finished variant; empty where they are missing."""
     try:
         mark = json.loads((folder / _MARK).read_text(encoding="utf-8"))
         return {"scene_hash": mark["scene_hash"], "checksums": dict(mark["checksums"])}
@@ -227,7 +231,7 @@ def _mark(folder: Path) -> dict[str, Any]:
 
 
 def _damage(folder: Path, mark: Mapping[str, Any]) -> str:
-    """What is wrong with the files of a finished variant, in words; empty where nothing is."""
+    """Fault of the files of a finished variant as text; empty without a fault."""
     for name in (RESULTS, SUMMARY):
         path = folder / name
         if not path.is_file():
@@ -237,16 +241,16 @@ def _damage(folder: Path, mark: Mapping[str, Any]) -> str:
     return ""
 
 
-def _chosen(dataset: Any, names: Sequence[str]) -> dict[str, Any]:
+def _last_fields(dataset: Any, names: Sequence[str]) -> dict[str, Any]:
     """Surface fields at the last step."""
     from eigencontact.errors import SceneError, nearest
 
-    known = [str(name) for name, field in dataset.data_vars.items() if field.dims[-2:] == ("y", "x")]
+    fields = [str(name) for name, field in dataset.data_vars.items() if field.dims[-2:] == ("y", "x")]
     for name in names:
-        if name not in known:
+        if name not in fields:
             raise SceneError(
-                f"field must be one of {', '.join(known)} (got {name!r}){nearest(name, known)}; fields of regions are "
-                "in the results of each variant"
+                f"field must be one of {', '.join(fields)} (got {name!r}){nearest(name, fields)}; fields of regions "
+                "are in the results of each variant"
             )
     last = {name: dataset[name].isel(step=-1) if "step" in dataset[name].dims else dataset[name] for name in names}
     return {name: np.asarray(dataset[name]) for name in ("x", "y")} | {k: np.asarray(v) for k, v in last.items()}

@@ -34,8 +34,8 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
     for axis, cells, edge in ((0, "nx", "dx"), (1, "ny", "dy")):
         half = [0.5 * getattr(grid, cells) * getattr(grid, edge) for grid in grids]
         middles = [grid.center[axis] for grid in grids]
-        low = min(middle - one for middle, one in zip(middles, half, strict=True))
-        high = max(middle + one for middle, one in zip(middles, half, strict=True))
+        low = min(middle - span for middle, span in zip(middles, half, strict=True))
+        high = max(middle + span for middle, span in zip(middles, half, strict=True))
         spans.append((low, high))
     counts = [2 * ceil(0.5 * (high - low) / edge * (1 - 1e-9)) for (low, high), edge in zip(spans, edges, strict=True)]
     if counts[0] * counts[1] > _MOST:
@@ -48,8 +48,8 @@ def on_one_grid(variants: Sequence[Variant]) -> list[Variant]:
         size=(counts[0] * edges[0], counts[1] * edges[1]),
         center=(0.5 * sum(spans[0]), 0.5 * sum(spans[1])),
     )
-    return [one if one.scene is None or one.refused else replace(one, scene=one.scene.model_copy(
-        update={"grid": spec}).within(one.scene.folder)) for one in out]  # fmt: skip
+    return [variant if variant.scene is None or variant.refused else replace(variant, scene=variant.scene.model_copy(
+        update={"grid": spec}).within(variant.scene.folder)) for variant in out]  # fmt: skip
 
 
 def refuse_different_cells(variants: Sequence[Variant]) -> None:
@@ -63,21 +63,21 @@ def refuse_different_cells(variants: Sequence[Variant]) -> None:
     if _plainly_alike(variants):
         return
     planned, grids = _planned(variants)
-    able = [one for one in planned if not one.refused]
+    able = [item for item in planned if not item.refused]
     for variant, grid in zip(able, grids, strict=True):
         if not _same(grid, grids[0]):
             raise PlanError(
-                f"fields must lie on the same cells in all variants (got {_words(grids[0])} in {able[0].label!r} and "
-                f'{_words(grid)} in {variant.label!r}); give grid = "shared" (--shared-grid), or grid.cells and '
-                "grid.size"
+                f"fields must lie on the same cells in all variants (got {_cells_of(grids[0])} in {able[0].label!r} "
+                f'and {_cells_of(grid)} in {variant.label!r}); give grid = "shared" (--shared-grid), or grid.cells '
+                "and grid.size"
             )
 
 
 def _plainly_alike(variants: Sequence[Variant]) -> bool:
     """Whether all scenes give one window in numbers, so that no plan is needed to know it."""
-    specs = [one.scene.grid for one in variants if one.scene is not None]
-    given = all(spec.cells is not None and (spec.size is not None or spec.spacing is not None) for spec in specs)
-    return given and all(spec == specs[0] for spec in specs)
+    specs = [variant.scene.grid for variant in variants if variant.scene is not None]
+    numeric = all(spec.cells is not None and (spec.size is not None or spec.spacing is not None) for spec in specs)
+    return numeric and all(spec == specs[0] for spec in specs)
 
 
 def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
@@ -96,12 +96,12 @@ def _planned(variants: Sequence[Variant]) -> tuple[list[Variant], list[Grid]]:
     return out, grids
 
 
-def _same(one: Grid, other: Grid) -> bool:
+def _same(first: Grid, second: Grid) -> bool:
     """Whether cells are the same but for round-off."""
-    moved = max(abs(a - b) for a, b in zip(one.center, other.center, strict=True))
-    alike = isclose(one.dx, other.dx, rel_tol=1e-9) and isclose(one.dy, other.dy, rel_tol=1e-9)
-    return one.shape == other.shape and alike and moved < 1e-6 * min(one.dx, one.dy)
+    moved = max(abs(a - b) for a, b in zip(first.center, second.center, strict=True))
+    alike = isclose(first.dx, second.dx, rel_tol=1e-9) and isclose(first.dy, second.dy, rel_tol=1e-9)
+    return first.shape == second.shape and alike and moved < 1e-6 * min(first.dx, first.dy)
 
 
-def _words(grid: Grid) -> str:
+def _cells_of(grid: Grid) -> str:
     return f"{grid.nx} x {grid.ny} of {grid.dx:.3g} m"

@@ -37,7 +37,7 @@ Told = Callable[[Outcome, int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class SweepResult:
-    """What a sweep produced.
+    """Result of a sweep.
 
     Attributes
     ----------
@@ -177,8 +177,8 @@ def sweep(
 
         digest = sweep_digest(loaded, axes, grid=grid)
         headlines = [number.name for number in known_numbers().values() if number.headline]
-        drawn = [*(scalars or headlines), *(f"{name}{PROFILES}" for name in fields)]
-        open_folder(place, digest, axes, variants, drawn, overwrite=overwrite)
+        numbers_to_draw = [*(scalars or headlines), *(f"{name}{PROFILES}" for name in fields)]
+        open_folder(place, digest, axes, variants, numbers_to_draw, overwrite=overwrite)
     if say is not None:
         for line in values_in_words(axes, variants):
             say(line)
@@ -203,8 +203,12 @@ def sweep(
         dataset=dataset,
         files=files,
         failed=failed,
-        warnings={labels[one.place]: list(said) for one in finished if (said := one.summary.get("warnings"))},
-        problems={labels[one.place]: one.problem for one in finished if one.problem},
+        warnings={
+            labels[outcome.place]: list(cautions)
+            for outcome in finished
+            if (cautions := outcome.summary.get("warnings"))
+        },
+        problems={labels[outcome.place]: outcome.problem for outcome in finished if outcome.problem},
         folder=place,
     )
 
@@ -229,7 +233,7 @@ def _write(
     folder: Path,
     axes: Sequence[Axis],
     variants: Sequence[Variant],
-    found: Sequence[Outcome],
+    results: Sequence[Outcome],
     dataset: xarray.Dataset,
     scalars: Sequence[str],
 ) -> dict[str, str]:
@@ -240,13 +244,13 @@ def _write(
     with replacing(folder / DATASET, "the dataset of the sweep", kept=AGAIN) as sink:
         sink.write(_as_netcdf(dataset))
     with replacing(folder / TABLE, "the table of the sweep", kept=AGAIN) as sink:
-        sink.write(as_csv(axes, variants, found).encode())
+        sink.write(as_csv(axes, variants, results).encode())
     files = {
         DATASET: "all numbers by what was varied (opens in xarray)",
         TABLE: "the same as a table, one line for each variant",
         DESCRIPTION: "what was varied, and the folder of each variant",
     }
-    for name in _drawn(dataset, scalars):
+    for name in _scalars_to_draw(dataset, scalars):
         save(draw_sweep(dataset, name), folder / f"{name}.png")
         files[f"{name}.png"] = f"{dataset[name].attrs.get('long_name', name)} against what was varied"
     for name in (str(name) for name, values in dataset.data_vars.items() if "x" in values.dims):
@@ -256,17 +260,21 @@ def _write(
     return files
 
 
-def _drawn(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
+def _scalars_to_draw(dataset: xarray.Dataset, scalars: Sequence[str]) -> list[str]:
     """Numbers to draw: those named, else headlines that differ between variants."""
-    numbers = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind == "f" and "x" not in one.dims]
+    numbers = [
+        str(name)
+        for name, variable in dataset.data_vars.items()
+        if variable.dtype.kind == "f" and "x" not in variable.dims
+    ]
     for name in scalars:
         if name not in numbers:
             raise SceneError(f"scalar must be one of {', '.join(numbers)} (got {name!r}){nearest(name, numbers)}")
     if scalars:
         return list(scalars)
     varied = {str(name).rpartition("steps_")[2] for name in dataset.coords}
-    wanted = [name for name in numbers if dataset[name].attrs.get("headline") and name not in varied]
-    finite = {name: dataset[name].values[dataset[name].notnull().values] for name in wanted}
+    headlines = [name for name in numbers if dataset[name].attrs.get("headline") and name not in varied]
+    finite = {name: dataset[name].values[dataset[name].notnull().values] for name in headlines}
     return [name for name, values in finite.items() if values.size and np.ptp(values) > _SAME * np.abs(values).max()]
 
 

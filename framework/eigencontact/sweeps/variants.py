@@ -62,10 +62,10 @@ def variants_of(scene: Scene, axes: Sequence[Axis], *, pairs: bool, pictures: bo
         places = [(k,) * len(axes) for k in range(len(axes[0].values))]
     else:
         places = list(product(*(range(len(axis.values)) for axis in axes)))
-    found = [_variant(scene, axes, place, pairs=pairs, pictures=pictures) for place in places]
-    if all(variant.scene is None for variant in found):
-        raise SceneError(f"every variant of the sweep is refused; the first: {found[0].refused}")
-    return found
+    variants = [_variant(scene, axes, place, pairs=pairs, pictures=pictures) for place in places]
+    if all(variant.scene is None for variant in variants):
+        raise SceneError(f"every variant of the sweep is refused; the first: {variants[0].refused}")
+    return variants
 
 
 def _variant(scene: Scene, axes: Sequence[Axis], place: tuple[int, ...], *, pairs: bool, pictures: bool) -> Variant:
@@ -75,15 +75,15 @@ def _variant(scene: Scene, axes: Sequence[Axis], place: tuple[int, ...], *, pair
     more = {} if pictures else {"output.pictures": False, "output.vtk": False, "output.animation": False}
     label, at = _label(values), place[:1] if pairs else place
     try:
-        made = Made(**put_values(scene.resolved(), {**more, **values}))
+        variant_scene = Made(**put_values(scene.resolved(), {**more, **values}))
     except EigencontactError as problem:
         return Variant(label, at, values, None, str(problem))
-    return Variant(label, at, values, made.within(scene.folder))
+    return Variant(label, at, values, variant_scene.within(scene.folder))
 
 
 def _label(values: dict[str, Any]) -> str:
-    """Name of a folder that tells the values; what does not fit is a hash."""
-    words = "_".join(f"{key.rpartition('.')[2]}={value}" for key, value in values.items())
-    plain = re.sub(r"[^\w.=+-]", "", words.replace(" ", ""), flags=re.ASCII)
+    """Name of a folder from the values of a variant; a hash replaces values that do not fit."""
+    text = "_".join(f"{key.rpartition('.')[2]}={value}" for key, value in values.items())
+    plain = re.sub(r"[^\w.=+-]", "", text.replace(" ", ""), flags=re.ASCII)
     full = sha256(json.dumps(values, sort_keys=True, default=str).encode()).hexdigest()[:8]
-    return plain if len(plain) <= _LONGEST and plain == words.replace(" ", "") else f"{plain[:_LONGEST]}-{full}"
+    return plain if len(plain) <= _LONGEST and plain == text.replace(" ", "") else f"{plain[:_LONGEST]}-{full}"

@@ -1,4 +1,4 @@
-"""What the variants of a sweep say of their own worth, each warning told once."""
+"""Warnings of the variants of a sweep, each code once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def codes_of(summary: Mapping[str, Any]) -> str:
     >>> codes_of({"warnings": [{"code": "slow-place", "words": "a place"}]})
     'slow-place'
     """
-    return ", ".join(dict.fromkeys(one["code"] for one in summary.get("warnings", ())))
+    return ", ".join(dict.fromkeys(caution["code"] for caution in summary.get("warnings", ())))
 
 
 def warnings_in_words(warnings: Mapping[str, Sequence[Mapping[str, Any]]], total: int) -> list[str]:
@@ -35,9 +35,9 @@ def warnings_in_words(warnings: Mapping[str, Sequence[Mapping[str, Any]]], total
     >>> warnings_in_words({"a": [one], "b": [one]}, 3)
     ['2 of 3 variants warn: slow-place: a place lags']
     """
-    found: dict[str, list[str]] = {}
+    by_code: dict[str, list[str]] = {}
     for cautions in warnings.values():
-        for code, words in {one["code"]: one["words"] for one in reversed(cautions)}.items():
-            found.setdefault(code, []).append(words)
-    return [f"{len(words)} of {total} variants {'warns' if len(words) == 1 else 'warn'}: {code}: {words[0]}"
-            for code, words in found.items()]  # fmt: skip
+        for code, sentences in {caution["code"]: caution["words"] for caution in reversed(cautions)}.items():
+            by_code.setdefault(code, []).append(sentences)
+    return [f"{len(sentences)} of {total} variants {'warns' if len(sentences) == 1 else 'warn'}: {code}: {sentences[0]}"
+            for code, sentences in by_code.items()]  # fmt: skip

@@ -50,7 +50,7 @@ ROOM = 0.09
 
 @dataclass(frozen=True)
 class Subject:
-    """What the frames of an animation show.
+    """Content of the frames of an animation.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Subject:
 
 
 def subject_of(dataset: Results) -> Subject | None:
-    """Pictures for the frames of a history; None where it has one step, or nothing that is drawn.
+    """Pictures for the frames of a history; None for a single step and for results without a picture.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ def subject_of(dataset: Results) -> Subject | None:
     planes = [name for name, how in drawable(dataset).items() if how == "section" and regions[name]["shape"] == "plane"]
     if wears(dataset) and "pressure" in dataset:
         pictures = (partial(worn_profiles, dataset), partial(pressure_map, dataset))
-        words = "Worn surfaces over the initial ones, and the contact pressure."
-        return Subject(pictures, words, stacked=rolls(dataset))
+        caption = "Worn surfaces over the initial ones, and the contact pressure."
+        return Subject(pictures, caption, stacked=rolls(dataset))
     section: list[Draw] = [partial(stress_section, dataset, name) for name in planes[:1]]
     below = f", over the stress on {planes[0]!r}" if planes else ""
     if "pressure" not in dataset:
@@ -95,10 +95,10 @@ def subject_of(dataset: Results) -> Subject | None:
         if driven(dataset):
             return Subject((shear, partial(fretting_loops, dataset)), "Shear over stick and slip, beside the loop.")
         return Subject((shear, pressure), "Shear over stick and slip, beside the contact pressure.")
-    known = {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
-    if known and yields(dataset):
-        beside = f"the stress on {planes[0]!r}" if section else "the contact pressure"
-        sentence = f"Load against depth, beside {beside}."
+    has_course = {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars)
+    if has_course and yields(dataset):
+        second_picture = f"the stress on {planes[0]!r}" if section else "the contact pressure"
+        sentence = f"Load against depth, beside {second_picture}."
         if section and dataset.sizes.get("history_step") == dataset.sizes["step"]:
             sentence += " The line is around what has yielded."
         return Subject((section[0] if section else pressure, partial(load_depth, dataset)), sentence)
@@ -116,12 +116,12 @@ def thinned(dataset: Results, most: int = FRAMES) -> tuple[int, ...]:
     """
     worn = wears(dataset) and not rolls(dataset)
     steps = ends_of_cycles(dataset) if worn else np.arange(dataset.sizes["step"])
-    chosen = np.rint(np.linspace(0, steps.size - 1, min(most, steps.size))).astype(int)
-    return tuple(steps[np.unique(chosen)].tolist())
+    positions = np.rint(np.linspace(0, steps.size - 1, min(most, steps.size))).astype(int)
+    return tuple(steps[np.unique(positions)].tolist())
 
 
 def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
-    """What the frames leave out, in words; empty where each step and each cycle has a frame."""
+    """Note on steps or cycles without a frame; empty where each of them has a frame."""
     if "cycles" in dataset and wears(dataset):
         most = float(np.diff(np.asarray(dataset["cycles"].values, dtype=float)[list(steps)]).max(initial=0.0))
         if most > 1:
@@ -141,12 +141,12 @@ def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
         What the frames show.
     """
     film = Film(dataset, thinned(dataset))
-    alone = [draw(step=film.steps[0], on=Frame(film)).get_size_inches() for draw in subject.pictures]
+    sizes = [draw(step=film.steps[0], on=Frame(film)).get_size_inches() for draw in subject.pictures]
     along, across = (1, 0) if subject.stacked else (0, 1)
     size = np.zeros(2)
-    size[along], size[across] = sum(one[along] for one in alone), max(one[across] for one in alone)
+    size[along], size[across] = sum(extent[along] for extent in sizes), max(extent[across] for extent in sizes)
     size = np.ceil(size * DPI / 2) * 2 / DPI  # of even numbers of pixels, as films ask for
-    ratios = [one[along] for one in alone]
+    ratios = [extent[along] for extent in sizes]
     with paper_style():
         figure = new_figure(*size)
     figure.set_size_inches(*size)
@@ -171,17 +171,17 @@ def _draw(figure: Figure, subject: Subject, film: Film, step: int, ratios: list[
     """Draw the pictures of one step into an empty figure."""
     figure.clear()
     if subject.stacked:
-        parts = figure.subfigures(len(ratios), 1, squeeze=False, height_ratios=ratios).ravel()
+        panels = figure.subfigures(len(ratios), 1, squeeze=False, height_ratios=ratios).ravel()
     else:
-        parts = figure.subfigures(1, len(ratios), squeeze=False, width_ratios=ratios).ravel()
-    for draw, part in zip(subject.pictures, parts, strict=True):
-        draw(step=step, on=Frame(film, part))
+        panels = figure.subfigures(1, len(ratios), squeeze=False, width_ratios=ratios).ravel()
+    for draw, panel in zip(subject.pictures, panels, strict=True):
+        draw(step=step, on=Frame(film, panel))
     note = jumps(film.dataset, film.steps)
     figure.text(0.99, 0.005, note, ha="right", va="bottom", fontsize="x-small", color="0.4")
 
 
 def _axes(figure: Figure) -> list[Axes]:
-    return [axes for part in figure.subfigs for axes in part.axes]
+    return [axes for panel in figure.subfigs for axes in panel.axes]
 
 
 def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:

@@ -29,11 +29,13 @@ if TYPE_CHECKING:
 
 __all__ = ["cells_map"]
 
-#: Cells with more than this part of the largest value are framed, with this room in cells.
-MATTERS, ROOM = 1e-3, 3
+#: Cells with more than this part of the largest value are framed.
+MATTERS = 1e-3
+#: Room around the framed cells, in cells.
+ROOM = 3
 
 
-def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) -> Figure:
+def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View) -> Figure:
     """A number in every cell of the section normal to y through the largest of them, which is marked by a cross.
 
     Parameters
@@ -42,7 +44,7 @@ def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) 
         Results of a run.
     body : int
         1 or 2.
-    shown : Shown
+    numbers : Shown
         Numbers (nz, ny, nx) in the cells of that body.
     step : int
         Position along ``step`` that they belong to.
@@ -50,9 +52,9 @@ def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) 
         Part of the section, and colours, where they are chosen.
     """
     middles = {axis: np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "zyx"}
-    field = CellField(body, np.abs(shown.values), middles)
-    at = field.largest[1] if shown.values.any() else {axis: float(places.mean()) for axis, places in middles.items()}
-    values = shown.values[:, int(np.abs(middles["y"] - at["y"]).argmin())]
+    field = CellField(body, np.abs(numbers.values), middles)
+    at = field.largest[1] if numbers.values.any() else {axis: float(places.mean()) for axis, places in middles.items()}
+    values = numbers.values[:, int(np.abs(middles["y"] - at["y"]).argmin())]
     halves = {axis: 0.5 * field.edge(axis) for axis in "zx"}
     edges = [np.append(middles[axis] - half, middles[axis][-1] + half) for axis, half in halves.items()]
     horizontal, vertical = view.horizontal, view.vertical
@@ -62,7 +64,7 @@ def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) 
         horizontal = (edges[1][max(0, left)], edges[1][min(values.shape[1], right)])
         vertical = (edges[0][0], edges[0][min(values.shape[0], rows.max() + 1 + ROOM)])
     horizontal, vertical = horizontal or (edges[1][0], edges[1][-1]), vertical or (edges[0][0], edges[0][-1])
-    length, unit = scale_for([*horizontal, *vertical], "m"), scale_for(values, shown.unit)
+    length, unit = scale_for([*horizontal, *vertical], "m"), scale_for(values, numbers.unit)
     colours, low, high = colour_range(values)
     width, height = box_size(horizontal[1] - horizontal[0], vertical[1] - vertical[0], (4.4, 3.4))
     with paper_style():
@@ -79,13 +81,13 @@ def cells_map(dataset: Results, body: int, shown: Shown, step: int, view: View) 
         draw_segments(axes, inclusion_segments(dataset, body, "y", at["y"]), length)
         draw_contact_above(axes, contact_runs(dataset, step, "y", at["y"]), length)
         label_plane(axes, f"x [{length.unit}]", f"z [{length.unit}]")
-        title = f"{heading(dataset, step, f'{shown.words} in body {body}')}, {place('y', at['y'])}"
+        title = f"{heading(dataset, step, f'{numbers.words} in body {body}')}, {place('y', at['y'])}"
         if values.any():
             bar = figure.colorbar(
                 mesh, ax=axes, location="bottom" if wide else "right", shrink=0.7 if wide else 1.0,
                 aspect=30 if wide else 22, pad=0.03,
             )  # fmt: skip
-            bar.set_label(f"{shown.words} [{unit.unit}]" if unit.unit else shown.words)
+            bar.set_label(f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words)
             for colour, size, thick in (("black", 9, 2.6), ("white", 8, 1.2)):
                 axes.plot(length(at["x"]), length(at["z"]), "+", color=colour, markersize=size, markeredgewidth=thick)
             row, column = (int(np.abs(middles[axis] - at[axis]).argmin()) for axis in "zx")

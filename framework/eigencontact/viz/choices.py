@@ -1,4 +1,4 @@
-"""Which fields results hold, by the names that a user gives, and the numbers of one of them."""
+"""Fields of results by name, and the numbers of a chosen field."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Field:
     variable: str
     components: tuple[str, ...] = ()
 
-    def component(self, wanted: str | None) -> str:
+    def component(self, symbol: str | None) -> str:
         """Component of a name, the first where none is given; hyphens and the order of two indices do not matter.
 
         Raises
@@ -77,78 +77,78 @@ class Field:
         SceneError
             Names the nearest one.
         """
-        if wanted is None:
+        if symbol is None:
             return self.components[0] if self.components else ""
-        text = str(wanted).strip().lower().replace("-", "_")
+        text = str(symbol).strip().lower().replace("-", "_")
         if not self.components:
-            raise SceneError(f"component must be left out of {self.name!r}, which is one number (got {shown(wanted)})")
-        found = next((name for name in (text, text[::-1]) if name in self.components), None)
-        if found is None:
-            known = ", ".join(self.components)
+            raise SceneError(f"component must be left out of {self.name!r}, which is one number (got {shown(symbol)})")
+        match = next((name for name in (text, text[::-1]) if name in self.components), None)
+        if match is None:
+            listed = ", ".join(self.components)
             near = nearest(text, self.components)
-            raise SceneError(f"component must be one of {known} for {self.name!r} (got {shown(wanted)}){near}")
-        return found
+            raise SceneError(f"component must be one of {listed} for {self.name!r} (got {shown(symbol)}){near}")
+        return match
 
 
 def surface_fields(dataset: Results) -> dict[str, Field]:
     """Fields in the cells of the surface, by name; vectors as one field."""
-    names = [str(name) for name, made in dataset.data_vars.items() if made.dims == ("step", "y", "x")]
-    found: dict[str, Field] = {}
+    names = [str(name) for name, variable in dataset.data_vars.items() if variable.dims == ("step", "y", "x")]
+    fields: dict[str, Field] = {}
     for name in names:
         stem, axis = name.rpartition("_")[::2]
         if stem and axis in _AXES:
-            parts = [one for one in "xyz" if f"{stem}_{one}" in names]
-            own = ("z",) if "z" in parts else ()
-            whole = (_MAGNITUDE,) if {"x", "y"} <= set(parts) and not own else ()
-            order = dict.fromkeys((*whole, *own, *parts))
-            found.setdefault(stem, Field(stem, f"{stem}_{parts[0]}", tuple(order)))
-        found[name] = Field(name, name)
+            axes = [letter for letter in "xyz" if f"{stem}_{letter}" in names]
+            normal = ("z",) if "z" in axes else ()
+            magnitude = (_MAGNITUDE,) if {"x", "y"} <= set(axes) and not normal else ()
+            order = dict.fromkeys((*magnitude, *normal, *axes))
+            fields.setdefault(stem, Field(stem, f"{stem}_{axes[0]}", tuple(order)))
+        fields[name] = Field(name, name)
     if "residual_displacement_z" in names:
-        found["uplift"] = Field("uplift", "residual_displacement_z")
-    return found
+        fields["uplift"] = Field("uplift", "residual_displacement_z")
+    return fields
 
 
 def region_fields(dataset: Results, region: str) -> dict[str, Field]:
     """Fields of a region, by name; what follows from its stress among them."""
-    fields = json.loads(dataset.attrs["regions"])[region]["fields"]
-    found: dict[str, Field] = {}
-    if "stress" in fields:
+    stored_fields = json.loads(dataset.attrs["regions"])[region]["fields"]
+    by_name: dict[str, Field] = {}
+    if "stress" in stored_fields:
         kinds = (*_OF_STRESS, *COMPONENTS, *_PRINCIPAL)
-        found["stress"] = Field("stress", f"{region}_stress", kinds)
-        found |= {name: Field(name, f"{region}_stress") for name in _OF_STRESS}
-        found["principal"] = Field("principal", f"{region}_stress", _PRINCIPAL)
+        by_name["stress"] = Field("stress", f"{region}_stress", kinds)
+        by_name |= {name: Field(name, f"{region}_stress") for name in _OF_STRESS}
+        by_name["principal"] = Field("principal", f"{region}_stress", _PRINCIPAL)
     kinds_of = {"strain": COMPONENTS, "displacement": ("z", "x", "y"), "principal": _PRINCIPAL}
-    for name in fields:
+    for name in stored_fields:
         if name != "stress":
-            found[name] = Field(name, f"{region}_{name}", kinds_of.get(name, ()))
-    return found
+            by_name[name] = Field(name, f"{region}_{name}", kinds_of.get(name, ()))
+    return by_name
 
 
 def cell_fields(dataset: Results) -> dict[str, Field]:
-    """What the cells of bodies remember, by name with the number of the body, and by name alone of the first body."""
-    found: dict[str, Field] = {}
+    """History fields in the cells of bodies by name: with the number of the body, and without it for the first body."""
+    fields: dict[str, Field] = {}
     for name in map(str, dataset.data_vars):
-        made = dataset[name]
+        variable = dataset[name]
         stem, body = name.rpartition("_")[::2]
-        if body not in ("1", "2") or tuple(made.dims[-3:]) != tuple(f"cells_{body}_{axis}" for axis in "zyx"):
+        if body not in ("1", "2") or tuple(variable.dims[-3:]) != tuple(f"cells_{body}_{axis}" for axis in "zyx"):
             continue
-        kinds = COMPONENTS if made.ndim == 5 else ()
-        found[name] = Field(name, name, kinds)
-        found.setdefault(stem, Field(stem, name, kinds))
-    if "equivalent_plastic_strain" in found and "plastic_strain" in found:
-        tensor = found["plastic_strain"]
-        found["plastic_strain"] = Field("plastic_strain", tensor.variable, ("equivalent", *tensor.components))
-    return found
+        kinds = COMPONENTS if variable.ndim == 5 else ()
+        fields[name] = Field(name, name, kinds)
+        fields.setdefault(stem, Field(stem, name, kinds))
+    if "equivalent_plastic_strain" in fields and "plastic_strain" in fields:
+        tensor = fields["plastic_strain"]
+        fields["plastic_strain"] = Field("plastic_strain", tensor.variable, ("equivalent", *tensor.components))
+    return fields
 
 
-def choose(name: str, known: dict[str, Field], place: str, pictures: Sequence[str] = ()) -> Field:
+def choose(name: str, fields: dict[str, Field], place: str, pictures: Sequence[str] = ()) -> Field:
     """Field of a name; hyphens and case do not matter.
 
     Parameters
     ----------
     name : str
         As a user gives it.
-    known : dict
+    fields : dict
         Fields by name.
     place : str
         Where they lie, in words.
@@ -161,12 +161,14 @@ def choose(name: str, known: dict[str, Field], place: str, pictures: Sequence[st
         Names what there is, and the nearest name.
     """
     text = str(name).strip().lower().replace("-", "_")
-    if text not in known:
-        listed = ", ".join(known) or "none"
-        others = f", or a picture: {', '.join(pictures)}" if pictures else ""
-        near = nearest(text, known) or nearest(text.replace("_", "-"), pictures)
-        raise SceneError(f"field must be one that the results hold{place}: {listed}{others} (got {shown(name)}){near}")
-    return known[text]
+    if text not in fields:
+        listed = ", ".join(fields) or "none"
+        alternatives = f", or a picture: {', '.join(pictures)}" if pictures else ""
+        near = nearest(text, fields) or nearest(text.replace("_", "-"), pictures)
+        raise SceneError(
+            f"field must be one that the results hold{place}: {listed}{alternatives} (got {shown(name)}){near}"
+        )
+    return fields[text]
 
 
 def surface_numbers(dataset: Results, field: Field, component: str, step: int) -> Shown:
@@ -174,15 +176,15 @@ def surface_numbers(dataset: Results, field: Field, component: str, step: int) -
     stem = field.variable.rpartition("_")[0] if field.components else field.variable
     unit = _unit(dataset, field.variable)
     if component == _MAGNITUDE:
-        parts = [_read(dataset, f"{stem}_{axis}", step) for axis in "xy"]
-        return Shown(_words(stem), unit, np.hypot(*parts))
+        components = [_read(dataset, f"{stem}_{axis}", step) for axis in "xy"]
+        return Shown(_label(stem), unit, np.hypot(*components))
     name = f"{stem}_{component}" if component else field.variable
     values = _read(dataset, name, step)
     if field.name == "uplift":
-        return Shown(_words("uplift"), unit, 0.0 - values)
+        return Shown(_label("uplift"), unit, 0.0 - values)
     stem, axis = name.rpartition("_")[::2]
-    words = f"{_words(stem)} {_AXES[axis]}" if axis in _AXES and stem else _words(name)
-    return Shown(words, unit, values, name)
+    label = f"{_label(stem)} {_AXES[axis]}" if axis in _AXES and stem else _label(name)
+    return Shown(label, unit, values, name)
 
 
 def region_numbers(dataset: Results, region: str, field: Field, component: str, step: int) -> Shown:
@@ -190,22 +192,22 @@ def region_numbers(dataset: Results, region: str, field: Field, component: str, 
     values = _read(dataset, field.variable, step)
     unit = _unit(dataset, field.variable)
     kind = component or field.name
-    stored = f"{region}_{kind}"
-    if kind in _OF_STRESS and stored in dataset:  # as the run has found it
-        return Shown(_words(kind), unit, _read(dataset, stored, step), stored)
+    stored_name = f"{region}_{kind}"
+    if kind in _OF_STRESS and stored_name in dataset:  # as the run has found it
+        return Shown(_label(kind), unit, _read(dataset, stored_name, step), stored_name)
     if field.variable == f"{region}_stress":
         if kind in _OF_STRESS:
-            return Shown(_words(kind), unit, _OF_STRESS[kind](to_mandel(values)))
+            return Shown(_label(kind), unit, _OF_STRESS[kind](to_mandel(values)))
         if kind in _PRINCIPAL:
-            return Shown(f"{_words('principal')} {kind}", unit, principal(to_mandel(values))[int(kind) - 1])
-        return Shown(rf"Stress $\sigma_{{{kind}}}$", unit, _one(values, kind))
+            return Shown(f"{_label('principal')} {kind}", unit, principal(to_mandel(values))[int(kind) - 1])
+        return Shown(rf"Stress $\sigma_{{{kind}}}$", unit, _component_of(values, kind))
     if not component:
-        return Shown(_words(field.name), unit, values, field.variable)
+        return Shown(_label(field.name), unit, values, field.variable)
     if field.name == "strain":
-        return Shown(rf"Strain $\varepsilon_{{{kind}}}$", unit, _one(values, kind))
+        return Shown(rf"Strain $\varepsilon_{{{kind}}}$", unit, _component_of(values, kind))
     if field.name == "displacement":
-        return Shown(f"{_words(field.name)} {_AXES[kind]}", unit, values["xyz".index(kind)])
-    return Shown(f"{_words(field.name)} {kind}", unit, values[int(kind) - 1])
+        return Shown(f"{_label(field.name)} {_AXES[kind]}", unit, values["xyz".index(kind)])
+    return Shown(f"{_label(field.name)} {kind}", unit, values[int(kind) - 1])
 
 
 def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> Shown:
@@ -219,31 +221,31 @@ def cell_numbers(dataset: Results, field: Field, component: str, step: int) -> S
     variable = field.variable
     if component == "equivalent":
         variable, component = f"equivalent_{variable}", ""
-    kept = [int(number) for number in dataset["history_step"].values]
+    stored_steps = [int(number) for number in dataset["history_step"].values]
     number = int(dataset["step"][step])
-    if number not in kept:
-        listed = ", ".join(map(str, kept))
+    if number not in stored_steps:
+        listed = ", ".join(map(str, stored_steps))
         raise SceneError(
             f"step must be one after which {field.name!r} was kept: {listed} (got {number}); the run keeps that of all "
             'steps with output.history = "all"'
         )
-    values = _read(dataset, variable, kept.index(number))
+    values = _read(dataset, variable, stored_steps.index(number))
     unit = _unit(dataset, variable)
-    words = _words(variable.rpartition("_")[0])
+    label = _label(variable.rpartition("_")[0])
     if component:
         n = COMPONENTS.index(component)
-        return Shown(rf"{words}, ${component}$", unit, values[n] / (1.0 if n < 3 else np.sqrt(2.0)))
-    return Shown(words, unit, values)
+        return Shown(rf"{label}, ${component}$", unit, values[n] / (1.0 if n < 3 else np.sqrt(2.0)))
+    return Shown(label, unit, values)
 
 
-def _one(values: NDArray[Any], component: str) -> NDArray[Any]:
-    """One component (of stress or strain); zero where it is round-off beside the others, which has no picture."""
-    found = values[COMPONENTS.index(component)]
-    small = np.nanmax(np.abs(found), initial=0.0) <= ROUND_OFF * np.nanmax(np.abs(values), initial=0.0)
-    return np.zeros_like(found) if small else found
+def _component_of(values: NDArray[Any], component: str) -> NDArray[Any]:
+    """One component of stress or strain; zero where it is round-off relative to the other components."""
+    field = values[COMPONENTS.index(component)]
+    small = np.nanmax(np.abs(field), initial=0.0) <= ROUND_OFF * np.nanmax(np.abs(values), initial=0.0)
+    return np.zeros_like(field) if small else field
 
 
-def _words(name: str) -> str:
+def _label(name: str) -> str:
     return _WORDS.get(name) or name.replace("_", " ").capitalize()
 
 

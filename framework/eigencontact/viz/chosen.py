@@ -113,26 +113,26 @@ def chosen_picture(
                 )
         sentence, draw = pictures[stem]
         return Chosen(f"plot-{stem}", sentence, draw())
-    place, one = _found(dataset, field, region, tuple(pictures))
-    part = one.component(component)
-    words = [] if place == SURFACE else [place or "cells"]
-    name = "-".join([*words, one.name, *([part] if part else [])]).replace("_", "-")
+    place, choice = _place_and_field(dataset, field, region, tuple(pictures))
+    axis = choice.component(component)
+    stems = [] if place == SURFACE else [place or "cells"]
+    name = "-".join([*stems, choice.name, *([axis] if axis else [])]).replace("_", "-")
     if place == SURFACE:
-        made = _surface(dataset, one, part, step, view)
+        figure = _surface(dataset, choice, axis, step, view)
     elif place in SURFACE_LINES:
-        made = surface_line(dataset, SURFACE_LINES[place], surface_numbers(dataset, one, part, step), step, view)
+        figure = surface_line(dataset, SURFACE_LINES[place], surface_numbers(dataset, choice, axis, step), step, view)
     elif not place:
-        body = int(one.variable.rpartition("_")[2])
-        made = cells_map(dataset, body, cell_numbers(dataset, one, part, step), step, view)
+        body = int(choice.variable.rpartition("_")[2])
+        figure = cells_map(dataset, body, cell_numbers(dataset, choice, axis, step), step, view)
     else:
-        numbers = region_numbers(dataset, place, one, part, step)
+        numbers = region_numbers(dataset, place, choice, axis, step)
         if json.loads(dataset.attrs["regions"])[place]["shape"] == "line":
-            made = line_profile(dataset, place, numbers, step, view)
+            figure = line_profile(dataset, place, numbers, step, view)
         else:
-            made = stress_section(dataset, place, step, None, numbers, view)
+            figure = stress_section(dataset, place, step, None, numbers, view)
     after = f" after step {int(dataset['step'][step])}" if dataset.sizes["step"] > 1 else ""
-    sentence = f"{one.name}{f' {part}' if part else ''} {f'on {place!r}' if place else 'in the cells'}{after}."
-    return Chosen(f"plot-{name}", sentence, made)
+    sentence = f"{choice.name}{f' {axis}' if axis else ''} {f'on {place!r}' if place else 'in the cells'}{after}."
+    return Chosen(f"plot-{name}", sentence, figure)
 
 
 def _standard(dataset: Results, step: int) -> dict[str, tuple[str, Callable[[], Figure]]]:
@@ -148,9 +148,12 @@ def _standard(dataset: Results, step: int) -> dict[str, tuple[str, Callable[[], 
     return {name: pictures[name] for name in PICTURES if name in pictures and name not in fields}
 
 
-def _found(dataset: Results, field: str | None, region: str | None, pictures: tuple[str, ...]) -> tuple[str, Field]:
+def _place_and_field(
+    dataset: Results, field: str | None, region: str | None, pictures: tuple[str, ...]
+) -> tuple[str, Field]:
     """Place of a field, empty for the cells of bodies, and the field there."""
-    regions = {name: one for name, one in json.loads(dataset.attrs["regions"]).items() if _is_drawn(dataset, name, one)}
+    descriptions = json.loads(dataset.attrs["regions"])
+    regions = {name: region_ for name, region_ in descriptions.items() if _is_drawn(dataset, name, region_)}
     surface, cells = surface_fields(dataset), cell_fields(dataset)
     places = [*regions, SURFACE, *SURFACE_LINES]
     if region is not None and region not in places:
@@ -162,21 +165,21 @@ def _found(dataset: Results, field: str | None, region: str | None, pictures: tu
     if region is None and field is None and "pressure" not in surface:
         region = next(iter(regions), None)
     if region not in (None, SURFACE, *SURFACE_LINES):
-        own = region_fields(dataset, str(region))
-        name = field or equivalent_of(dataset, str(region)) or next(iter(own))
-        return str(region), choose(name, own, f" of region {region!r}")
+        fields_there = region_fields(dataset, str(region))
+        name = field or equivalent_of(dataset, str(region)) or next(iter(fields_there))
+        return str(region), choose(name, fields_there, f" of region {region!r}")
     name = field or "pressure"
     if region in (SURFACE, *SURFACE_LINES):
         return str(region), choose(name, surface, " of the surface")
     everywhere = {at: region_fields(dataset, at) for at in regions}
-    known = {**{k: v for own in everywhere.values() for k, v in own.items()}, **cells, **surface}
-    one = choose(name, known, "", pictures)
-    if one.name in surface:
-        return SURFACE, surface[one.name]
-    if one.name in cells:
-        return "", cells[one.name]
-    at = next(at for at, own in everywhere.items() if one.name in own)
-    return at, everywhere[at][one.name]
+    fields = {**{k: v for fields_there in everywhere.values() for k, v in fields_there.items()}, **cells, **surface}
+    choice = choose(name, fields, "", pictures)
+    if choice.name in surface:
+        return SURFACE, surface[choice.name]
+    if choice.name in cells:
+        return "", cells[choice.name]
+    at = next(at for at, fields_there in everywhere.items() if choice.name in fields_there)
+    return at, everywhere[at][choice.name]
 
 
 def _is_drawn(dataset: Results, name: str, described: dict[str, Any]) -> bool:
@@ -187,20 +190,20 @@ def _is_drawn(dataset: Results, name: str, described: dict[str, Any]) -> bool:
     return described["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1
 
 
-def _surface(dataset: Results, one: Field, part: str, step: int, view: View) -> Figure:
+def _surface(dataset: Results, field: Field, component: str, step: int, view: View) -> Figure:
     """Map of a field of the surface."""
-    if one.name == "exposed_material":
+    if field.name == "exposed_material":
         return exposed_map(dataset, step)
-    numbers = surface_numbers(dataset, one, part, step)
+    numbers = surface_numbers(dataset, field, component, step)
     values = numbers.values
     contact = np.zeros(values.shape, dtype=bool)
     if "pressure" in dataset:
         contact = np.asarray(dataset["pressure"][step].values) != 0
     rim = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
-    local = not rim.any() and one.name != "gap"  # nothing but in the contact, or where it has been
+    local = not rim.any() and field.name != "gap"  # nothing but in the contact, or where it has been
     box = view_of(contact | (values != 0)) if local else Box(0, values.shape[0], 0, values.shape[1])
     window = Window(dataset, _zoomed(dataset, box, view))
-    if one.name == "contact_zone":
+    if field.name == "contact_zone":
         return zone_map(window, values, heading(dataset, step, "Stick and slip"), ZONES, ZONE_COLOURS)
     return masked_map(
         window,
@@ -209,37 +212,37 @@ def _surface(dataset: Results, one: Field, part: str, step: int, view: View) -> 
         label=numbers.words,
         title=heading(dataset, step, numbers.words),
         outline=contact,
-        empty="no contact" if one.name == "pressure" else "zero everywhere",
+        empty="no contact" if field.name == "pressure" else "zero everywhere",
         cmap=view.cmap,
         masked=local,
-        lifted=1 if one.name == "uplift" else -1 if numbers.variable == "residual_displacement_z" else 0,
+        lifted=1 if field.name == "uplift" else -1 if numbers.variable == "residual_displacement_z" else 0,
     )
 
 
 def _zoomed(dataset: Results, box: Box, view: View) -> Box:
-    """Cells whose middles lie in what a user has chosen."""
+    """Cells with their middles inside the zoom."""
     ends = []
-    for axis, chosen, low, high in (("y", view.vertical, box.y0, box.y1), ("x", view.horizontal, box.x0, box.x1)):
+    for axis, zoom, low, high in (("y", view.vertical, box.y0, box.y1), ("x", view.horizontal, box.x0, box.x1)):
         at = np.asarray(dataset[axis].values, dtype=float)
-        if chosen is None:
+        if zoom is None:
             ends += [low, high]
             continue
-        inside = np.flatnonzero((at >= chosen[0]) & (at <= chosen[1]))
+        inside = np.flatnonzero((at >= zoom[0]) & (at <= zoom[1]))
         if not inside.size:
             raise SceneError(
-                f"zoom must hold cells of the window, {axis} from {at[0]:g} m to {at[-1]:g} m (got {chosen[0]:g} m to "
-                f"{chosen[1]:g} m)"
+                f"zoom must hold cells of the window, {axis} from {at[0]:g} m to {at[-1]:g} m (got {zoom[0]:g} m to "
+                f"{zoom[1]:g} m)"
             )
         ends += [int(inside[0]), int(inside[-1]) + 1]
     return Box(*ends)
 
 
-def zoom_of(given: str | Sequence[Any] | None) -> tuple[Range | None, Range | None]:
+def zoom_of(zoom: str | Sequence[Any] | None) -> tuple[Range | None, Range | None]:
     """Ends [m] of what is seen, along the horizontal and the vertical of a picture.
 
     Parameters
     ----------
-    given : str or sequence
+    zoom : str or sequence
         ``"-6 um:6 um, 0:8 um"``, or ``((-6e-6, 6e-6), (0, 8e-6))``; the second pair may be left out.
 
     Raises
@@ -255,16 +258,16 @@ def zoom_of(given: str | Sequence[Any] | None) -> tuple[Range | None, Range | No
     ((0.0, 1e-06), None)
     """
     rule = 'zoom must be one or two ranges of lengths, horizontal and vertical, "-6 um:6 um, 0:8 um"'
-    if given is None:
+    if zoom is None:
         return None, None
     try:
-        pairs = [part.split(":") for part in given.split(",")] if isinstance(given, str) else list(map(list, given))
+        pairs = [ends.split(":") for ends in zoom.split(",")] if isinstance(zoom, str) else list(map(list, zoom))
         ranges = [[float(parse_quantity(_metres(end), "m", "a length")) for end in pair] for pair in pairs]
     except (TypeError, ValueError) as problem:
-        raise SceneError(f"{rule} (got {shown(given)}: {problem})") from None
+        raise SceneError(f"{rule} (got {shown(zoom)}: {problem})") from None
     good = 1 <= len(ranges) <= 2 and all(len(ends) == 2 and -np.inf < ends[0] < ends[1] < np.inf for ends in ranges)
     if not good:
-        raise SceneError(f"{rule}, each from the smaller to the larger end (got {shown(given)})")
+        raise SceneError(f"{rule}, each from the smaller to the larger end (got {shown(zoom)})")
     first, second = ranges[0], ranges[-1]
     return (first[0], first[1]), (second[0], second[1]) if len(ranges) == 2 else None
 

@@ -1,4 +1,4 @@
-"""Where the contact begins and ends: marks on profiles and above sections."""
+"""Ends of the contact: marks on profiles and above sections."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ def contact_runs(dataset: Results, step: int, normal: str, at: float) -> NDArray
     if "pressure" not in dataset or normal not in ("x", "y"):
         return np.empty((0, 2))
     along = "y" if normal == "x" else "x"
-    across, own = (np.asarray(dataset[axis].values, dtype=float) for axis in (normal, along))
+    across, places = (np.asarray(dataset[axis].values, dtype=float) for axis in (normal, along))
     rows = cell_edges(across, dataset, "xy".index(normal))
     if not rows[0] <= at <= rows[-1]:
         return np.empty((0, 2))
     line = int(np.abs(across - at).argmin())
     where = (slice(None), line) if normal == "x" else (line, slice(None))
     touched = np.asarray(dataset["pressure"][step].values)[where] != 0
-    return runs_of(touched, cell_edges(own, dataset, "xy".index(along)))
+    return runs_of(touched, cell_edges(places, dataset, "xy".index(along)))
 
 
 def draw_contact_above(axes: Axes, runs: NDArray[np.float64], length: Scale) -> None:

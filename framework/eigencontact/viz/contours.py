@@ -27,13 +27,19 @@ __all__ = ["colour_ends", "contour_lines", "contours_by_side", "draw_sides", "gr
 #: Number of filled contours.
 LEVELS = 14
 #: Values beyond so many times the quantile do not set the range of the colours.
-OUTLYING, COMMON = 1.3, 0.995
+OUTLYING = 1.3
+#: Quantile of the values that sets the range of the colours.
+COMMON = 0.995
 #: Colours begin at zero, unless all values are larger than this part of the largest.
 NARROW = 0.3
-#: Levels grow by ratios where so much of a section lies below this part of the end of the colours,
-MOSTLY, LOW = 0.8, 0.12
-#: over so many decades, by these numbers in each.
-DECADES, IN_A_DECADE = 2, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+#: Levels grow by ratios where more than this part of a section has low values.
+MOSTLY = 0.8
+#: Values are low below this part of the end of the colours.
+LOW = 0.12
+#: Decades of levels that grow by ratios.
+DECADES = 2
+#: Levels in each decade.
+IN_A_DECADE = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 
 
 def colour_ends(values: FloatArray) -> tuple[float, float]:
@@ -52,7 +58,7 @@ def contours_by_side(
     length: Scale,
     limits: FloatArray,
     ends: FloatArray,
-    seen: FloatArray,
+    visible: FloatArray,
     cmap: str | None = None,
 ) -> Any:
     """Filled contours with round levels, each side by its own values and up to the border itself.
@@ -71,7 +77,7 @@ def contours_by_side(
         Unit of both axes.
     limits, ends : arrays
         All values, or the smallest and the largest, and those that the colours are for.
-    seen : array
+    visible : array
         Values in the part that is shown. Where most of them are small, the levels grow by ratios.
     cmap : str, optional
         Colour map; by default one that suits the signs.
@@ -93,11 +99,11 @@ def contours_by_side(
         low = least
     levels = np.asarray(MaxNLocator(nbins=LEVELS, symmetric=signed).tick_values(low, high))
     norm = None
-    if low == 0.0 and float(np.mean(np.abs(seen[np.isfinite(seen)]) < LOW * high)) > MOSTLY:
+    if low == 0.0 and float(np.mean(np.abs(visible[np.isfinite(visible)]) < LOW * high)) > MOSTLY:
         levels = growing_levels(high)
         norm = BoundaryNorm(levels, 256, extend="max" if np.nanmax(limits) > levels[-1] else "neither")
-    beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-    extend = beyond[bool(least < levels[0]), bool(np.nanmax(limits) > levels[-1])]
+    extends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    extend = extends[bool(least < levels[0]), bool(np.nanmax(limits) > levels[-1])]
     inner = [level for level in levels[::2] if np.nanmin(values) < level < np.nanmax(values)]
     lines = {"levels": inner, "colors": "0.15" if signed else "1.0"}
     return draw_sides(
@@ -149,36 +155,36 @@ def draw_sides(
 ) -> Any:
     """Filled contours between given levels, each side by its own values; thin lines at some of them."""
     x, y = length(at[0]), length(at[1])
-    drawn = None
-    for number, part in enumerate(sides.parts):
+    lowest = None
+    for number, side in enumerate(sides.parts):
         level = 1.0 + number / len(sides.parts)  # bands of a side hide the lines of those below it
-        field = np.ma.masked_invalid(sides.filled(values, part))
+        field = np.ma.masked_invalid(sides.filled(values, side))
         bands = axes.contourf(x, y, field, levels=levels, cmap=cmap, norm=norm, extend=extend, zorder=level)
         bands.set_edgecolor("face")  # no seams between bands in a PDF
         bands.set_linewidth(0.1)
-        made = [bands]
-        if lines and any(field.min() < one < field.max() for one in lines["levels"]):
-            made.append(axes.contour(x, y, field, zorder=level, **{"linewidths": 0.3, "alpha": 0.6, **lines}))
+        artists = [bands]
+        if lines and any(field.min() < artist < field.max() for artist in lines["levels"]):
+            artists.append(axes.contour(x, y, field, zorder=level, **{"linewidths": 0.3, "alpha": 0.6, **lines}))
         if len(sides.parts) > 1:
-            for one in made:
-                one.set_clip_path(_border(part, at, length), axes.transData)
-        drawn = drawn or bands
-    return drawn
+            for artist in artists:
+                artist.set_clip_path(_border(side, at, length), axes.transData)
+        lowest = lowest or bands
+    return lowest
 
 
 def contour_lines(
     axes: Axes, at: tuple[FloatArray, FloatArray], values: FloatArray, sides: Sides, *, length: Scale, level: float
 ) -> list[Any]:
     """Line at one level, each side by its own values and up to its border; the lines of each side."""
-    drawn = []
+    contours = []
     for side in sides.parts:
         field = sides.filled(values, side)
         if not field.min() < level < field.max():
             continue
-        drawn.append(axes.contour(length(at[0]), length(at[1]), field, levels=[level]))
+        contours.append(axes.contour(length(at[0]), length(at[1]), field, levels=[level]))
         if len(sides.parts) > 1:
-            drawn[-1].set_clip_path(_border_with_holes(sides, side, at, length), axes.transData)
-    return drawn
+            contours[-1].set_clip_path(_border_with_holes(sides, side, at, length), axes.transData)
+    return contours
 
 
 def _border_with_holes(sides: Sides, side: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:
@@ -187,7 +193,7 @@ def _border_with_holes(sides: Sides, side: Side, at: tuple[FloatArray, FloatArra
 
     paths = [_border(side, at, length)]
     if side.outline is None:
-        holes = [replace(side, outline=other.outline) for other in sides.parts if other.outline is not None]
+        holes = [replace(side, outline=inclusion.outline) for inclusion in sides.parts if inclusion.outline is not None]
         paths += [_border(hole, at, length) for hole in holes]
     turned = [path.vertices[:: 1 if (_turn(path.vertices) > 0) == (n == 0) else -1] for n, path in enumerate(paths)]
     return Path.make_compound_path(*map(Path, turned))
@@ -199,25 +205,25 @@ def _turn(path: FloatArray) -> float:
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
-def _border(part: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:
+def _border(side: Side, at: tuple[FloatArray, FloatArray], length: Scale) -> Any:
     """Border of a side, in the unit of the axes."""
     from matplotlib.path import Path
 
     (left, right), (top, bottom) = ((float(places.min()), float(places.max())) for places in at)
     corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom], [left, top]])
-    path = corners if part.outline is None else part.outline
-    for depth, sign in zip(part.depths, (1.0, -1.0), strict=True):
+    path = corners if side.outline is None else side.outline
+    for depth, sign in zip(side.depths, (1.0, -1.0), strict=True):
         if np.isfinite(depth):
-            path = _beyond(path, depth, sign)
+            path = _clipped_at_depth(path, depth, sign)
     return Path(length(path), closed=False)
 
 
-def _beyond(path: FloatArray, depth: float, sign: float) -> FloatArray:
+def _clipped_at_depth(path: FloatArray, depth: float, sign: float) -> FloatArray:
     """Part of a closed path below (sign 1) or above (-1) a depth."""
-    kept = []
+    corners = []
     for a, b in pairwise(path):
         if sign * (a[1] - depth) >= 0:
-            kept.append(a)
+            corners.append(a)
         if (a[1] - depth) * (b[1] - depth) < 0:
-            kept.append(a + (depth - a[1]) / (b[1] - a[1]) * (b - a))
-    return np.array([*kept, kept[0]]) if kept else path
+            corners.append(a + (depth - a[1]) / (b[1] - a[1]) * (b - a))
+    return np.array([*corners, corners[0]]) if corners else path

@@ -21,8 +21,10 @@ __all__ = ["coverage_map", "impacts", "strikes", "struck"]
 
 #: Fewer impacts are no treatment of a surface.
 FEWEST = 3
-#: Points along the edge of a cell that draw the borders of prints, and the share of neighbours that counts as touched.
-FINER, HALF = 6, 0.5
+#: Points along the edge of a cell that draw the borders of prints.
+FINER = 6
+#: Share of touched neighbours from which on a point counts as touched.
+HALF = 0.5
 
 
 def impacts(dataset: Results) -> list[int]:
@@ -56,7 +58,7 @@ def _smooth_strikes(dataset: Results, view: Box) -> NDArray[np.intp]:
 
 
 def coverage_map(dataset: Results) -> Figure:
-    """Number of impacts that each place has felt; the share of a square in the middle that has felt one is said.
+    """Map of the number of impacts at each place, with the covered share of a square in the middle.
 
     Parameters
     ----------

@@ -28,8 +28,10 @@ MATTERS = 0.1
 ROOM = 0.15
 #: unless so much of the section would be left out or more than this part of it stays anyway.
 WORTH_IT = 0.6
-#: A largest value that more than this part of the points reach, within this part of it, is a plateau.
-PLATEAU, LEVEL = 0.05, 0.02
+#: A largest value is a plateau where more than this part of the points reach it.
+PLATEAU = 0.05
+#: Points reach the largest value within this part of it.
+LEVEL = 0.02
 #: A first row of points this many spacings below the surface is the middle of the first layer of cells.
 FIRST_CELL = 0.75
 
@@ -57,13 +59,13 @@ class Shown:
 
     @property
     def nothing(self) -> str:
-        """What is said in a picture of zeros."""
+        """Text of a picture of zeros."""
         return "no stress" if self.unit == "Pa" else "zero everywhere"
 
 
 @dataclass(frozen=True)
 class View:
-    """What a user chooses of a picture.
+    """Choices of a user for a picture.
 
     Attributes
     ----------
@@ -130,26 +132,26 @@ class Cut:
         if self.dims[0] == "z" and 0 < self.v[0] <= FIRST_CELL * _spacing(self.v):
             self.v, self.values = np.append(0.0, self.v), np.concatenate([self.values[:1], self.values])
         name = f"{region}_outline"
-        stored = len(described["dims"]) == 2 and name in dataset
-        segments = np.asarray(dataset[name].values, dtype=float) if stored else np.empty((0, 2, 2))
+        has_outline = len(described["dims"]) == 2 and name in dataset
+        segments = np.asarray(dataset[name].values, dtype=float) if has_outline else np.empty((0, 2, 2))
         plane = Plane(int(described["body"]), self.dims, self.v, self.h)
         self.sides = sides_of(dataset, plane, segments, step)
         self.outlined = len(segments) > 0
 
     @property
     def normal(self) -> str:
-        """Axis that the plane is normal to; empty where the results do not say."""
+        """Normal axis of the plane; empty where the results do not give it."""
         return next((axis for axis in "xyz" if axis in self.cut), "")
 
     def largest(self, points: tuple[slice, slice]) -> tuple[int, int]:
         """Row and column of the largest magnitude among some points."""
-        seen = np.full(self.values.shape, np.nan)
-        seen[points] = self.values[points]
-        return self.sides.largest(seen)
+        visible = np.full(self.values.shape, np.nan)
+        visible[points] = self.values[points]
+        return self.sides.largest(visible)
 
 
     def flat(self, points: tuple[slice, slice]) -> bool:
-        """Whether the largest magnitude among some points is that of a plateau, which has no place."""
+        """Whether the largest magnitude among some points belongs to a plateau."""
         size = np.abs(np.where(self.sides.trusted, self.values, np.nan)[points])
         share = np.mean(size >= (1.0 - LEVEL) * np.nanmax(size)) if np.isfinite(size).any() else 0.0
         return bool(share > PLATEAU)
@@ -178,27 +180,27 @@ class Seen:
 
     def clipped(self, runs: FloatArray) -> FloatArray:
         """Parts of runs along the horizontal that are seen."""
-        parts = np.clip(runs, *self.horizontal)
-        return np.asarray(parts[parts[:, 1] > parts[:, 0]])
+        clipped_runs = np.clip(runs, *self.horizontal)
+        return np.asarray(clipped_runs[clipped_runs[:, 1] > clipped_runs[:, 0]])
 
     @staticmethod
     def of(dataset: Results, section: Cut, view: View, step: int, *, framed: bool) -> Seen:
-        """What a user chose of a section; else, where it is to be framed, what matters in it."""
+        """Limits of a section: the choice of the user, else the frame of its large values or the whole section."""
         h, v = section.h, section.v
-        whole = ((float(h[0]), float(h[-1])), (float(v[0]), float(v[-1])))
+        limits = ((float(h[0]), float(h[-1])), (float(v[0]), float(v[-1])))
         if view.horizontal is None and view.vertical is None:
-            ends = _framed(dataset, section, step, whole) if framed else whole
+            ends = _framed(dataset, section, step, limits) if framed else limits
         else:
-            ends = (view.horizontal or whole[0], view.vertical or whole[1])
+            ends = (view.horizontal or limits[0], view.vertical or limits[1])
         return Seen(*ends, (_within(v, ends[1]), _within(h, ends[0])))
 
 
-def _framed(dataset: Results, section: Cut, step: int, whole: tuple[Range, Range]) -> tuple[Range, Range]:
-    """Contact and large values with some room, where that leaves out enough of the section."""
+def _framed(dataset: Results, section: Cut, step: int, limits: tuple[Range, Range]) -> tuple[Range, Range]:
+    """Frame of the contact and large values with some room; the whole section where the frame saves little."""
     size = np.where(section.sides.whole, np.abs(np.nan_to_num(section.values)), 0.0)
     matters = size >= MATTERS * size.max()
     if not size.any():
-        return whole
+        return limits
     rows, columns = (np.flatnonzero(matters.any(axis=axis)) for axis in (1, 0))
     left, right = float(section.h[columns[0]]), float(section.h[columns[-1]])
     top, bottom = float(section.v[rows[0]]), float(section.v[rows[-1]])
@@ -206,22 +208,22 @@ def _framed(dataset: Results, section: Cut, step: int, whole: tuple[Range, Range
     if section.dims[0] == "z":
         if len(runs):
             left, right = min(left, float(runs.min())), max(right, float(runs.max()))
-        top = whole[1][0]
+        top = limits[1][0]
     room = ROOM * max(right - left, bottom - top)
-    across = (max(whole[0][0], left - room), min(whole[0][1], right + room))
-    down = (max(whole[1][0], top - room), min(whole[1][1], bottom + room))
-    kept = (across[1] - across[0]) * (down[1] - down[0])
-    everything = (whole[0][1] - whole[0][0]) * (whole[1][1] - whole[1][0])
-    return (across, down) if 0 < kept <= WORTH_IT * everything else whole
+    across = (max(limits[0][0], left - room), min(limits[0][1], right + room))
+    down = (max(limits[1][0], top - room), min(limits[1][1], bottom + room))
+    framed_area = (across[1] - across[0]) * (down[1] - down[0])
+    whole_area = (limits[0][1] - limits[0][0]) * (limits[1][1] - limits[1][0])
+    return (across, down) if 0 < framed_area <= WORTH_IT * whole_area else limits
 
 
 def _within(places: FloatArray, ends: Range) -> slice:
     """Points between two ends; the nearest one where there is none."""
     slack = 1e-9 * float(np.ptp(places))
-    found = np.flatnonzero((places >= ends[0] - slack) & (places <= ends[1] + slack))
-    if not found.size:
-        found = np.array([np.abs(places - 0.5 * sum(ends)).argmin()])
-    return slice(int(found[0]), int(found[-1]) + 1)
+    inside = np.flatnonzero((places >= ends[0] - slack) & (places <= ends[1] + slack))
+    if not inside.size:
+        inside = np.array([np.abs(places - 0.5 * sum(ends)).argmin()])
+    return slice(int(inside[0]), int(inside[-1]) + 1)
 
 
 def _spacing(places: FloatArray) -> float:

@@ -86,12 +86,12 @@ def draw_all(
     ResultsError
         When a picture cannot be stored.
     """
-    wanted = standard_pictures(dataset, step, solid=solid)
-    named = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in wanted]
-    for name, sentence, draw in named[part[0] :: part[1]]:
+    pictures = standard_pictures(dataset, step, solid=solid)
+    named_pictures = [(f"{name.removesuffix('.png')}.{kind}", sentence, draw) for name, sentence, draw in pictures]
+    for name, sentence, draw in named_pictures[part[0] :: part[1]]:
         save(draw(), folder / name, dpi, sentence)
         gc.collect()  # a figure refers to itself
-    return {name: sentence for name, sentence, _ in named}
+    return {name: sentence for name, sentence, _ in named_pictures}
 
 
 def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool = False) -> list[Picture]:
@@ -106,20 +106,20 @@ def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool 
     solid : bool
         See `draw_all`.
     """
-    loaded, asked = step, step
+    loaded, given_step = step, step
     if step is None:
         stays = yields(dataset) or "worn_depth" in dataset
         step = int(dataset["max_pressure"].values.argmax()) if rolls(dataset) and not stays else -1
         loaded = loaded_step(dataset) if step == -1 else step
     assert loaded is not None
-    wanted: list[Picture] = []
+    pictures: list[Picture] = []
     at = partial(moment, dataset)
     if not vanishes(dataset, ["pressure"], loaded):
         beside = " beside the closed form" if "reference_pressure" in dataset else ""
-        without = homogeneous_words(dataset)
-        beside = f" beside that of the {without} alone (closed form)" if without else beside
+        homogeneous = homogeneous_words(dataset)
+        beside = f" beside that of the {homogeneous} alone (closed form)" if homogeneous else beside
         lines = "; dashed lines are inclusions below" if "outline" in dataset else ""
-        wanted += [
+        pictures += [
             (
                 "pressure.png",
                 f"Contact pressure, cut to the contact{at(loaded)}{lines}.",
@@ -133,7 +133,7 @@ def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool 
         ]
     if not vanishes(dataset, ["residual_displacement_z"], step):
         from_above = "; lines are outlines of the inclusions from above" if "outline" in dataset else ""
-        wanted += [
+        pictures += [
             (
                 "uplift.png",
                 f"Displacement of the surface out of the body by {cause(dataset)}{at(step)}{from_above}.",
@@ -154,63 +154,63 @@ def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool 
             if f"{region}_outline" in dataset:
                 sentence += " Lines are outlines of inclusions."
             if stressed:
-                wanted.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
+                pictures.append((f"{region}.png", sentence, partial(stress_section, dataset, region, step)))
             if loaded != step and not vanishes(dataset, [field], loaded):
                 sentence = f"The same section {region!r} under the largest load{at(loaded)}."
-                wanted.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
+                pictures.append((f"{region}-loaded.png", sentence, partial(stress_section, dataset, region, loaded)))
             if json.loads(dataset.attrs["regions"])[region]["shape"] == "volume" and yields(dataset):
                 sentence = f"Stresses along the surface, means over each depth of {region!r}{at(step)}."
-                wanted.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
+                pictures.append((f"{region}-means.png", sentence, partial(mean_profile, dataset, region, step)))
         elif stressed:
             sentence = f"Stresses along the line {region!r}{at(step)}."
-            wanted.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
-    wanted += _plastic(dataset, step, solid=solid)
-    wanted += _friction(dataset, loaded)
-    wanted += _wear(dataset, -1 if asked is None else asked)
+            pictures.append((f"{region}.png", sentence, partial(stress_profile, dataset, region, step)))
+    pictures += _plastic(dataset, step, solid=solid)
+    pictures += _friction(dataset, loaded)
+    pictures += _wear(dataset, -1 if given_step is None else given_step)
     if struck(dataset):
         sentence = "Number of impacts at each place; dots are their middles."
-        wanted.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
+        pictures.append(("coverage.png", sentence, lambda: coverage_map(dataset)))
     elif rolls(dataset) and passing_varies(dataset):
         sentence = "Largest pressure, and stress at points, over the position of the moving body."
-        wanted.append(("passing.png", sentence, lambda: passing_history(dataset)))
-    load_depth_drawn = any(name == "load-depth.png" for name, *_ in wanted)
+        pictures.append(("passing.png", sentence, lambda: passing_history(dataset)))
+    load_depth_drawn = any(name == "load-depth.png" for name, *_ in pictures)
     if (panels := history_panels(dataset)) and not load_depth_drawn and not rolls(dataset):
-        wanted.append(("history.png", history_words(panels), lambda: load_history(dataset)))
-    return wanted
+        pictures.append(("history.png", history_words(panels), lambda: load_history(dataset)))
+    return pictures
 
 
 def _plastic(dataset: Results, step: int, *, solid: bool) -> list[Picture]:
-    """Pictures of what has yielded, where that was kept, and of a load that rises and falls."""
+    """Pictures of plastic strain and damage, and of loading and unloading."""
     if not yields(dataset):
         return []
-    wanted: list[Picture] = []
+    pictures: list[Picture] = []
     largest = f"on the section through its largest value{moment(dataset, step)}; the line is at"
     for field in plastic_strains(dataset, step):
         first = field.body == 1
         name = "plastic-strain.png" if first else "plastic-strain-second.png"
         sentence = f"Equivalent plastic strain {largest} 5 % of that value."
-        wanted.append((name, sentence, partial(plastic_section, dataset, field, step)))
+        pictures.append((name, sentence, partial(plastic_section, dataset, field, step)))
         if solid:
             from eigencontact.viz.isosurface import plastic_surfaces
 
             name = "plastic-surfaces.png" if first else "plastic-surfaces-second.png"
             sentence = f"Surfaces of equal plastic strain, cut open{moment(dataset, step)}."
-            wanted.append((name, sentence, partial(plastic_surfaces, dataset, field, step)))
+            pictures.append((name, sentence, partial(plastic_surfaces, dataset, field, step)))
     for field in remembered_fields(dataset, step, DAMAGE):
         name = "damage.png" if field.body == 1 else "damage-second.png"
-        words = ("Damage", "Part of the stiffness that is lost [%]")
+        labels = ("Damage", "Part of the stiffness that is lost [%]")
         sentence = f"Damage {largest} 5 % of that value."
-        wanted.append((name, sentence, partial(plastic_section, dataset, field, step, words)))
+        pictures.append((name, sentence, partial(plastic_section, dataset, field, step, labels)))
     if unloads(dataset) and not rolls(dataset):
         sentence = "Normal load over approach, loading and unloading."
-        wanted.append(("load-depth.png", sentence, partial(load_depth, dataset)))
+        pictures.append(("load-depth.png", sentence, partial(load_depth, dataset)))
     prefix = next((str(name)[: -len("_max_strain")] for name in dataset if str(name).endswith("_max_strain")), None)
     if prefix is None or f"{prefix}_volume" not in dataset or dataset.sizes["step"] < LOOP_STEPS:
-        return wanted
+        return pictures
     if any(varies(dataset[f"{prefix}_{name}"].values) for name in ("max_strain", "volume")):
         sentence = "Largest plastic strain and plastic volume, step by step."
-        wanted.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
-    return wanted
+        pictures.append(("plastic-history.png", sentence, partial(plastic_history, dataset, prefix)))
+    return pictures
 
 
 def _friction(dataset: Results, step: int) -> list[Picture]:
@@ -221,9 +221,9 @@ def _friction(dataset: Results, step: int) -> list[Picture]:
     if any(_holds(dataset, f"reference_shear_{axis}", step) for axis in "xy"):
         beside = " beside the closed form"
     when = moment(dataset, step)
-    wanted: list[Picture] = []
+    pictures: list[Picture] = []
     if not vanishes(dataset, ["shear_x", "shear_y"], step):
-        wanted += [
+        pictures += [
             ("shear.png", f"Shear traction as arrows over stick and slip{when}.", lambda: shear_map(dataset, step)),
             (
                 "shear-profiles.png",
@@ -233,16 +233,16 @@ def _friction(dataset: Results, step: int) -> list[Picture]:
         ]
     if np.nanmax(dataset["dissipated_energy_density"][step].values) > 0:
         sentence = f"Work of friction for each area{when}."
-        wanted.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))
+        pictures.append(("dissipation.png", sentence, lambda: dissipation_map(dataset, step)))
     if dataset.sizes["step"] < LOOP_STEPS:
-        return wanted
+        return pictures
     if is_a_loop(dataset):
         sentence = "Tangential load over shift (moment over twist), with the work of friction."
-        wanted.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
+        pictures.append(("loop.png", sentence, lambda: fretting_loops(dataset)))
     if zones_change(dataset, zones_of_line(dataset)[0]):
         sentence = "Stick and slip on a line through the contact, step by step."
-        wanted.append(("zones.png", sentence, lambda: zone_strip(dataset)))
-    return wanted
+        pictures.append(("zones.png", sentence, lambda: zone_strip(dataset)))
+    return pictures
 
 
 def _wear(dataset: Results, step: int) -> list[Picture]:
@@ -250,7 +250,7 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
     if not wears(dataset):
         return []
     when = moment(dataset, step)
-    wanted: list[Picture] = [
+    pictures: list[Picture] = [
         ("worn-depth.png", f"Depth that both bodies together have lost{when}.", lambda: worn_map(dataset, step)),
         (
             "worn-profiles.png",
@@ -260,17 +260,17 @@ def _wear(dataset: Results, step: int) -> list[Picture]:
     ]
     if any(interfaces(dataset, body) for body in (1, 2)) or coatings(dataset):
         sentence = f"Worn surfaces over the interfaces of layers and coatings, along x and y{when}."
-        wanted.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
+        pictures.append(("worn-coating.png", sentence, lambda: worn_coating(dataset, step)))
     if several_exposed(dataset, step):
         sentence = f"Materials at the surface, by name{when}; the line is the outline of the contact."
-        wanted.append(("exposed-materials.png", sentence, lambda: exposed_map(dataset, step)))
+        pictures.append(("exposed-materials.png", sentence, lambda: exposed_map(dataset, step)))
     if dataset.sizes["step"] >= LOOP_STEPS:
         sentence = "Worn volume and depth, largest pressure and contact area through the wear."
-        wanted.append(("wear-history.png", sentence, lambda: wear_history(dataset)))
+        pictures.append(("wear-history.png", sentence, lambda: wear_history(dataset)))
     if loop_cycles(dataset) and dataset.sizes["step"] > MANY:  # of fewer steps the loops show all cycles
         sentence = "Loops of chosen cycles over each other."
-        wanted.append(("wear-loops.png", sentence, lambda: worn_loops(dataset)))
-    return wanted
+        pictures.append(("wear-loops.png", sentence, lambda: worn_loops(dataset)))
+    return pictures
 
 
 def _holds(dataset: Results, name: str, step: int) -> bool:

@@ -1,4 +1,4 @@
-"""Titles that stay above their axes, and legends that stay inside the width of their figure."""
+"""Layout of titles above their axes and of legends inside the width of their figure."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ __all__ = ["broken", "finish", "fit_titles", "legend_below"]
 
 #: Where a line of a title is broken, the first of them that it holds: what comes before stays, what follows goes on.
 BREAKS = ((";  ", ""), (" (", "("), (", ", ""), (" at ", "at "), (" by ", "by "), (" ", ""))
-#: Room beside a title and beside an entry of a legend, in parts of the size of letters.
-_ROOM, _HANDLE = 0.3, 4.6
+#: Room beside a title, in parts of the size of letters.
+_ROOM = 0.3
+#: Room beside an entry of a legend, in parts of the size of letters.
+_HANDLE = 4.6
 #: Room above and below what a figure holds [inch].
 _MARGIN = 0.05
 #: Lines are broken so many times at most.
@@ -62,25 +64,25 @@ def fit_titles(figure: Figure) -> bool:
             box = title.get_window_extent(renderer)
             if box.x0 >= left + room and box.x1 <= right - room:
                 break
-            words = broken(title.get_text())
-            if words == title.get_text():
+            text = broken(title.get_text())
+            if text == title.get_text():
                 break
-            title.set_text(words)
+            title.set_text(text)
             changed = True
     return changed
 
 
 def _room_for(axes: Axes, panels: list[Axes]) -> tuple[float, float]:
     """Left and right end of the room for a title: the figure's, or half the way to a panel beside."""
-    own = axes.get_window_extent()
-    others = [one.get_window_extent() for one in panels if one is not axes]
-    before = [0.5 * (box.x1 + own.x0) for box in others if box.x1 <= own.x0]
-    after = [0.5 * (box.x0 + own.x1) for box in others if box.x0 >= own.x1]
+    title_box = axes.get_window_extent()
+    boxes = [panel.get_window_extent() for panel in panels if panel is not axes]
+    before = [0.5 * (box.x1 + title_box.x0) for box in boxes if box.x1 <= title_box.x0]
+    after = [0.5 * (box.x0 + title_box.x1) for box in boxes if box.x0 >= title_box.x1]
     return max([0.0, *before]), min([float(axes.figure.bbox.width), *after])
 
 
 def _renderer(figure: Figure) -> Any:
-    """What measures texts; of a figure that pyplot draws by other means, one like ours."""
+    """Renderer that measures texts; a new one for figures of other backends."""
     from matplotlib.backends.backend_agg import RendererAgg
 
     canvas: Any = figure.canvas
@@ -90,7 +92,7 @@ def _renderer(figure: Figure) -> Any:
 
 
 def broken(text: str) -> str:
-    """Text with its longest line broken in two; as it is where that line is one word.
+    """Text with its longest line broken in two; unchanged where this line has no place to break.
 
     Examples
     --------
@@ -100,12 +102,12 @@ def broken(text: str) -> str:
     lines = text.split("\n")
     longest = max(range(len(lines)), key=lambda n: len(lines[n]))
     line = lines[longest]
-    for mark, kept in BREAKS:
+    for mark, prefix in BREAKS:
         places = [n for n in range(len(line)) if line.startswith(mark, n)]
         if places:
             at = min(places, key=lambda n: abs(n - len(line) / 2))
-            first, rest = line[:at], kept + line[at + len(mark) :]
-            lines[longest] = f"{first}{',' if mark == ', ' else ''}\n{rest}"
+            first, tail = line[:at], prefix + line[at + len(mark) :]
+            lines[longest] = f"{first}{',' if mark == ', ' else ''}\n{tail}"
             return "\n".join(lines)
     return text
 
@@ -121,6 +123,6 @@ def legend_below(figure: Any, handles: Sequence[Any], labels: Sequence[str], mos
     wide = [TextPath((0, 0), label, prop=font).get_extents().width + _HANDLE * size for label in labels]
     room = 72 * float(figure.bbox.width) / float(figure.dpi)
     count = min(most, len(labels))
-    while count > 1 and sum(float(max(part)) for part in np.array_split(wide, count)) > room:
+    while count > 1 and sum(float(max(column)) for column in np.array_split(wide, count)) > room:
         count -= 1
     figure.legend(handles, labels, loc="outside lower center", ncols=count)

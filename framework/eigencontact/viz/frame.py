@@ -1,4 +1,4 @@
-"""What the frames of an animation share: window, scales and colours over all its steps, and the place to draw in."""
+"""Window, scales and colours that all frames of an animation share, and the place of a frame in its figure."""
 
 from __future__ import annotations
 
@@ -41,23 +41,23 @@ class Film:
 
     dataset: Results
     steps: tuple[int, ...]
-    _known: dict[Any, Any] = field(default_factory=dict, repr=False)
+    _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     def limits(self, name: str, of: Callable[[NDArray[Any]], tuple[float, float]] = extremes) -> NDArray[np.float64]:
         """Smallest lower and largest upper limit (2,) of a field over the frames, in its SI unit."""
-        if (name, of) not in self._known:
-            found = [of(np.asarray(self.dataset[name][step].values, dtype=float)) for step in self.steps]
-            self._known[name, of] = np.array([min(low for low, _ in found), max(high for _, high in found)])
-        return np.asarray(self._known[name, of])
+        if (name, of) not in self._cache:
+            ranges = [of(np.asarray(self.dataset[name][step].values, dtype=float)) for step in self.steps]
+            self._cache[name, of] = np.array([min(low for low, _ in ranges), max(high for _, high in ranges)])
+        return np.asarray(self._cache[name, of])
 
     def touched(self, name: str) -> NDArray[np.bool_]:
         """Cells (ny, nx) in which a field differs from zero in any of the frames."""
-        if name not in self._known:
+        if name not in self._cache:
             cells = np.zeros(self.dataset[name].shape[-2:], dtype=bool)
             for step in self.steps:
                 cells |= self.dataset[name][step].values != 0
-            self._known[name] = cells
-        return np.asarray(self._known[name])
+            self._cache[name] = cells
+        return np.asarray(self._cache[name])
 
 
 @dataclass(frozen=True)

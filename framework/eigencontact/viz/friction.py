@@ -34,8 +34,12 @@ if TYPE_CHECKING:
 
 __all__ = ["dissipation_map", "shear_map", "shear_profiles"]
 
-#: Arrows across the longer side of the contact, about; fewer and longer ones where it is in patches.
-ARROWS, FEWER, LONGER = 13, 14, 1.5
+#: Arrows across the longer side of the contact, about.
+ARROWS = 13
+#: Arrows across the longer side of a contact in patches, about.
+FEWER = 14
+#: Arrows of a contact in patches are this many times longer.
+LONGER = 1.5
 #: With more cells than this along a profile, only some carry a marker.
 MARKERS = 64
 #: Components below this part of the largest shear on the lines are not drawn.
@@ -65,15 +69,15 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
     zone = np.rint(_field(dataset, "contact_zone", step)).astype(int)
     touched = zone > 0 if on is None else on.film.touched("contact_zone")
     window = contact_window(dataset, touched)
-    shown = zone[window.view.slices]
+    zones = zone[window.view.slices]
     with paper_style():
         figure, axes, _ = window.axes_of_map(on, bar=False)
-        draw_classes(axes, window, shown, ZONE_COLOURS)
+        draw_classes(axes, window, zones, ZONE_COLOURS)
         window.label(axes)
-        window.outline(axes, shown > 0)
-        if np.any(shown) or on is not None:  # frames keep their layout where the contact is lost
+        window.outline(axes, zones > 0)
+        if np.any(zones) or on is not None:  # frames keep their layout where the contact is lost
             key = _arrows(axes, dataset, step, zone, window, on)
-            counts = [np.count_nonzero(shown == value) / (np.count_nonzero(shown) or 1) for value in (2, 1)]
+            counts = [np.count_nonzero(zones == value) / (np.count_nonzero(zones) or 1) for value in (2, 1)]
             patches = [
                 Patch(
                     facecolor=ZONE_COLOURS[value],
@@ -86,14 +90,14 @@ def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figu
             ]
             entries = [*patches, *key]
             legend_below(figure, entries, [str(entry.get_label()) for entry in entries], len(entries))
-        if not np.any(shown):
+        if not np.any(zones):
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color="0.4")
         axes.set_title(friction_heading(dataset, step, "Shear traction"))
     return figure
 
 
 def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window: Any, on: Frame | None) -> list[Any]:
-    """Arrows on some cells; an entry for the legend that says what the longest of all cells stands for."""
+    """Draw arrows on some cells; returns an entry of the legend with the value of the longest arrow."""
     from matplotlib.lines import Line2D
 
     loaded = zone > 0
@@ -110,11 +114,11 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
         rows, columns = (_thinned(low, side, cells) for low, side in zip((box.y0, box.x0), box.shape, strict=True))
         row, column = (index.ravel() for index in np.meshgrid(rows, columns, indexing="ij"))
     longest = float(size[row, column].max(initial=0.0))
-    whole = longest
+    full = longest
     if on is not None:
-        whole = max(float(np.abs(on.film.limits(f"shear_{axis}")).max()) for axis in "xy" if f"shear_{axis}" in dataset)
-    kept = size[row, column] > 1e-2 * whole
-    row, column = row[kept], column[kept]
+        full = max(float(np.abs(on.film.limits(f"shear_{axis}")).max()) for axis in "xy" if f"shear_{axis}" in dataset)
+    visible = size[row, column] > 1e-2 * full
+    row, column = row[visible], column[visible]
     if longest == 0:
         return []
     edges = [float(at[1] - at[0]) for at in (x, y) if at.size > 1]
@@ -126,7 +130,7 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
         reach *= LONGER
         pointed |= {"edgecolor": "white", "linewidth": 0.5}
     axes.quiver(
-        x[column], y[row], *(part[row, column] / whole * reach for part in q),
+        x[column], y[row], *(component[row, column] / full * reach for component in q),
         angles="xy", scale_units="xy", scale=1.0, pivot="middle", facecolor="0.1", width=0.0052 if ragged else 0.0042,
         zorder=4, **pointed,
     )  # fmt: skip
@@ -134,22 +138,22 @@ def _arrows(axes: Axes, dataset: Results, step: int, zone: NDArray[Any], window:
     return [Line2D([], [], color="0.1", marker=r"$\rightarrow$", linestyle="", markersize=11, label=word)]
 
 
-def _thinned(low: int, side: int, every: int) -> NDArray[np.int_]:
-    """Evenly spaced cells of one side of the contact, the same room left at both of its ends where that is possible."""
-    return np.arange(low + ((side - 1) % every) // 2, low + side, every)
+def _thinned(low: int, side: int, spacing: int) -> NDArray[np.int_]:
+    """Evenly spaced cells along one side of the contact, with equal room at both ends where possible."""
+    return np.arange(low + ((side - 1) % spacing) // 2, low + side, spacing)
 
 
-def _strongest(size: NDArray[Any], apart: int) -> tuple[NDArray[Any], NDArray[Any]]:
+def _strongest(size: NDArray[Any], distance: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Cells of largest values, none closer to another than so many cells."""
     row, column = np.nonzero(size)
     order = np.argsort(-size[row, column], kind="stable")
     free = np.ones(size.shape, dtype=bool)
-    found = []
+    cells = []
     for m, n in zip(row[order].tolist(), column[order].tolist(), strict=True):
         if free[m, n]:
-            found.append((m, n))
-            free[max(0, m - apart + 1) : m + apart, max(0, n - apart + 1) : n + apart] = False
-    rows, columns = np.array(found, dtype=int).reshape(-1, 2).T
+            cells.append((m, n))
+            free[max(0, m - distance + 1) : m + distance, max(0, n - distance + 1) : n + distance] = False
+    rows, columns = np.array(cells, dtype=int).reshape(-1, 2).T
     return rows, columns
 
 
@@ -227,8 +231,8 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     shear = {axis: _field(dataset, f"shear_{axis}", step) for axis in "xy"}
     sizes = {axis: max(float(np.abs(values[where]).max()) for *_, where in lines) for axis, values in shear.items()}
     references = {axis: _optional(dataset, f"reference_shear_{axis}", step) for axis in "xy"}
-    drawn = [axis for axis in "xy" if sizes[axis] > _NEGLIGIBLE * max(sizes.values())]
-    curves = [*(shear[axis] for axis in drawn), *(references[axis] for axis in drawn), bound]
+    components = [axis for axis in "xy" if sizes[axis] > _NEGLIGIBLE * max(sizes.values())]
+    curves = [*(shear[axis] for axis in components), *(references[axis] for axis in components), bound]
     if alike(dataset, [curve for curve in curves if curve is not None], [line[2] for line in lines]):
         lines = [("x", f"{lines[0][1]}, the same along y", lines[0][2])]
     limit = 0.0 if bound is None else max(float(bound[where].max()) for *_, where in lines)
@@ -238,29 +242,31 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     with paper_style():
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 3.1)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
-        for axes, (along, words, where) in zip(panels, lines, strict=True):
-            part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
+        for axes, (along, line_title, where) in zip(panels, lines, strict=True):
+            span = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
             centres = np.asarray(dataset[along].values, dtype=float)
-            edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
+            edges = cell_edges(centres, dataset, "xy".index(along))[span.start : span.stop + 1]
             length = scale_for(edges, "m")
             _tint_stick(axes, zone[where], length(edges))
             if bound is not None:
                 for sign in signs:
                     label = "friction bound" if sign == 1 else "_"
-                    axes.plot(length(centres[part]), sign * stress(bound[where]), color="0.75", lw=3.0, label=label)
-            seen = [axis for axis in "xy" if np.abs(shear[axis][where]).max() > _NEGLIGIBLE * max(sizes.values())]
-            for axis in seen:
+                    axes.plot(length(centres[span]), sign * stress(bound[where]), color="0.75", lw=3.0, label=label)
+            curves_here = [
+                axis for axis in "xy" if np.abs(shear[axis][where]).max() > _NEGLIGIBLE * max(sizes.values())
+            ]
+            for axis in curves_here:
                 colour, label = COLOURS["xy".index(axis)], f"$q_{axis}$"
-                every = max(1, -(-(part.stop - part.start) // MARKERS))
+                mark_every = max(1, -(-(span.stop - span.start) // MARKERS))
                 axes.plot(
-                    length(centres[part]), stress(shear[axis][where]), "o-", color=colour, markevery=every,
+                    length(centres[span]), stress(shear[axis][where]), "o-", color=colour, markevery=mark_every,
                     markersize=2.8, linewidth=0.7, markerfacecolor="white", markeredgewidth=0.8, label=label, zorder=3,
                 )  # fmt: skip
                 reference = references[axis]
                 if reference is not None:
                     word = f"{label}, closed form ({100 * _difference(shear[axis], reference):.2g} % in the L2 norm)"
                     axes.plot(
-                        length(centres[part]),
+                        length(centres[span]),
                         stress(reference[where]),
                         "--",
                         color="black",
@@ -271,7 +277,7 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             axes.set_xlabel(f"{along} [{length.unit}]")
             axes.set_xlim(float(length(edges[0])), float(length(edges[-1])))
-            axes.set_title(words)
+            axes.set_title(line_title)
             draw_contact_ends(axes, runs_of(pressure[where] != 0, edges), length)
         panels[0].set_ylabel(f"Shear traction [{stress.unit}]")
         if max(limit, *sizes.values()) == 0:

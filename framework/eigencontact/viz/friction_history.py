@@ -71,7 +71,7 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
     with paper_style():
         figure = new_figure(3.5 * len(modes) + (1.3 if len(modes) == 1 else 0.3), 3.4, on)
         for axes, mode in zip(figure.subplots(1, len(modes), squeeze=False)[0], modes, strict=True):
-            load, way, units, words = MODES[mode]
+            load, way, units, labels = MODES[mode]
             forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))
             cycle = last_cycle(history_of(dataset), "twist" if mode == "twist" else "shift")
             scales = scale_for(ways, units[1]), scale_for(forces, units[0])
@@ -79,7 +79,7 @@ def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) ->
                 _loop(figure, axes, scales[0](ways), scales[1](forces), cycle, strands_of(cycles_with_loops(dataset)))
             else:
                 draw_way(axes, scales[0](ways), scales[1](forces), step)
-            axes.set(xlabel=f"{words[1]} [{scales[0].unit}]", ylabel=f"{words[0]} [{scales[1].unit}]")
+            axes.set(xlabel=f"{labels[1]} [{scales[0].unit}]", ylabel=f"{labels[0]} [{scales[1].unit}]")
         title = _energy_words(dataset, modes) if on is None else _spent_words(dataset, step)
         figure.suptitle(title)
     return figure
@@ -104,8 +104,8 @@ def _loop(
     axes.axvline(0.0, color="0.75", linewidth=0.6, zorder=0)
     many = cycle is not None and x.size > MANY
     if cycle is not None:
-        part = slice(cycle.first, cycle.last + 1)
-        axes.fill(x[part], y[part], color=COLOURS[0], alpha=0.15, linewidth=0, zorder=1)
+        loop = slice(cycle.first, cycle.last + 1)
+        axes.fill(x[loop], y[loop], color=COLOURS[0], alpha=0.15, linewidth=0, zorder=1)
     if cycle is not None and many:
         axes.plot(x, y, "-", color="0.75", linewidth=0.4, zorder=0)
         strands = [Strand(cycle.first, cycle.last, 1)]
@@ -126,16 +126,16 @@ def _energy_words(dataset: Results, modes: list[str]) -> str:
     if cycle is None:
         return _spent_words(dataset, -1) + (", no closed cycle" if "dissipated_energy" in dataset else "")
     steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
-    words = f"Cycle of steps {steps[0]} to {steps[1]}"
+    sentence = f"Cycle of steps {steps[0]} to {steps[1]}"
     if np.isfinite(cycle.dissipated):
-        words += f": work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
+        sentence += f": work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
     more = []
     if len(modes) == 1:
         ratio = "4 M\\varphi" if motion == "twist" else "4 Q\\delta"
         more.append(f"energy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}")
     if abs(cycle.work - cycle.dissipated) > _COARSE * abs(cycle.dissipated):
         more.append("increments too coarse for the area of the drawn loop")
-    return "\n".join([words, *([", ".join(more)] if more else [])])
+    return "\n".join([sentence, *([", ".join(more)] if more else [])])
 
 
 def _spent_words(dataset: Results, step: int) -> str:
@@ -200,15 +200,15 @@ def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], NDArray[np.float6
     if is_ragged(touched):  # patches: the line that meets most of them
         at = int(np.argmax(touched.sum(axis=1 if along == "x" else 0)))
     view = view_of(touched)
-    part = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
-    strip = zones[:, at, part] if along == "x" else zones[:, part, at]
+    span = slice(view.x0, view.x1) if along == "x" else slice(view.y0, view.y1)
+    strip = zones[:, at, span] if along == "x" else zones[:, span, at]
     centres = np.asarray(dataset[along].values, dtype=float)
-    edges = cell_edges(centres, dataset, "xy".index(along))[part.start : part.stop + 1]
+    edges = cell_edges(centres, dataset, "xy".index(along))[span.start : span.stop + 1]
     return strip, edges, along, at
 
 
 def _courses(axes: Axes, dataset: Results, steps: NDArray[Any]) -> None:
-    """Loads that change over the steps, relative to their largest size, which the legend names."""
+    """Draw the loads that change over the steps, relative to their largest size in the legend."""
     symbols = {"x": "$Q_x$", "y": "$Q_y$", "twist": "$M_z$"}
     curves = [("normal_load", "$P$", "N", "0.35", ":")]
     curves += [

@@ -1,4 +1,4 @@
-"""What the pictures of friction say alike: zones and their colours, loads that count, titles."""
+"""Common text of the pictures of friction: zones and their colours, driving loads, titles."""
 
 from __future__ import annotations
 
@@ -35,21 +35,21 @@ def history_of(dataset: Results) -> dict[str, NDArray[Any]]:
 
 
 def driven(dataset: Results) -> list[str]:
-    """Which of ``x``, ``y`` and ``twist`` the history loads; by-products of the others do not count."""
+    """Driven motions among ``x``, ``y`` and ``twist``; by-products of other loads do not count."""
     return driven_motions(history_of(dataset))
 
 
-def friction_heading(dataset: Results, step: int, what: str) -> str:
-    """Title of a picture: what is shown, at which normal load and which tangential load or torsion moment."""
-    shown = [("normal_load", "P", "N")]
+def friction_heading(dataset: Results, step: int, subject: str) -> str:
+    """Title of a picture: its subject, the normal load, and the tangential load or torsion moment."""
+    loads_in_title = [("normal_load", "P", "N")]
     loads = driven(dataset)
     if set(loads) & {"x", "y"}:
-        shown.append(("tangential_load", "Q", "N"))
+        loads_in_title.append(("tangential_load", "Q", "N"))
     if "twist" in loads:
-        shown.append(("torsion_moment", "M", "N m"))
-    said = []
-    for name, symbol, unit in shown:
+        loads_in_title.append(("torsion_moment", "M", "N m"))
+    entries = []
+    for name, symbol, unit in loads_in_title:
         values = np.asarray(dataset[name].values, dtype=float)
         value = float(values[step]) if abs(values[step]) > 1e-9 * np.abs(values).max() else 0.0
-        said.append(f"{symbol} = {scale_for([value], unit).text(value)}")
-    return f"{what} at {', '.join(said)}{instant(dataset, step)}"
+        entries.append(f"{symbol} = {scale_for([value], unit).text(value)}")
+    return f"{subject} at {', '.join(entries)}{instant(dataset, step)}"

@@ -34,7 +34,7 @@ class Quantity:
     words: str
     unit: str
 
-    def begun(self, start: float | None) -> Quantity:
+    def from_start(self, start: float | None) -> Quantity:
         """The same with a value before the first step."""
         return self if start is None else Quantity(np.append(start, self.values), self.words, self.unit)
 
@@ -83,7 +83,7 @@ class Panel:
 
 
 def history_panels(dataset: Results) -> list[Panel]:
-    """Curves of a load history that tell something; none where loads and displacements stay as they are.
+    """Curves of a load history; none where loads and displacements are constant.
 
     Normal load over approach, and contact area over load; where the load is constant and a moment or a tilt changes,
     moment over tilt, and contact area over moment. A load under a constant approach is drawn over the cycles, the path
@@ -106,11 +106,16 @@ def history_panels(dataset: Results) -> list[Panel]:
     if varies(way.values):
         curve = Quantity(way.values[steps], way.words, way.unit), Quantity(force.values[steps], force.words, force.unit)
         panels.append(
-            Panel(curve[0].begun(start), curve[1].begun(None if start is None else 0.0), start is not None, steps)
+            Panel(
+                curve[0].from_start(start),
+                curve[1].from_start(None if start is None else 0.0),
+                start is not None,
+                steps,
+            )
         )
     else:
-        values, words, unit = course(dataset)
-        curve = Quantity(values[steps], words, unit), Quantity(force.values[steps], force.words, force.unit)
+        values, label, unit = course(dataset)
+        curve = Quantity(values[steps], label, unit), Quantity(force.values[steps], force.words, force.unit)
         panels.append(Panel(*curve, False, steps))
     if area_varies(dataset) and not worn:  # the history of wear shows the area
         area = np.asarray(dataset["contact_area"].values, dtype=float)
@@ -144,12 +149,12 @@ def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> F
 
 
 def history_words(panels: list[Panel]) -> str:
-    """What the picture shows, in a sentence."""
+    """Caption of the picture."""
     return " and ".join(panel.title.lower() for panel in panels).capitalize() + "."
 
 
 def first_touch(dataset: Results) -> float | None:
-    """Approach [m] at which the bodies touch first; None where the results do not tell it.
+    """Approach [m] at first touch; None where the results do not give it.
 
     Eigenstrain and a tilt move the surfaces before anything is loaded.
     """

@@ -1,4 +1,4 @@
-"""Rules by which standard pictures are left out: what is constant, within the resolution or all alike tells nothing."""
+"""Rules that omit standard pictures without information: constant values, or changes within the resolution."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def area_varies(dataset: Results) -> bool:
 
 
 def axis_from_zero(values: ArrayLike) -> bool:
-    """Whether the axis of values of one sign begins at zero: those that fall far, and those whose change is noise.
+    """Whether the axis of values of one sign begins at zero: for values that fall far or change by noise only.
 
     Examples
     --------
@@ -81,5 +81,5 @@ def zones_change(dataset: Results, zones: NDArray[np.intp]) -> bool:
     for values in histories:
         change = np.abs(np.diff(values, prepend=values[:1]))
         moved |= change > CONSTANT * np.abs(values).max(initial=0.0)
-    shown = zones[moved]
-    return bool((shown == 2).any() and (shown == 1).any())
+    zones_in_motion = zones[moved]
+    return bool((zones_in_motion == 2).any() and (zones_in_motion == 1).any())

@@ -49,7 +49,7 @@ def plastic_surfaces(dataset: Results, field: CellField, step: int = -1) -> Figu
     with paper_style():
         figure = new_figure(5.0, 3.8)
         axes: Any = figure.add_subplot(projection="3d")
-        drawn, legend = [], []
+        corners, legend = [], []
         for share, opacity in SHARES:
             triangles = surface_of(field, share * top, at["y"])
             if not triangles.size:
@@ -66,9 +66,9 @@ def plastic_surfaces(dataset: Results, field: CellField, step: int = -1) -> Figu
                 lightsource=light,
             )
             axes.add_collection3d(faces)
-            drawn.append(triangles.reshape(-1, 3))
+            corners.append(triangles.reshape(-1, 3))
             legend.append(Patch(facecolor=colour, label=f"{PERCENT * share * top:.2g} %"))
-        ends = np.concatenate(drawn)
+        ends = np.concatenate(corners)
         low, high = length(ends.min(axis=0)), length(ends.max(axis=0))
         low[2] = 0.0
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(high[2], low[2]))

@@ -16,8 +16,10 @@ __all__ = ["COLOURS", "LOOKS", "Look", "are_shown", "figure_look", "look_of", "s
 
 #: Colour-blind-safe line colours (Okabe and Ito): blue, vermilion, green, orange, purple, sky.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
-#: A column of a paper and its two columns [inch]: 8.4 cm and 17 cm.
-COLUMN, BOTH_COLUMNS = 8.4 / 2.54, 17.0 / 2.54
+#: Width of a column of a paper [inch]: 8.4 cm.
+COLUMN = 8.4 / 2.54
+#: Width of both columns of a paper [inch]: 17 cm.
+BOTH_COLUMNS = 17.0 / 2.54
 #: Width of the pictures of the screen [inch].
 PAGE = 5.8
 #: Figures of the screen that are wider [inch] have two panels beside each other.
@@ -106,7 +108,7 @@ class Look:
 
     @property
     def page(self) -> float:
-        """Width of a picture [inch], where that is not of a column."""
+        """Width of a picture [inch] without a column."""
         return self.growth[0] * PAGE
 
     @property
@@ -124,8 +126,8 @@ class Look:
         """
         if not self.column:
             return self.growth[0] * min(width, PAGE), self.growth[1] * height
-        wanted = COLUMN if width < TWO_PANELS else BOTH_COLUMNS
-        return wanted, ROOM * height * wanted / width if wanted < width else height
+        column_width = COLUMN if width < TWO_PANELS else BOTH_COLUMNS
+        return column_width, ROOM * height * column_width / width if column_width < width else height
 
 
 #: By name; the first is that of runs.
@@ -150,8 +152,8 @@ def look_of(name: str) -> Look:
         Names the nearest one.
     """
     if name not in LOOKS:
-        known = ", ".join(map(repr, LOOKS))
-        raise SceneError(f"style must be one of {known} (got {shown(name)}){nearest(str(name), LOOKS)}")
+        names = ", ".join(map(repr, LOOKS))
+        raise SceneError(f"style must be one of {names} (got {shown(name)}){nearest(str(name), LOOKS)}")
     return LOOKS[name]
 
 
@@ -162,7 +164,7 @@ def used_look() -> Look:
 
 @contextmanager
 def shown_figures() -> Iterator[None]:
-    """Figures that are made in this block are pyplot's, which notebooks and windows show."""
+    """Create figures in this block by pyplot, for notebooks and windows."""
     token = _SHOWN.set(True)
     try:
         yield

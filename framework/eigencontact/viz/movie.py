@@ -1,4 +1,4 @@
-"""Films from figures: GIF by Pillow, which matplotlib brings along, and MP4 where the program ffmpeg is installed."""
+"""Films from figures: GIF by Pillow, a dependency of matplotlib, and MP4 by the program ffmpeg."""
 
 from __future__ import annotations
 
@@ -24,8 +24,12 @@ if TYPE_CHECKING:
 
 __all__ = ["refuse_animation", "write_movie"]
 
-#: A film takes so long [s] if its frames are not shown for less or more [ms] than these.
-LENGTH, SHORTEST, LONGEST = 9.0, 80, 500
+#: Length of a film [s] whose frames stay within the next two limits.
+LENGTH = 9.0
+#: Shortest time of a frame [ms].
+SHORTEST = 80
+#: Longest time of a frame [ms].
+LONGEST = 500
 #: The last frame stays [ms].
 LAST = 1500
 #: Frames whose colours make the palette, which all frames of a GIF share so that colours do not flicker.
@@ -34,12 +38,12 @@ SAMPLES = 6
 ALIKE = 5
 
 
-def refuse_animation(wanted: Literal[True, "gif", "mp4"], steps: int, *, shows: bool) -> None:
+def refuse_animation(file_format: Literal[True, "gif", "mp4"], steps: int, *, shows: bool) -> None:
     """Refuse an animation that could not be written after a run.
 
     Parameters
     ----------
-    wanted : True or str
+    file_format : True or str
         ``output.animation`` of a scene.
     steps : int
         Number of load steps.
@@ -54,21 +58,21 @@ def refuse_animation(wanted: Literal[True, "gif", "mp4"], steps: int, *, shows: 
     if steps < 2 or not shows:
         raise SceneError(
             "output.animation must be false where there are not several load steps with contact or a plane of stress "
-            f"(got {shown(wanted)} with a number of load steps of {steps}); give a step increments"
+            f"(got {shown(file_format)} with a number of load steps of {steps}); give a step increments"
         )
-    if wanted == "mp4":
+    if file_format == "mp4":
         _ffmpeg("output.animation", SceneError)
 
 
-def _ffmpeg(asked: str, error: type[EigencontactError]) -> str:
+def _ffmpeg(setting: str, error: type[EigencontactError]) -> str:
     """Path of the program; refuses MP4 where it is missing."""
-    found = shutil.which("ffmpeg")
-    if found is None:
+    program = shutil.which("ffmpeg")
+    if program is None:
         raise error(
-            f"{asked} must be 'gif' where the program ffmpeg is not installed (got 'mp4', and no ffmpeg on the search "
-            "path); install ffmpeg, or ask for a GIF"
+            f"{setting} must be 'gif' where the program ffmpeg is not installed (got 'mp4', and no ffmpeg on the "
+            "search path); install ffmpeg, or ask for a GIF"
         )
-    return found
+    return program
 
 
 def write_movie(figures: Iterable[Figure], path: Path) -> None:
@@ -105,20 +109,20 @@ def _gif(images: list[Image], pause: int) -> bytes:
     from PIL import Image
 
     palette = _palette(images[:: max(1, len(images) // SAMPLES)])
-    drawn = []
+    palette_frames = []
     for image in images:
         colours, place = _colours(image)
         nearest = KDTree(palette).query(colours)[1].astype(np.uint8)
         frame = Image.fromarray(nearest[place].reshape(image.height, image.width))
         frame.putpalette(palette.tobytes())
-        drawn.append(frame)
+        palette_frames.append(frame)
     file = io.BytesIO()
-    drawn[0].save(
+    palette_frames[0].save(
         file,
         format="GIF",
         save_all=True,
-        append_images=drawn[1:],
-        duration=[pause] * (len(drawn) - 1) + [LAST],
+        append_images=palette_frames[1:],
+        duration=[pause] * (len(palette_frames) - 1) + [LAST],
         loop=0,
         comment=f"eigencontact {__version__}".encode(),
     )
@@ -129,8 +133,8 @@ def _colours(image: Image) -> tuple[NDArray[np.uint8], NDArray[np.intp]]:
     """Colours (n, 3) of an image, and for each pixel the number of its colour."""
     packed = np.zeros((image.height * image.width, 4), dtype=np.uint8)
     packed[:, :3] = np.asarray(image).reshape(-1, 3)
-    found, place = np.unique(packed.view(np.uint32).ravel(), return_inverse=True)
-    return found.view(np.uint8).reshape(-1, 4)[:, :3], place
+    colours, place = np.unique(packed.view(np.uint32).ravel(), return_inverse=True)
+    return colours.view(np.uint8).reshape(-1, 4)[:, :3], place
 
 
 def _palette(images: list[Image]) -> NDArray[np.uint8]:
@@ -138,30 +142,30 @@ def _palette(images: list[Image]) -> NDArray[np.uint8]:
     from PIL import Image
 
     colours, place = _colours(Image.fromarray(np.concatenate([np.asarray(image) for image in images])))
-    left = colours[np.argsort(-np.bincount(place), kind="stable")].astype(int)
-    chosen: list[NDArray[np.int_]] = []
-    while len(left) and len(chosen) < 256:
-        chosen.append(left[0])
-        left = left[np.square(left - left[0]).sum(axis=1) > ALIKE**2]
-    return np.array(chosen, dtype=np.uint8)
+    candidates = colours[np.argsort(-np.bincount(place), kind="stable")].astype(int)
+    palette: list[NDArray[np.int_]] = []
+    while len(candidates) and len(palette) < 256:
+        palette.append(candidates[0])
+        candidates = candidates[np.square(candidates - candidates[0]).sum(axis=1) > ALIKE**2]
+    return np.array(palette, dtype=np.uint8)
 
 
 def _mp4(images: list[Image], pause: int) -> bytes:
     """MP4 (H.264) of frames, the last one held."""
     width, height = images[0].size
     rate = f"1000/{pause}"
-    shown = [*images, *[images[-1]] * (LAST // pause)]
+    held_frames = [*images, *[images[-1]] * (LAST // pause)]
     reads = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
     writes = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-metadata", f"comment=eigencontact {__version__}"]
     # What goes to a pipe cannot be sought in: a fragmented file is written from front to end.
     ends = ["-movflags", "frag_keyframe+empty_moov", "-f", "mp4", "-"]
-    done = subprocess.run(
+    process = subprocess.run(
         [_ffmpeg("the animation", ResultsError), "-v", "error", *reads, *writes, *ends],
-        input=b"".join(image.tobytes() for image in shown),
+        input=b"".join(image.tobytes() for image in held_frames),
         capture_output=True,
         check=False,
     )
-    if done.returncode:
-        said = " ".join(done.stderr.decode(errors="replace").split())
-        raise ResultsError(f"ffmpeg must write the animation (got: {said}); ask for a GIF instead")
-    return done.stdout
+    if process.returncode:
+        problem = " ".join(process.stderr.decode(errors="replace").split())
+        raise ResultsError(f"ffmpeg must write the animation (got: {problem}); ask for a GIF instead")
+    return process.stdout

@@ -21,7 +21,7 @@ SAME = 1e-7
 
 
 def draw_outline(axes: Axes, dataset: Results, name: str, length: Scale) -> None:
-    """Draw stored outlines, dark on a light ground so that they show on every colour; nothing where none are."""
+    """Draw stored outlines, if any, dark on a light ground for contrast on every colour."""
     if name in dataset:
         draw_segments(axes, np.asarray(dataset[name].values, dtype=float), length)
 

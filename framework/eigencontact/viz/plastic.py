@@ -100,15 +100,15 @@ def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Fig
             name, style = _WAYS[way]
             if end - first == 1 and way < 0:
                 style = {**style, "linestyle": ":", "linewidth": 0.8}
-            part = slice(first, end + 1)
+            branch = slice(first, end + 1)
             label = None if name in labelled else name
-            axes.plot(length(depths[part]), force(loads[part]), label=label, **style)
+            axes.plot(length(depths[branch]), force(loads[branch]), label=label, **style)
             labelled.add(name)
-        words = f"largest {length.text(largest)}"
+        depths_in_title = f"largest {length.text(largest)}"
         if last > 0 and unloaded:
-            words += f", {scale_for([left], 'm').text(left)} after unloading"
+            depths_in_title += f", {scale_for([left], 'm').text(left)} after unloading"
         axes.set(xlabel=f"Approach [{length.unit}]", ylabel=f"Normal load [{force.unit}]")
-        axes.set_title(f"Load and depth\n{words}")
+        axes.set_title(f"Load and depth\n{depths_in_title}")
         axes.set_xlim(left=min(0.0, 1.05 * float(length(depths.min()))))
         axes.set_ylim(bottom=0.0)
         if labelled:
@@ -127,7 +127,7 @@ def _runs(loads: NDArray[np.float64]) -> list[tuple[int, int, int]]:
 
 
 def plastic_section(
-    dataset: Results, field: CellField, step: int = -1, words: tuple[str, str] = ("Plastic strain", PLASTIC)
+    dataset: Results, field: CellField, step: int = -1, labels: tuple[str, str] = ("Plastic strain", PLASTIC)
 ) -> Figure:
     """Plastic strain or damage on the section normal to y through its largest value, with the line around its zone.
 
@@ -139,7 +139,7 @@ def plastic_section(
         The number of one body.
     step : int
         Position along ``step`` that it belongs to.
-    words : (str, str)
+    labels : (str, str)
         What the number is called in the title, and beside its colours; it is given in per cent.
 
     Returns
@@ -168,7 +168,7 @@ def plastic_section(
         axes.set_aspect("equal")
         levels = np.asarray(MaxNLocator(nbins=14).tick_values(0.0, PERCENT * top))
         levels = np.concatenate([[0.0, PERCENT * SHARE * top], levels[levels > PERCENT * SHARE * top]])
-        if words[1] != PLASTIC:  # parts of a whole
+        if labels[1] != PLASTIC:  # parts of a whole
             levels = np.unique(np.minimum(levels, PERCENT))
         cmap = ListedColormap([ELASTIC, *colormaps["viridis"](np.linspace(0.0, 1.0, len(levels) - 2))])
         norm = BoundaryNorm(levels, cmap.N)
@@ -193,8 +193,8 @@ def plastic_section(
             pad=0.03,
             ticks=[0.0, *levels[2::2]],
         )
-        bar.set_label(words[1])
-        title = heading(dataset, step, f"{words[0]} in body {field.body}")
+        bar.set_label(labels[1])
+        title = heading(dataset, step, f"{labels[0]} in body {field.body}")
         where = ", ".join(place(axis, at[axis]) for axis in "xyz")
         axes.set_title(f"{title}\n{PERCENT * top:.3g} % at {where} (cross)")
     return figure

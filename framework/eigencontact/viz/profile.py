@@ -73,7 +73,9 @@ class Line:
     def draw(self, axes: Axes, values: Any, length: Scale, *style: Any, **more: Any) -> None:
         """Curve of values, one piece for each side of the jumps, without points on borders and in cells they cut."""
         values = np.where(self.whole, values, np.nan) if self.whole.any() else values
-        places, numbers = (np.insert(np.asarray(part, dtype=float), self._breaks, np.nan) for part in (self.at, values))
+        places, numbers = (
+            np.insert(np.asarray(curve, dtype=float), self._breaks, np.nan) for curve in (self.at, values)
+        )
         pair = (numbers, length(places)) if self.deep else (length(places), numbers)
         if self.at.size <= FEW:
             more = {"marker": ".", **more}
@@ -170,13 +172,13 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
         axes.set(xlabel=f"Stress [{scale.unit}]", ylabel=f"z [{length.unit}]")
         axes.set_ylim(float(length(z.max())), 0.0)
         unloaded = "normal_load" in dataset and float(dataset["normal_load"][step]) == 0.0
-        what = f"{'Residual stress' if unloaded else 'Stress'} over depth, {region}"
-        axes.set_title(heading(dataset, step, what) + "\nbands hold nine tenths of the points")
+        subject = f"{'Residual stress' if unloaded else 'Stress'} over depth, {region}"
+        axes.set_title(heading(dataset, step, subject) + "\nbands hold nine tenths of the points")
         axes.legend(loc="best")
     return figure
 
 
-def line_profile(dataset: Results, region: str, shown: Shown, step: int, view: View) -> Figure:
+def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view: View) -> Figure:
     """One number along a line: depth downwards, or across over what varies more than depth.
 
     Parameters
@@ -185,7 +187,7 @@ def line_profile(dataset: Results, region: str, shown: Shown, step: int, view: V
         Results of a run.
     region : str
         A region of shape line.
-    shown : Shown
+    numbers : Shown
         Numbers at its points.
     step : int
         Position along ``step``.
@@ -193,17 +195,17 @@ def line_profile(dataset: Results, region: str, shown: Shown, step: int, view: V
         ``vertical`` is the part of the line that is seen where it is deep, else ``horizontal``.
     """
     line = Line(dataset, region, step)
-    unit, length = scale_for(shown.values, shown.unit), scale_for(line.at, "m")
+    unit, length = scale_for(numbers.values, numbers.unit), scale_for(line.at, "m")
     with paper_style():
         figure = new_figure(4.6, 3.4) if line.deep else new_figure(5.2, 3.0)
         axes = figure.add_subplot()
-        line.draw(axes, unit(shown.values), length, "-", color=COLOURS[0])
+        line.draw(axes, unit(numbers.values), length, "-", color=COLOURS[0])
         line.finish(axes, length)
-        name = f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
+        name = f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words
         (axes.set_xlabel if line.deep else axes.set_ylabel)(name)
         if line.deep and view.vertical:
             axes.set_ylim(*length(view.vertical[::-1]))
         elif not line.deep and view.horizontal:
             axes.set_xlim(*length(view.horizontal))
-        axes.set_title(heading(dataset, step, f"{shown.words} along {region}"))
+        axes.set_title(heading(dataset, step, f"{numbers.words} along {region}"))
     return figure

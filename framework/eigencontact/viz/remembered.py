@@ -1,4 +1,4 @@
-"""What bodies remember, for pictures: fields in the cells of a box, cut by planes."""
+"""History fields of bodies for pictures: fields in the cells of a box, cut by planes."""
 
 from __future__ import annotations
 
@@ -95,15 +95,15 @@ def plastic_strains(dataset: Results, step: int) -> Iterator[CellField]:
 
 
 def remembered_fields(dataset: Results, step: int, quantity: str) -> Iterator[CellField]:
-    """A number that each body remembers at a position along ``step``, where it was kept and is not zero."""
+    """History field of each body at a position along ``step``, where it is stored and not zero."""
     for body in (1, 2):
         name = f"{quantity}_{body}"
         if name not in dataset or dataset[name].ndim != 4:
             continue
-        kept = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
-        if not kept.size:
+        positions = np.flatnonzero(dataset["history_step"].values == int(dataset["step"][step]))
+        if not positions.size:
             continue
-        values = np.asarray(dataset[name][int(kept[0])].values, dtype=float)
+        values = np.asarray(dataset[name][int(positions[0])].values, dtype=float)
         if float(values.max(initial=0.0)) > 0.0:
             axes = {axis: np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "zyx"}
             yield CellField(body, values, axes)
@@ -123,7 +123,7 @@ def zone_field(dataset: Results, field: CellField, normal: str, at: float, step:
 def draw_zone(
     axes: Axes, dataset: Results, field: CellField, plane: tuple[str, float], length: Scale, step: int
 ) -> bool:
-    """Line around what has yielded, in the plane of cells that holds a place along its normal; whether there is some.
+    """Draw the border of the plastic zone in a plane of cells; returns whether the plane meets the zone.
 
     It is the contour of the part `SHARE` of the largest value of the field, and of the values of each side of borders.
     """

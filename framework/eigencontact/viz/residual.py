@@ -38,7 +38,7 @@ _STYLES = {"z": "-", "x": "--", "y": ":"}
 
 
 def cause(dataset: Results) -> str:
-    """What displaces the surface besides the tractions, in words: inclusions of another material, or eigenstrain."""
+    """Cause of the surface displacement without tractions, as text: inclusions of another material, or eigenstrain."""
     if any(str(name).startswith("plastic_strain_") for name in dataset):
         return "plastic strain"
     return "the inclusions" if "inclusion_residual" in dataset else "eigenstrain"
@@ -82,8 +82,8 @@ def uplift_map(dataset: Results, step: int = -1) -> Figure:
         label_plane(axes, f"x [{length.unit}]", f"y [{length.unit}]")
         row, column = _largest(uplift)
         peak = float(uplift[row, column])
-        what = f"{'Subsidence' if peak < 0 else 'Uplift'} of the surface by {cause(dataset)}"
-        axes.set_title(f"{heading(dataset, step, what)}\nup to {rise.text(abs(peak))} (cross)")
+        subject = f"{'Subsidence' if peak < 0 else 'Uplift'} of the surface by {cause(dataset)}"
+        axes.set_title(f"{heading(dataset, step, subject)}\nup to {rise.text(abs(peak))} (cross)")
         axes.plot(length(x[column]), length(y[row]), "+", color="black", markersize=8, markeredgewidth=2.4)
         axes.plot(length(x[column]), length(y[row]), "+", color="white", markersize=7, markeredgewidth=1.1)
         bar = figure.colorbar(
@@ -138,8 +138,8 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
     rise = scale_for(np.stack([field[where] for field in values.values() for *_, where in panels[:1]]), "m")
     with paper_style():
         figure = new_figure(3.3 * len(panels) + (0.3 if len(panels) > 1 else 1.2), 2.9)
-        drawn = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-        for axes, (along, words, at, where) in zip(drawn, panels, strict=True):
+        all_axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+        for axes, (along, line_title, at, where) in zip(all_axes, panels, strict=True):
             length = scale_for(at, "m")
             for n, (component, field) in enumerate(values.items()):
                 style = {"color": COLOURS[n], "linestyle": _STYLES[component], "linewidth": 1.6 if n == 0 else 1.2}
@@ -147,11 +147,11 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             axes.set_xlabel(f"{along} [{length.unit}]")
             axes.margins(x=0)
-            axes.set_title(words)
+            axes.set_title(line_title)
             edges = cell_edges(at, dataset, "xy".index(along))
             draw_contact_ends(axes, runs_of(pressure[where] != 0, edges), length)
-        drawn[0].set_ylabel(f"Displacement [{rise.unit}]")
-        handles, labels = drawn[0].get_legend_handles_labels()
+        all_axes[0].set_ylabel(f"Displacement [{rise.unit}]")
+        handles, labels = all_axes[0].get_legend_handles_labels()
         legend_below(figure, handles, labels, len(labels))
         figure.suptitle(heading(dataset, step, f"Surface displacement by {cause(dataset)}"))
     return figure

@@ -44,7 +44,7 @@ def passing_history(dataset: Results) -> Figure:
         One panel, in which each pass has the colour of its number, and a second one where there are such points, at
         most six of which are drawn.
     """
-    place, words = _place(dataset)
+    place, label_of_place = _place(dataset)
     length = scale_for(place, "m")
     points = _histories(dataset)
     pressure = np.asarray(dataset["max_pressure"].values, dtype=float)
@@ -54,22 +54,22 @@ def passing_history(dataset: Results) -> Figure:
         figure = new_figure(7.2 if points else 4.6, 2.9)
         panels = figure.subplots(1, 2 if points else 1, squeeze=False)[0]
         draw_strands(figure, panels[0], length(place), scale(pressure), runs, "Pass")
-        shown = np.concatenate([pressure[run.first : run.last + 1] for run in runs])
-        if axis_from_zero(shown):
-            panels[0].set_ylim(0.0, 1.1 * float(scale(shown.max())))
+        pressures = np.concatenate([pressure[run.first : run.last + 1] for run in runs])
+        if axis_from_zero(pressures):
+            panels[0].set_ylim(0.0, 1.1 * float(scale(pressures.max())))
         panels[0].set(ylabel=f"Largest pressure [{scale.unit}]", title="Largest contact pressure")
         if points:
             stress = scale_for(np.stack(list(points.values())), "Pa")
             for n, (name, values) in enumerate(points.items()):
                 for run in runs:
-                    part, label = slice(run.first, run.last + 1), name if run is runs[0] else "_"
+                    steps, label = slice(run.first, run.last + 1), name if run is runs[0] else "_"
                     style = {"color": COLOURS[n % len(COLOURS)], "label": label}
-                    panels[1].plot(length(place[part]), stress(values[part]), "-", **style)
+                    panels[1].plot(length(place[steps]), stress(values[steps]), "-", **style)
             panels[1].set(ylabel=f"Von Mises stress [{stress.unit}]", title="Stress at fixed points of the body")
             panels[1].set_ylim(bottom=0)
             figure.legend(loc="outside lower center", ncols=min(2, len(points)))
         for axes in panels:
-            axes.set_xlabel(f"{words} [{length.unit}]")
+            axes.set_xlabel(f"{label_of_place} [{length.unit}]")
             axes.margins(x=0)
     return figure
 
@@ -78,8 +78,8 @@ def passing_varies(dataset: Results) -> bool:
     """Whether the stress is stored at points, or the pressure of passes changes by more than the noise of cells."""
     pressure = np.asarray(dataset["max_pressure"].values, dtype=float)
     runs = passes(_place(dataset)[0], pressure > 0)
-    shown = [pressure[run.first : run.last + 1] for run in runs]
-    return bool(runs) and (bool(_histories(dataset)) or varies(np.concatenate(shown), NOISE))
+    pressures = [pressure[run.first : run.last + 1] for run in runs]
+    return bool(runs) and (bool(_histories(dataset)) or varies(np.concatenate(pressures), NOISE))
 
 
 def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Strand]:
@@ -92,7 +92,7 @@ def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Stran
     pressed : (steps,) bool
         Whether the bodies touch.
     """
-    found: list[Strand] = []
+    strands: list[Strand] = []
     first, way = None, 0.0
     for step in range(place.size):
         if not pressed[step]:
@@ -105,11 +105,11 @@ def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Stran
         if way and move and move != way:
             first = step - 1
         way = move or way
-        if found and found[-1].first == first:
-            found[-1] = Strand(first, step, found[-1].number)
+        if strands and strands[-1].first == first:
+            strands[-1] = Strand(first, step, strands[-1].number)
         elif way:
-            found.append(Strand(first, step, len(found) + 1.0))
-    return found
+            strands.append(Strand(first, step, len(strands) + 1.0))
+    return strands
 
 
 def _place(dataset: Results) -> tuple[NDArray[np.float64], str]:
@@ -124,7 +124,7 @@ def _place(dataset: Results) -> tuple[NDArray[np.float64], str]:
 
 def _histories(dataset: Results) -> dict[str, NDArray[np.float64]]:
     """Von Mises stress in each step, by point."""
-    found: dict[str, NDArray[np.float64]] = {}
+    histories: dict[str, NDArray[np.float64]] = {}
     for name, region in json.loads(dataset.attrs["regions"]).items():
         if region["shape"] != "points" or f"{name}_von_mises" not in dataset:
             continue
@@ -132,7 +132,7 @@ def _histories(dataset: Results) -> dict[str, NDArray[np.float64]]:
         length = scale_for(np.concatenate(at), "m")
         values = np.asarray(dataset[f"{name}_von_mises"].values, dtype=float)
         for number, (x, y, z) in enumerate(zip(*at, strict=True)):
-            if len(found) < MOST:
+            if len(histories) < MOST:
                 where = ", ".join(f"{float(length(value)):.3g}" for value in (x, y, z))
-                found[f"{name}, at (x, y, z) = ({where}) {length.unit}"] = values[:, number]
-    return found
+                histories[f"{name}, at (x, y, z) = ({where}) {length.unit}"] = values[:, number]
+    return histories

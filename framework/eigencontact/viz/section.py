@@ -43,16 +43,16 @@ def drawable(dataset: Results) -> dict[str, str]:
     Planes and volumes (cut through the maximum) of at least 2 x 2 points give a section, lines a profile; scattered
     points give nothing.
     """
-    found = {}
+    kinds = {}
     for name, region in json.loads(dataset.attrs["regions"]).items():
         if equivalent_of(dataset, name) is None:
             continue
         sizes = [dataset.sizes[f"{name}_{axis}"] for axis in region["dims"]]
         if region["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1:
-            found[name] = "section"
+            kinds[name] = "section"
         elif region["shape"] == "line" and sizes[0] > 1:
-            found[name] = "profile"
-    return found
+            kinds[name] = "profile"
+    return kinds
 
 
 def stress_section(
@@ -60,7 +60,7 @@ def stress_section(
     region: str,
     step: int = -1,
     on: Frame | None = None,
-    shown: Shown | None = None,
+    numbers: Shown | None = None,
     view: View = WHOLE,
 ) -> Figure:
     """One number of one step on a section, z downwards where the section contains it, equal scales.
@@ -75,7 +75,7 @@ def stress_section(
         Position along ``step``.
     on : Frame, optional
         Frame of an animation to draw in.
-    shown : Shown, optional
+    numbers : Shown, optional
         What is drawn; by default the first equivalent stress that is stored.
     view : View
         Part of the section, and colours, where they are chosen.
@@ -89,36 +89,36 @@ def stress_section(
         colours: it is written beside their end.
     """
     described = json.loads(dataset.attrs["regions"])[region]
-    shown = shown or default_field(dataset, region, step)
-    section = Cut(dataset, region, described, shown.values, step)
+    numbers = numbers or default_field(dataset, region, step)
+    section = Cut(dataset, region, described, numbers.values, step)
     values, v, h = section.values, section.v, section.h
     vertical, horizontal = section.dims
-    seen = Seen.of(dataset, section, view, step, framed=on is None)
-    inside = values[seen.points]
-    trusted = np.where(section.sides.trusted, values, np.nan)[seen.points]
+    visible = Seen.of(dataset, section, view, step, framed=on is None)
+    inside = values[visible.points]
+    trusted = np.where(section.sides.trusted, values, np.nan)[visible.points]
     trusted = trusted if np.isfinite(trusted).any() else inside
-    length = scale_for([*seen.horizontal, *seen.vertical], "m")
-    limits = trusted if on is None else on.film.limits(shown.variable)
-    colours = colour_ends(trusted) if on is None else tuple(on.film.limits(shown.variable, colour_ends))
-    unit = scale_for(limits, shown.unit)
-    width, height = box_size(*seen.size, (4.4, 3.4))
+    length = scale_for([*visible.horizontal, *visible.vertical], "m")
+    limits = trusted if on is None else on.film.limits(numbers.variable)
+    colours = colour_ends(trusted) if on is None else tuple(on.film.limits(numbers.variable, colour_ends))
+    unit = scale_for(limits, numbers.unit)
+    width, height = box_size(*visible.size, (4.4, 3.4))
     with paper_style():
         wide = width > 2.2 * height
         figure = new_figure(max(width + (0.8 if wide else 1.6), NARROWEST), height + (1.5 if wide else 0.7), on)
         axes = figure.add_subplot()
         axes.set_aspect("equal")
-        axes.set_xlim(length(seen.horizontal))
-        axes.set_ylim(length(seen.vertical[::-1] if vertical == "z" else seen.vertical))
+        axes.set_xlim(length(visible.horizontal))
+        axes.set_ylim(length(visible.vertical[::-1] if vertical == "z" else visible.vertical))
         filled = contours_by_side(
             axes, (h, v), unit(values), section.sides, length=length, limits=unit(limits), ends=unit(colours),
-            seen=unit(inside) if on is None else unit(limits), cmap=view.cmap,
+            visible=unit(inside) if on is None else unit(limits), cmap=view.cmap,
         )  # fmt: skip
         if section.outlined:
             draw_outline(axes, dataset, f"{region}_outline", length)
         draw_interfaces(axes, section.sides.interfaces, length)
         normal = section.normal
-        if normal in ("x", "y") and vertical == "z" and seen.vertical[0] <= AT_THE_TOP * seen.size[1]:
-            draw_contact_above(axes, seen.clipped(contact_runs(dataset, step, normal, section.cut[normal])), length)
+        if normal in ("x", "y") and vertical == "z" and visible.vertical[0] <= AT_THE_TOP * visible.size[1]:
+            draw_contact_above(axes, visible.clipped(contact_runs(dataset, step, normal, section.cut[normal])), length)
         elif normal == "z" and "pressure" in dataset:
             draw_contact_from_above(axes, dataset, step, length)
         for strain in plastic_strains(dataset, step):
@@ -126,12 +126,12 @@ def stress_section(
                 draw_zone(axes, dataset, strain, (normal, section.cut[normal]), length, step)
         label_plane(axes, f"{horizontal} [{length.unit}]", f"{vertical} [{length.unit}]")
         bodies = {region_["body"] for region_ in json.loads(dataset.attrs["regions"]).values()}
-        title = heading(dataset, step, shown.words + (f" in body {described['body']}" if len(bodies) > 1 else ""))
+        title = heading(dataset, step, numbers.words + (f" in body {described['body']}" if len(bodies) > 1 else ""))
         cut = _cut_words(dataset, section, int(described["body"]), step)
         title = f"{title}, {cut.removeprefix('at ')}" if " at " in title and cut else f"{title} {cut}".strip()
         where = ""
         if filled is None:
-            axes.text(0.5, 0.5, shown.nothing, transform=axes.transAxes, ha="center", va="center", color="0.4")
+            axes.text(0.5, 0.5, numbers.nothing, transform=axes.transAxes, ha="center", va="center", color="0.4")
         else:
             bar = figure.colorbar(
                 filled,
@@ -141,20 +141,20 @@ def stress_section(
                 aspect=30 if wide else 22,
                 pad=0.03,
             )
-            label = f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
+            label = f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words
             label = f"{label} (nonlinear scale)" if grows(filled) else label
             bar.set_label(f"{label}, scale of this side" if INTERFACE in cut else label)
-            row, column = section.largest(seen.points)
+            row, column = section.largest(visible.points)
             largest = float(values[row, column])
             name_largest(bar, filled, float(unit(largest)), f"{unit(largest):.3g}")
             spot = [(horizontal, _near_zero(h, column)), (vertical, _near_zero(v, row) if vertical != "z" else v[row])]
             if vertical == "z" and spot[0][1] == 0.0:
                 del spot[0]
-            words = ", ".join(place(axis, value) for axis, value in spot)
-            if section.flat(seen.points):
+            coordinates = ", ".join(place(axis, value) for axis, value in spot)
+            if section.flat(visible.points):
                 where = f"plateau at {unit.text(largest)}"
             else:
-                where = f"{unit.text(largest)} at {words} (cross)"
+                where = f"{unit.text(largest)} at {coordinates} (cross)"
                 _mark(axes, (float(length(h[column])), float(length(v[row]))))
         axes.set_title("\n".join(filter(None, [title, where])))
     return figure
@@ -166,7 +166,7 @@ def equivalent_of(dataset: Results, region: str) -> str | None:
 
 
 def default_field(dataset: Results, region: str, step: int) -> Shown:
-    """Equivalent stress that a section shows where nothing else is chosen."""
+    """Equivalent stress that a section shows by default."""
     field = equivalent_of(dataset, region) or next(iter(EQUIVALENT))
     name = f"{region}_{field}"
     return Shown(EQUIVALENT[field], "Pa", np.asarray(dataset[name][step].values, dtype=float), name)
@@ -178,19 +178,19 @@ def _near_zero(places: NDArray[np.float64], index: int) -> float:
 
 
 def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
-    """Where the plane lies; beside an interface, on which side of it."""
-    words = []
+    """Position of the plane as text, with the side of an interface next to it."""
+    places = []
     for axis, at in cut.cut.items():
         near = [depth for depth in interface_depths(dataset, body, step) if abs(at - depth) <= BESIDE * depth]
         if axis == "z" and near:
             side = "above" if at < near[0] * (1 - SAME) else "below"
-            words.append(f"{side} {INTERFACE} {place(axis, near[0])}")
+            places.append(f"{side} {INTERFACE} {place(axis, near[0])}")
         else:
-            words.append(f"at {place(axis, at)}")
-    return ", ".join(words)
+            places.append(f"at {place(axis, at)}")
+    return ", ".join(places)
 
 
 def _mark(axes: Axes, at: tuple[float, float]) -> None:
-    """Cross at a point, which shows on all colours; what it marks is said in the title, where it hides nothing."""
+    """Draw a cross at a point, visible on all colours; the title names it."""
     axes.plot(*at, "+", color="black", markersize=9, markeredgewidth=2.6, zorder=8, clip_on=False)
     axes.plot(*at, "+", color="white", markersize=8, markeredgewidth=1.2, zorder=9, clip_on=False)

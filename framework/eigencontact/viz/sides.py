@@ -1,4 +1,4 @@
-"""Which side of interfaces and borders of inclusions the points of a section lie on, so that nothing crosses a jump.
+"""Sides of interfaces and borders of inclusions for the points of a section: contours do not cross a jump.
 
 Stress jumps where the material does: at interfaces of layers, at borders of inclusions. A picture must not join points
 of both sides. Three kinds of points carry the stress of neither side: points in cells that a border cuts, points finer
@@ -68,7 +68,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Side:
-    """What lies on one side of all interfaces and borders.
+    """Region between interfaces and borders.
 
     Attributes
     ----------
@@ -106,19 +106,19 @@ class Sides:
     trusted: NDArray[np.bool_]
     interfaces: tuple[float, ...]
 
-    def filled(self, values: FloatArray, part: Side) -> FloatArray:
+    def filled(self, values: FloatArray, side: Side) -> FloatArray:
         """Values (m, n) with those of other sides and of points without trust continued from the others of one side.
 
         A side without trusted points keeps the values of its whole cells; without those, all of its values.
         """
-        finite = part.points & np.isfinite(values)
-        known = next((some for some in (finite & self.trusted, finite & self.whole) if some.any()), finite)
-        if known.all() or not known.any():
+        finite = side.points & np.isfinite(values)
+        source = next((some for some in (finite & self.trusted, finite & self.whole) if some.any()), finite)
+        if source.all() or not source.any():
             return values
         from scipy.ndimage import distance_transform_edt
 
-        index = distance_transform_edt(~known, return_distances=False, return_indices=True)
-        return _smoothed(np.asarray(values[tuple(index)]), part.points & ~known, part.points)
+        index = distance_transform_edt(~source, return_distances=False, return_indices=True)
+        return _smoothed(np.asarray(values[tuple(index)]), side.points & ~source, side.points)
 
     def largest(self, values: FloatArray) -> tuple[int, int]:
         """Row and column of the largest magnitude among trusted points; of several alike, nearest to the middle."""
@@ -161,14 +161,14 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
     closed.sort(key=_area, reverse=True)
     for number, path in enumerate(closed):
         owner[_inside(path, plane)] = number
-    parts = []
+    sides = []
     for number in range(-1, len(closed)):
         for n, depths in enumerate(pairwise(ends)):
             points = (owner == number) & (layer == n)
             if points.any():
-                parts.append(Side(points, closed[number] if number >= 0 else None, depths))
-    whole, trusted = _whole(dataset, plane, closed)
-    return Sides(tuple(parts), whole, trusted & ~_on_border(plane, closed), cuts)
+                sides.append(Side(points, closed[number] if number >= 0 else None, depths))
+    uncut, trusted = _uncut_points(dataset, plane, closed)
+    return Sides(tuple(sides), uncut, trusted & ~_on_border(plane, closed), cuts)
 
 
 def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.bool_]) -> FloatArray:
@@ -183,15 +183,15 @@ def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.b
     number[unknown] = np.arange(count)
     degree, right = np.full(count, NEAREST), NEAREST * values[unknown]
     pairs: list[NDArray[np.intp]] = []
-    every, but_first, but_last = slice(None), slice(1, None), slice(-1)
-    for first, second in (((but_first, every), (but_last, every)), ((every, but_first), (every, but_last))):
-        for here, there in ((first, second), (second, first)):
-            joined = unknown[here] & side[there]
-            rows, columns = number[here][joined], number[there][joined]
+    full, but_first, but_last = slice(None), slice(1, None), slice(-1)
+    for first, second in (((but_first, full), (but_last, full)), ((full, but_first), (full, but_last))):
+        for cell, neighbour in ((first, second), (second, first)):
+            joined = unknown[cell] & side[neighbour]
+            rows, columns = number[cell][joined], number[neighbour][joined]
             np.add.at(degree, rows, 1.0)
-            given = columns < 0
-            np.add.at(right, rows[given], values[there][joined][given])
-            pairs.append(np.stack([rows[~given], columns[~given]]))
+            fixed = columns < 0
+            np.add.at(right, rows[fixed], values[neighbour][joined][fixed])
+            pairs.append(np.stack([rows[~fixed], columns[~fixed]]))
     rows, columns = np.concatenate(pairs, axis=1)
     joints = coo_array((np.ones(rows.size), (rows, columns)), shape=(count, count))
     values = values.copy()
@@ -217,35 +217,35 @@ def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:
     return inside
 
 
-def _whole(
+def _uncut_points(
     dataset: Results, plane: Plane, paths: list[FloatArray]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Points that lie in no cell which a path cuts, and the trusted of them; all where no cells are stored."""
-    whole = np.ones((plane.v.size, plane.h.size), dtype=bool)
+    """Points outside of the cells that paths cut, and the trusted points among them; all without stored cells."""
+    uncut = np.ones((plane.v.size, plane.h.size), dtype=bool)
     grids = [f"cells_{plane.body}_{axis}" for axis in plane.dims]
     if not paths or any(name not in dataset.variables for name in grids):
-        return whole, whole
+        return uncut, uncut
     middles = [np.asarray(dataset[name].values, dtype=float) for name in grids]
     if any(places.size < 2 for places in middles):
-        return whole, whole
+        return uncut, uncut
     edges = [float(places[1] - places[0]) for places in middles]
     starts = [float(places[0]) - 0.5 * edge for places, edge in zip(middles, edges, strict=True)]
     cells = set[tuple[int, int]]().union(*(_cells_cut(path, edges, starts) for path in paths))
     if not cells:
-        return whole, whole
-    found = np.array(sorted(cells))
-    first = found.min(axis=0) - 2
-    cut = np.zeros(tuple(found.max(axis=0) - first + 3), dtype=bool)
-    cut[tuple((found - first).T)] = True
+        return uncut, uncut
+    cut_cells = np.array(sorted(cells))
+    first = cut_cells.min(axis=0) - 2
+    cut = np.zeros(tuple(cut_cells.max(axis=0) - first + 3), dtype=bool)
+    cut[tuple((cut_cells - first).T)] = True
     places = [(at - start) / edge for at, start, edge in zip((plane.v, plane.h), starts, edges, strict=True)]
-    whole = ~_touching(cut, places, first)
+    uncut = ~_touching(cut, places, first)
     if not any(at.size > 1 and at[-1] - at[-2] < FINER for at in places):
-        return whole, whole
+        return uncut, uncut
     from scipy.ndimage import binary_dilation
 
     beside = _touching(binary_dilation(cut, np.ones((3, 3))), places, first)
     rows, columns = (np.abs(at - np.floor(at) - 0.5) <= MIDDLE for at in places)
-    return whole, whole & (~beside | (rows[:, None] & columns))
+    return uncut, uncut & (~beside | (rows[:, None] & columns))
 
 
 def _on_border(plane: Plane, paths: list[FloatArray]) -> NDArray[np.bool_]:
@@ -271,15 +271,15 @@ def _touching(cells: NDArray[np.bool_], places: list[FloatArray], first: NDArray
     for at, start, count in zip(places, first, cells.shape, strict=True):
         sides = [np.floor(at + side).astype(int) - start for side in (-ON_A_FACE, ON_A_FACE)]
         ends.append([np.clip(side, 0, count - 1) for side in sides])  # the outermost cells are never among them
-    found = np.zeros((places[0].size, places[1].size), dtype=bool)
+    points = np.zeros((places[0].size, places[1].size), dtype=bool)
     for rows in ends[0]:
         for columns in ends[1]:
-            found |= cells[np.ix_(rows, columns)]
-    return found
+            points |= cells[np.ix_(rows, columns)]
+    return points
 
 
 def _cells_cut(path: FloatArray, edges: list[float], starts: list[float]) -> set[tuple[int, int]]:
-    """Cells (row, column) that a path runs through, along whose faces it does not run alone."""
+    """Cells (row, column) with a path in their interior, not only along their faces."""
     lengths = np.abs(np.diff(path, axis=0)) / np.array(edges[::-1])
     counts = np.maximum(1, np.ceil(PER_CELL * lengths.max(axis=1)).astype(int))
     shares = [(np.arange(count) + 0.5) / count for count in counts]

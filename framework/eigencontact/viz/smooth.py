@@ -14,9 +14,13 @@ if TYPE_CHECKING:
 
 __all__ = ["extended", "smooth_border"]
 
-#: Width of the smoothing in cells: the root of this part of the shorter side of the region, between two bounds. A
-#: circle then shrinks by a tenth of a cell, whatever its size.
-SHARE, NARROWEST, WIDEST = 0.1, 0.8, 3.0
+#: Width of the smoothing in cells: the root of this part of the shorter side of the region. A circle then shrinks by
+#: a tenth of a cell, whatever its size.
+SHARE = 0.1
+#: Smallest width of the smoothing [cells].
+NARROWEST = 0.8
+#: Largest width of the smoothing [cells].
+WIDEST = 3.0
 #: A smooth border may move the middles of this part of the cells along the border to its other side.
 MOVED = 0.2
 #: Points across a region at which its border is looked for, at least.

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Strand", "draw_strands"]
 
-#: Colours of the numbers: viridis without its yellow end, which white paper swallows.
-COLOUR_MAP, BRIGHTEST = "viridis", 0.88
+#: Colours of the numbers.
+COLOUR_MAP = "viridis"
+#: End of the colour map in use: white paper swallows the yellow beyond it.
+BRIGHTEST = 0.88
 #: Ticks of a colour bar lie at least this part of its length apart.
 TICK_ROOM = 0.08
 #: Numbers of which half lie below this part of the largest have a logarithmic colour bar.
@@ -52,7 +54,7 @@ def draw_strands(
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     strands: Sequence[Strand],
-    what: str,
+    bar_label: str,
     *,
     markers: bool = True,
 ) -> None:
@@ -68,7 +70,7 @@ def draw_strands(
         Coordinates of all steps, in the units of the axes.
     strands : sequence of Strand
         In order of their numbers.
-    what : str
+    bar_label : str
         Label of the colour bar: ``"Cycle"``.
     markers : bool
         Whether short strands have a marker at each step.
@@ -84,21 +86,21 @@ def draw_strands(
     colours = ListedColormap(colormaps[COLOUR_MAP](np.linspace(0.0, BRIGHTEST, 256)))
     for strand in strands:
         colour = colours(float(norm(np.array(strand.number)))) if several else COLOURS[0]
-        part = slice(strand.first, strand.last + 1)
+        steps = slice(strand.first, strand.last + 1)
         marker = "o" if markers and strand.last - strand.first < MARKERS else ""
-        axes.plot(x[part], y[part], linestyle="-", marker=marker, markersize=2.2, color=colour, linewidth=1.0)
+        axes.plot(x[steps], y[steps], linestyle="-", marker=marker, markersize=2.2, color=colour, linewidth=1.0)
     if several:
         ticks = _ticks(numbers, norm)
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, ticks=ticks, pad=0.03, aspect=22)
         bar.ax.set_yticks(ticks, [f"{number:.7g}" for number in ticks])
         bar.ax.set_yticks([], minor=True)
-        bar.set_label(what)
+        bar.set_label(bar_label)
 
 
 def _ticks(numbers: Sequence[float], norm: Normalize) -> list[float]:
     """Numbers that have room on the colour bar, the last one among them."""
-    kept = [numbers[-1]]
+    ticks = [numbers[-1]]
     for number in reversed(numbers[:-1]):
-        if float(norm(kept[-1])) - float(norm(number)) >= TICK_ROOM:
-            kept.append(number)
-    return kept[::-1]
+        if float(norm(ticks[-1])) - float(norm(number)) >= TICK_ROOM:
+            ticks.append(number)
+    return ticks[::-1]

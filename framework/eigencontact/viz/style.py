@@ -1,4 +1,4 @@
-"""What all figures share: engineering units, colour ranges, sizes, words of titles, and how they are stored."""
+"""Common parts of all figures: engineering units, colour ranges, sizes, titles, storage."""
 
 from __future__ import annotations
 
@@ -127,15 +127,15 @@ def lift_colours(low: float, high: float, out: int = 1) -> tuple[Colormap, float
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
 
-    whole = colormaps["RdBu_r" if out > 0 else "RdBu"]
+    colours = colormaps["RdBu_r" if out > 0 else "RdBu"]
     end = max(abs(low), abs(high))
     if end == 0.0:
-        return whole, -1.0, 1.0
+        return colours, -1.0, 1.0
     if low >= -ONE_WAY * end:
-        return ListedColormap(whole(np.linspace(0.5, 1.0, 256))), min(low, 0.0), high
+        return ListedColormap(colours(np.linspace(0.5, 1.0, 256))), min(low, 0.0), high
     if high <= ONE_WAY * end:
-        return ListedColormap(whole(np.linspace(0.0, 0.5, 256))), low, max(high, 0.0)
-    return whole, -end, end
+        return ListedColormap(colours(np.linspace(0.0, 0.5, 256))), low, max(high, 0.0)
+    return colours, -end, end
 
 
 def box_size(width: float, height: float, largest: tuple[float, float] = (4.2, 3.6)) -> tuple[float, float]:
@@ -184,39 +184,39 @@ def place(axis: str, value: float) -> str:
     return f"{axis} = {scale_for([value], 'm').text(value)}" if value else f"{axis} = 0"
 
 
-def heading(dataset: Results, step: int, what: str) -> str:
-    """Title of a picture: what is shown, at which load, and at which step where that is not the last."""
-    words = what
+def heading(dataset: Results, step: int, subject: str) -> str:
+    """Title of a picture: its subject, the load, and the step unless it is the last."""
+    title = subject
     if "normal_load" in dataset:
         load = float(dataset["normal_load"][step])
-        words += f" at {scale_for([load], 'N').text(load)}"
-    return words + instant(dataset, step)
+        title += f" at {scale_for([load], 'N').text(load)}"
+    return title + instant(dataset, step)
 
 
 def instant(dataset: Results, step: int) -> str:
     """End of the title of a picture: the number of cycles of surfaces that wear, or the step unless it is the last."""
-    if done := _cycles(dataset, step):
-        return f", {done}"
+    if cycles := _cycles(dataset, step):
+        return f", {cycles}"
     last = dataset.sizes["step"] - 1
     return "" if step % (last + 1) == last else f", step {int(dataset['step'][step])}"
 
 
 def moment(dataset: Results, step: int) -> str:
-    """Step of several that a picture shows, for its caption; of surfaces that wear after how many cycles."""
+    """Step of a picture for its caption, with the number of cycles of surfaces that wear; empty for a single step."""
     if dataset.sizes["step"] == 1:
         return ""
     number = int(dataset["step"][step])
-    if done := _cycles(dataset, step):
-        return f" (step {number}, {done} done)"
+    if cycles := _cycles(dataset, step):
+        return f" (step {number}, {cycles} done)"
     return f" (step {number} of {int(dataset['step'][-1])})"
 
 
 def _cycles(dataset: Results, step: int) -> str:
-    """Number of cycles that a step stands for, in words; empty where nothing wears in cycles."""
+    """Number of cycles of a step, as text; empty without wear in cycles."""
     if "cycles" not in dataset or not float(np.nanmax(dataset["cycles"].values)) > 0:
         return ""
-    done = float(dataset["cycles"][step])
-    return f"{done:.7g} {'cycle' if done == 1 else 'cycles'}"
+    count = float(dataset["cycles"][step])
+    return f"{count:.7g} {'cycle' if count == 1 else 'cycles'}"
 
 
 #: The look in use; figures are drawn and stored in this block.
@@ -256,8 +256,8 @@ def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") 
             box.x0, box.x1 = 0.0, figure.get_figwidth()
         elif box.width < (page := look.page):  # pages show pictures of one width: letters are of one size
             box.x0, box.x1 = (0.5 * (box.x0 + box.x1 + side * page) for side in (-1, 1))
-        said = {**_SAID[kind], _CAPTION[kind]: caption} if caption else _SAID[kind]
-        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=said)
+        metadata = {**_SAID[kind], _CAPTION[kind]: caption} if caption else _SAID[kind]
+        figure.savefig(cast("BinaryIO", sink), format=kind, dpi=dots, bbox_inches=box, metadata=metadata)
 
 
 #: Where a file has room for a caption.

@@ -83,13 +83,13 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     """
     pressure, x, y = _surface(dataset, step)
     reference = None
-    without = homogeneous_words(dataset)
-    if without or "reference_pressure" in dataset:
-        reference = np.asarray(dataset["homogeneous_pressure" if without else "reference_pressure"][step].values)
+    homogeneous = homogeneous_words(dataset)
+    if homogeneous or "reference_pressure" in dataset:
+        reference = np.asarray(dataset["homogeneous_pressure" if homogeneous else "reference_pressure"][step].values)
         reference = reference if np.isfinite(reference).all() else None
     row, column, central = contact_middle(pressure)
-    shown = pressure != 0 if reference is None else (pressure != 0) | (reference != 0)
-    view = view_of(shown)
+    pressed = pressure != 0 if reference is None else (pressure != 0) | (reference != 0)
+    view = view_of(pressed)
     stress = scale_for(pressure if reference is None else [pressure.max(), reference.max()], "Pa")
     across, down = slice(view.x0, view.x1), slice(view.y0, view.y1)
     dx, dy = np.atleast_1d(dataset.attrs["cell_size"])
@@ -108,48 +108,50 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
         figure = new_figure(3.3 * len(lines) + (0.3 if len(lines) > 1 else 1.2), 2.9)
         panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
         thinned = False
-        for axes, (along, words, centres, edges, where) in zip(panels, lines, strict=True):
-            part = where[along == "x"]
-            length = scale_for(edges[part.start : part.stop + 1], "m")
-            at = length(centres[part])
-            every = max(1, -(-at.size // MARKERS))
-            thinned = thinned or every > 1
+        for axes, (along, line_title, centres, edges, where) in zip(panels, lines, strict=True):
+            span = where[along == "x"]
+            length = scale_for(edges[span.start : span.stop + 1], "m")
+            at = length(centres[span])
+            mark_every = max(1, -(-at.size // MARKERS))
+            thinned = thinned or mark_every > 1
             if reference is not None:
-                style = "--" if without else "-"
+                style = "--" if homogeneous else "-"
                 axes.plot(at, stress(reference[where]), style, color=COLOURS[1], label="closed form")
             axes.plot(
                 at,
                 stress(pressure[where]),
-                "o" if reference is not None and not without else "o-",
+                "o" if reference is not None and not homogeneous else "o-",
                 color=COLOURS[0],
-                markevery=every,
+                markevery=mark_every,
                 markerfacecolor="none" if reference is not None else COLOURS[0],
                 markeredgewidth=0.8,
-                linewidth=0.8 if without else None,
+                linewidth=0.8 if homogeneous else None,
                 label="computed",
                 zorder=3,
             )
             axes.set_xlabel(f"{along} [{length.unit}]")
-            axes.set_xlim(float(length(edges[part.start])), float(length(edges[part.stop])))
-            axes.set_title(words)
-            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges[part.start : part.stop + 1]), length)
+            axes.set_xlim(float(length(edges[span.start])), float(length(edges[span.stop])))
+            axes.set_title(line_title)
+            draw_contact_ends(axes, runs_of(pressure[where] != 0, edges[span.start : span.stop + 1]), length)
         low = min(0.0, float(pressure.min()))
         high = max(float(pressure.max()), 0.0 if reference is None else float(reference.max())) or 1.0 / stress.factor
         panels[0].set_ylim(stress(low - 0.025 * (high - low)), stress(high + 0.06 * (high - low)))
         panels[0].set_ylabel(f"Pressure [{stress.unit}]")
         handles, labels = panels[0].get_legend_handles_labels()
-        named = {
-            "closed form": f"{without} (closed form)" if without else _difference_words(pressure, reference, view),
+        legend_of = {
+            "closed form": f"{homogeneous} (closed form)"
+            if homogeneous
+            else _difference_words(pressure, reference, view),
             "computed": "computed cells (not all marked)" if thinned else "computed cells",
         }
         order = sorted(range(len(labels)), key=lambda n: labels[n] != "computed")
-        legend_below(figure, [handles[n] for n in order], [named[labels[n]] for n in order], len(lines))
+        legend_below(figure, [handles[n] for n in order], [legend_of[labels[n]] for n in order], len(lines))
         figure.suptitle(heading(dataset, step, "Contact pressure"))
     return figure
 
 
 def homogeneous_words(dataset: Results) -> str:
-    """What the closed form beside a contact of inhomogeneous bodies is that of; empty where there is none."""
+    """Body that the closed form beside a contact of inhomogeneous bodies describes; empty without a closed form."""
     if "homogeneous_pressure" not in dataset:
         return ""
     return "homogeneous body" if "residual_displacement_z" in dataset else "bare substrate"
@@ -164,13 +166,13 @@ def relative_difference(pressure: NDArray[Any], reference: NDArray[Any]) -> tupl
 
 
 def _difference_words(pressure: NDArray[Any], reference: NDArray[Any] | None, view: Box) -> str:
-    """How far the pressure is from the closed form; both are zero outside of a view."""
+    """Label of the closed form with its relative difference from the pressure; both are zero outside the view."""
     if reference is None:
         return "closed form"
-    whole, peak = relative_difference(pressure[view.slices], reference[view.slices])
-    if not np.isfinite(whole):
+    in_norm, peak = relative_difference(pressure[view.slices], reference[view.slices])
+    if not np.isfinite(in_norm):
         return "closed form"
-    return f"closed form (relative difference: {100 * whole:.2g} % in the L2 norm, {100 * peak:.2g} % at the maximum)"
+    return f"closed form (relative difference: {100 * in_norm:.2g} % in the L2 norm, {100 * peak:.2g} % at the maximum)"
 
 
 def _surface(dataset: Results, step: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

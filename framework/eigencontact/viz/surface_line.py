@@ -24,7 +24,7 @@ SURFACE_LINES = {"along-x": "x", "along-y": "y"}
 MARKERS = 80
 
 
-def surface_line(dataset: Results, along: str, shown: Shown, step: int, view: View) -> Figure:
+def surface_line(dataset: Results, along: str, numbers: Shown, step: int, view: View) -> Figure:
     """Draw a field of the surface over one row or one column of its cells.
 
     The line passes through the middle of the contact, or through the largest pressure where the contact is in patches.
@@ -36,32 +36,32 @@ def surface_line(dataset: Results, along: str, shown: Shown, step: int, view: Vi
         Results of a run.
     along : {"x", "y"}
         Direction of the line.
-    shown : Shown
+    numbers : Shown
         Values (ny, nx) of the field.
     step : int
         Position along ``step``.
     view : View
         ``horizontal`` is the part of the line that is seen.
     """
-    pressure = np.zeros_like(shown.values)
+    pressure = np.zeros_like(numbers.values)
     if "pressure" in dataset:
         pressure = np.asarray(dataset["pressure"][step].values, dtype=float)
-    row, column, central = contact_middle(pressure if pressure.any() else np.abs(shown.values))
+    row, column, central = contact_middle(pressure if pressure.any() else np.abs(numbers.values))
     axis, where = "xy".index(along), ((row, slice(None)) if along == "x" else (slice(None), column))
     x, y = (np.asarray(dataset[name].values, dtype=float) for name in "xy")
     across, at, places = ("y", float(y[row]), x) if along == "x" else ("x", float(x[column]), y)
-    unit, length = scale_for(shown.values[where], shown.unit), scale_for(view.horizontal or places, "m")
+    unit, length = scale_for(numbers.values[where], numbers.unit), scale_for(view.horizontal or places, "m")
     with paper_style():
         figure = new_figure(5.2, 3.0)
         axes = figure.add_subplot()
         marker = "o" if places.size <= MARKERS else ""
-        axes.plot(length(places), unit(shown.values[where]), "-", marker=marker, markersize=2.4, color=COLOURS[0])
+        axes.plot(length(places), unit(numbers.values[where]), "-", marker=marker, markersize=2.4, color=COLOURS[0])
         axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
         draw_contact_ends(axes, runs_of(pressure[where] != 0, cell_edges(places, dataset, axis)), length)
         axes.set_xlim(*length(view.horizontal or (places[0], places[-1])))
         axes.set(
-            xlabel=f"{along} [{length.unit}]", ylabel=f"{shown.words} [{unit.unit}]" if unit.unit else shown.words
+            xlabel=f"{along} [{length.unit}]", ylabel=f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words
         )
         line = line_words(along, across, at, central=central)
-        axes.set_title(f"{heading(dataset, step, shown.words)}\n{line}")
+        axes.set_title(f"{heading(dataset, step, numbers.words)}\n{line}")
     return figure

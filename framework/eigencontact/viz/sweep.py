@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_profiles", "draw_sweep"]
 
-#: Values of each of two numbers from which on a map shows more than curves; curves that a legend can hold.
-_MAP, _CURVES = 5, len(COLOURS)
+#: Values of each of two numbers from which on a map shows more than curves.
+_MAP = 5
+#: Curves that a legend can hold.
+_CURVES = len(COLOURS)
 #: Values spaced by ratios that are marked one by one.
 _MARKED = 8
 #: Least range of an axis as a part of the largest value: where values differ by less, it shows that they hardly differ.
@@ -94,8 +96,8 @@ def _lay_over(
     """Draw a line for each variant that has the field, as many as a legend can hold."""
     places = [at for at in np.ndindex(*(dataset.sizes[dim] for dim in dims)) if np.isfinite(values.values[at]).any()]
     for k, at in enumerate(places[:_CURVES]):
-        words = ", ".join(_value(dataset, dim, n) for dim, n in zip(dims, at, strict=True))
-        axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=words)
+        label = ", ".join(_value(dataset, dim, n) for dim, n in zip(dims, at, strict=True))
+        axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label)
     more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
     axes.legend(title=", ".join(_long(dataset, dim) for dim in dims) + more, title_fontsize=8)
 
@@ -131,45 +133,45 @@ def _map(axes: Axes, values: xarray.DataArray, limits: tuple[float, float] | Non
 def _curves(
     axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, limits: tuple[float, float] | None
 ) -> None:
-    first, *others = (str(dim) for dim in values.dims)
+    first, *other_dims = (str(dim) for dim in values.dims)
     scale = scale_for(values, str(values.attrs.get("units", "1")))
     along = _along(dataset, first)
     x = _axis(axes, "x", along)
-    places = list(product(*(range(dataset.sizes[dim]) for dim in others)))
+    places = list(product(*(range(dataset.sizes[dim]) for dim in other_dims)))
     for k, at in enumerate(places[:_CURVES]):
-        chosen = values.isel(dict(zip(others, at, strict=True)))
-        words = ", ".join(_value(dataset, dim, n) for dim, n in zip(others, at, strict=True))
-        axes.plot(x, scale(chosen), marker=_MARKS[k % len(_MARKS)], color=COLOURS[k], label=words or None)
+        curve = values.isel(dict(zip(other_dims, at, strict=True)))
+        label = ", ".join(_value(dataset, dim, n) for dim, n in zip(other_dims, at, strict=True))
+        axes.plot(x, scale(curve), marker=_MARKS[k % len(_MARKS)], color=COLOURS[k], label=label or None)
     axes.set_ylabel(_with_unit(str(values.name), scale.unit))
     if limits is not None:
         axes.set_ylim(*scale(limits))
     if len(places) > 1:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
-        axes.legend(title=", ".join(_long(dataset, dim) for dim in others) + more, title_fontsize=8)
+        axes.legend(title=", ".join(_long(dataset, dim) for dim in other_dims) + more, title_fontsize=8)
 
 
 def _along(dataset: xarray.Dataset, dim: str) -> Any:
-    """What the axis shows: the parameter of its dimension, of paired ones the first that is a number."""
+    """Parameter along the axis: that of its dimension, or the first number among paired parameters."""
     if dim in dataset.coords:
         return dataset[dim]
     paired = [field for field in dataset.coords.values() if field.dims == (dim,)]
     return next((field for field in paired if field.dtype.kind == "f"), paired[0])
 
 
-def _axis(axes: Axes, which: str, along: Any) -> Any:
+def _axis(axes: Axes, letter: str, along: Any) -> Any:
     """Label and scale of an axis; returns its positions. Texts stand side by side."""
     label = str(along.attrs.get("long_name", along.name))
     if along.dtype.kind != "f":
-        getattr(axes, f"set_{which}label")(label)
-        getattr(axes, f"set_{which}ticks")(range(along.size), [str(value) for value in along.values])
+        getattr(axes, f"set_{letter}label")(label)
+        getattr(axes, f"set_{letter}ticks")(range(along.size), [str(value) for value in along.values])
         return np.arange(along.size)
     scale = scale_for(along, str(along.attrs.get("units", "1")))
-    getattr(axes, f"set_{which}label")(_with_unit(label, scale.unit))
+    getattr(axes, f"set_{letter}label")(_with_unit(label, scale.unit))
     if _by_ratio(along.values):
-        getattr(axes, f"set_{which}scale")("log")
+        getattr(axes, f"set_{letter}scale")("log")
         if along.size <= _MARKED:  # less than a decade leaves powers of ten no room
-            getattr(axes, f"set_{which}ticks")(scale(along.values), [f"{value:.3g}" for value in scale(along.values)])
-            getattr(axes, f"set_{which}ticks")([], minor=True)
+            getattr(axes, f"set_{letter}ticks")(scale(along.values), [f"{value:.3g}" for value in scale(along.values)])
+            getattr(axes, f"set_{letter}ticks")([], minor=True)
     return scale(along.values)
 
 
@@ -202,5 +204,5 @@ def _long(dataset: xarray.Dataset, dim: str) -> str:
 
 
 def _with_unit(name: str, unit: str) -> str:
-    words = name.replace("_", " ")
-    return f"{words} [{unit}]" if unit else words
+    label = name.replace("_", " ")
+    return f"{label} [{unit}]" if unit else label

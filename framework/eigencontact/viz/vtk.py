@@ -73,7 +73,7 @@ def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
         ) from error
     regions = json.loads(results.attrs["regions"])
     times = [float(time) for time in results["time"].values]
-    written: list[Path] = []
+    files: list[Path] = []
     surface = [SURFACE] if any(v.attrs.get("role") == "field" for v in results.variables.values()) else []
     for name in (*surface, *regions):
         series = []
@@ -83,15 +83,15 @@ def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
         collection = folder / f"{name}.pvd"
         with replacing(collection, f"collection {collection.name}") as sink:
             sink.write(_collection(times, series).encode())
-        written += [*series, collection]
+        files += [*series, collection]
     for body in (1, 2):
         if f"cells_{body}_z" in results:
-            written += _remembered(results, body, folder)
-    return written
+            files += _remembered(results, body, folder)
+    return files
 
 
 def _remembered(dataset: Results, body: int, folder: Path) -> list[Path]:
-    """Files of what the cells of a body remember, in the steps after which that was kept."""
+    """Files of the history fields in the cells of a body, for the steps that store them."""
     series, times = [], []
     for at, index in enumerate(int(step) for step in dataset["history_step"].values):
         series.append(_save(_cells(dataset, body, at), folder, f"cells_{body}_{index:04d}"))
@@ -130,11 +130,11 @@ def _surface(dataset: Results, at: int) -> Mesh:
         if variable.attrs.get("role") == "field":
             mesh.cell_data[str(name)] = np.asarray(variable[at].values).ravel()
     for vector in _VECTORS:
-        parts = [f"{vector}_{axis}" for axis in "xyz"]
-        plane = [mesh.cell_data[part] for part in parts[:2] if part in mesh.cell_data]
-        if plane and (vector in _IN_PLANE or parts[2] in mesh.cell_data):
+        components = [f"{vector}_{axis}" for axis in "xyz"]
+        plane = [mesh.cell_data[component] for component in components[:2] if component in mesh.cell_data]
+        if plane and (vector in _IN_PLANE or components[2] in mesh.cell_data):
             zero = np.zeros(nx * ny)
-            mesh.cell_data[vector] = np.column_stack([mesh.cell_data.get(part, zero) for part in parts])
+            mesh.cell_data[vector] = np.column_stack([mesh.cell_data.get(component, zero) for component in components])
     return mesh
 
 

@@ -92,13 +92,13 @@ class Mesh:
         """XML of one section; its arrays join those that lie behind."""
         rows = []
         for key, values in arrays.items():
-            said = {"type": _type(values.dtype), "Name": key}
+            attributes = {"type": _type(values.dtype), "Name": key}
             if values.ndim > 1:
-                said["NumberOfComponents"] = str(values.shape[1])
+                attributes["NumberOfComponents"] = str(values.shape[1])
             if key in self.tensors:
-                said |= {f"ComponentName{n}": one.upper() for n, one in enumerate(COMPONENTS)}
-            said |= {"format": "appended", "offset": str(sum(8 + before.nbytes for before in appended))}
-            rows.append(f"<DataArray{_attributes(said)}/>")
+                attributes |= {f"ComponentName{n}": component.upper() for n, component in enumerate(COMPONENTS)}
+            attributes |= {"format": "appended", "offset": str(sum(8 + before.nbytes for before in appended))}
+            rows.append(f"<DataArray{_attributes(attributes)}/>")
             appended.append(np.ascontiguousarray(values, dtype=np.uint8 if values.dtype == bool else None))
         active = {"Scalars": next(iter(arrays))} if arrays and name in ("PointData", "CellData") else {}
         return "\n".join([f"<{name}{_attributes(active)}>", *rows, f"</{name}>"])
@@ -107,8 +107,8 @@ class Mesh:
 def image(size: Sequence[int], spacing: Sequence[float], origin: Sequence[float]) -> Mesh:
     """Evenly spaced points, (x, y, z): their number, their distance and the first of them."""
     extent = _extent(size)
-    whole = {"WholeExtent": extent, "Origin": _words(origin), "Spacing": _words(spacing)}
-    return Mesh(kind="ImageData", whole=whole, piece={"Extent": extent})
+    root_attributes = {"WholeExtent": extent, "Origin": _joined(origin), "Spacing": _joined(spacing)}
+    return Mesh(kind="ImageData", whole=root_attributes, piece={"Extent": extent})
 
 
 def rectilinear(x: NDArray[Any], y: NDArray[Any], z: NDArray[Any]) -> Mesh:
@@ -138,7 +138,7 @@ def _extent(size: Sequence[int]) -> str:
     return " ".join(f"0 {n - 1}" for n in size)
 
 
-def _words(numbers: Sequence[float]) -> str:
+def _joined(numbers: Sequence[float]) -> str:
     return " ".join(repr(float(number)) for number in numbers)
 
 
@@ -147,8 +147,8 @@ def quoted(value: str) -> str:
     return f'"{html.escape(value)}"'
 
 
-def _attributes(said: Mapping[str, str]) -> str:
-    return "".join(f" {name}={quoted(value)}" for name, value in said.items())
+def _attributes(attributes: Mapping[str, str]) -> str:
+    return "".join(f" {name}={quoted(value)}" for name, value in attributes.items())
 
 
 def _type(dtype: Any) -> str:

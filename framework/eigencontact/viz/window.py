@@ -1,4 +1,4 @@
-"""What the pictures of the surface share: which cells are shown, their edges, the outline of the contact, a map."""
+"""Common parts of pictures of the surface: visible cells, their edges, the outline of the contact, a map."""
 
 from __future__ import annotations
 
@@ -51,9 +51,10 @@ __all__ = [
 
 #: Cells along a side that a map shows at most: somewhat more than its dots.
 DOTS = 1000
-#: Colours of maps of ragged contacts, and the part of them in use: small spots of low values must not stand out from
-#: the light ground, nor vanish in it.
-PALE_FIRST, USED = "YlGnBu", (0.15, 1.0)
+#: Colours of maps of ragged contacts, light for low values.
+PALE_FIRST = "YlGnBu"
+#: Part of these colours in use: small spots of low values must not stand out from the light ground, nor vanish in it.
+USED = (0.15, 1.0)
 #: A line this many cells from the origin passes through it, as near as the cells are.
 NEAR = 0.51
 #: Profiles that differ by at most this part of the largest value are drawn once.
@@ -169,23 +170,23 @@ def masked_map(
     lifted : int
         1 where positive values lift the surface out of the body, -1 where negative ones do: `lift_colours`.
     """
-    shown = field[window.view.slices]
+    visible = field[window.view.slices]
     with paper_style():
         figure, axes, wide = window.axes_of_map(on)
-        limits = shown if limits is None else limits
+        limits = visible if limits is None else limits
         scale = scale_for(limits, unit)
         colours: str | Colormap
         colours, low, high = colour_range(limits)
         if lifted:
             colours, low, high = lift_colours(low, high, lifted)
-        drawn = _sampled(shown)
-        nonzero = (drawn != 0) | (not masked)
+        samples = _sampled(visible)
+        nonzero = (samples != 0) | (not masked)
         border = None if nonzero.all() else _smooth_border(window, nonzero)
         smooth = border is not None or bool(nonzero.all())
         if masked and low == 0.0 and is_ragged(outline if on is None else on.film.touched("pressure")):
             colours = _pale_first()
         image = axes.imshow(
-            scale(extended(drawn, nonzero)) if border else np.ma.masked_where(~nonzero, scale(drawn)),
+            scale(extended(samples, nonzero)) if border else np.ma.masked_where(~nonzero, scale(samples)),
             origin="lower",
             extent=window.extent,
             cmap=cmap or colours,
@@ -208,7 +209,7 @@ def masked_map(
                 pad=0.03,
             )
             bar.set_label(f"{label} [{scale.unit}]" if scale.unit else label)
-        if not np.any(shown):
+        if not np.any(visible):
             axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center", color="0.4")
     return figure
 
@@ -219,12 +220,12 @@ def zone_map(
     """Map of a field of whole numbers, each with a name and a colour of its own."""
     from matplotlib.patches import Patch
 
-    shown = np.rint(field[window.view.slices]).astype(int)
+    visible = np.rint(field[window.view.slices]).astype(int)
     with paper_style():
         figure, axes, _ = window.axes_of_map(bar=False)
-        draw_classes(axes, window, shown, colours)
+        draw_classes(axes, window, visible, colours)
         window.label(axes)
-        window.outline(axes, shown > 0)
+        window.outline(axes, visible > 0)
         axes.set_title(title)
         patches = [
             Patch(facecolor=colour, edgecolor="0.4", linewidth=0.5, label=name)
@@ -263,7 +264,7 @@ def _smooth_border(window: Window, region: NDArray[np.bool_]) -> Path | None:
 
 
 def _sampled(field: NDArray[Any]) -> NDArray[Any]:
-    """Cells that a picture can show, evenly spread: a dot on paper would be that of one of several cells anyway."""
+    """Evenly spread cells of a field, no more than the dots of a picture."""
     if max(field.shape) <= DOTS:
         return field
     counts = [min(side, DOTS) for side in field.shape]
@@ -279,12 +280,12 @@ def cell_edges(centres: NDArray[Any], dataset: Results, axis: int) -> NDArray[An
 
 def view_of(mask: NDArray[np.bool_]) -> Box:
     """Cells to show: those of the mask and room around them, all cells where the mask is empty."""
-    found = Box.around(mask)
+    box = Box.around(mask)
     rows, columns = mask.shape
-    if found is None:
+    if box is None:
         return Box(0, rows, 0, columns)
-    margins = [max(2, round(MARGIN * side)) for side in found.shape]
-    return found.grown(margins[0], margins[1], (rows, columns))
+    margins = [max(2, round(MARGIN * side)) for side in box.shape]
+    return box.grown(margins[0], margins[1], (rows, columns))
 
 
 def contact_window(dataset: Results, mask: NDArray[np.bool_]) -> Window:
@@ -298,8 +299,8 @@ def middle(pressure: NDArray[Any], symmetric: float = 1e-6) -> tuple[int, int]:
     Symmetric is what differs from its mirror image by at most a part `symmetric` of its largest value; any other
     pressure has its profiles through that value.
     """
-    found = Box.around(pressure != 0) or Box(0, pressure.shape[0], 0, pressure.shape[1])
-    edges = [min(found.y0, pressure.shape[0] - found.y1), min(found.x0, pressure.shape[1] - found.x1)]
+    box = Box.around(pressure != 0) or Box(0, pressure.shape[0], 0, pressure.shape[1])
+    edges = [min(box.y0, pressure.shape[0] - box.y1), min(box.x0, pressure.shape[1] - box.x1)]
     inner = pressure[tuple(slice(edge, side - edge) for edge, side in zip(edges, pressure.shape, strict=True))]
     tolerance = symmetric * float(np.abs(inner).max())  # all is zero outside of this part, whose middle is the same
     if all(np.abs(inner - np.flip(inner, axis)).max() <= tolerance for axis in (0, 1)):

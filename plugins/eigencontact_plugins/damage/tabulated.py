@@ -43,8 +43,8 @@ class TabulatedDamage(PlasticDamage, StrainDamage):
     file: DataFile | None = None
 
     def __post_init__(self) -> None:
-        given = bool(self.strain or self.values)
-        require(given != (self.file is not None), self.key, "file", self.file, "given, or else strain and values")
+        has_table = bool(self.strain or self.values)
+        require(has_table != (self.file is not None), self.key, "file", self.file, "given, or else strain and values")
         strain, values = self._curve
         name = "file" if self.file is not None else "strain"
         same = strain.size == values.size >= 2

@@ -48,8 +48,8 @@ class Uniform(TimedField):
 
     def at(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Mandel eigenstrain at factor 1; see `TimedField`."""
-        ones = (1,) * len(np.broadcast_shapes(x.shape, y.shape, z.shape))
-        return mandel_strain(self.key, "value", self.value).reshape(6, *ones)
+        point_axes = (1,) * len(np.broadcast_shapes(x.shape, y.shape, z.shape))
+        return mandel_strain(self.key, "value", self.value).reshape(6, *point_axes)
 
 
 @hookimpl

@@ -1,4 +1,4 @@
-"""How one number of a profile is spread over the components of a strain."""
+"""Distribution of one number of a profile over the components of a strain."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ Direction = Literal["isotropic", "in-plane"] | Row
 
 def directed(key: str, direction: Direction) -> FloatArray:
     """Mandel vector ``(6,)`` that one number of a profile multiplies."""
-    named = {"isotropic": 1.0, "in-plane": (1.0, 1.0, 0.0)}
+    directions = {"isotropic": 1.0, "in-plane": (1.0, 1.0, 0.0)}
     if isinstance(direction, str):
-        require(direction in named, key, "direction", direction, "'isotropic', 'in-plane' or three numbers")
-        return mandel_strain(key, "direction", named[direction])  # type: ignore[arg-type]
+        require(direction in directions, key, "direction", direction, "'isotropic', 'in-plane' or three numbers")
+        return mandel_strain(key, "direction", directions[direction])  # type: ignore[arg-type]
     return mandel_strain(key, "direction", direction)

@@ -1,4 +1,4 @@
-"""Friction that differs with the material at the surface: a coating and what is under it, a matrix and grains."""
+"""Friction law for each material at the surface: coating and substrate, matrix and grains."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ class ByMaterial(FrictionLaw):
         bound = np.zeros_like(state.pressure)
         for name, exposed in by_material(f"friction law {self.key!r}", state, self.materials):
             law = self.laws.get(name) or Coulomb(coefficient=self.coefficients[name])
-            own = replace(state, pressure=np.where(exposed, state.pressure, 0.0))
-            bound = np.where(exposed, law.shear_bound(own), bound)
+            exposed_state = replace(state, pressure=np.where(exposed, state.pressure, 0.0))
+            bound = np.where(exposed, law.shear_bound(exposed_state), bound)
         return bound
 
 

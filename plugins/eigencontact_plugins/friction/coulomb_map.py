@@ -46,14 +46,14 @@ class Region:
     radius: Length | None = None
 
     def check(self, where: str) -> None:
-        """Refuse what is no region; `where` names it."""
+        """Refuse an invalid region; `where` names it."""
         check_coefficient(where, "coefficient", self.coefficient)
         finite = len(self.center) == 2 and bool(np.isfinite(self.center).all())
         require(finite, where, "center", self.center, "two finite lengths (x, y)")
         require(np.isfinite(self.angle), where, "angle", self.angle, "finite [rad]")
         if (self.size is None) == (self.radius is None):
-            got = "neither" if self.size is None else "both"
-            raise SceneError(f"{where} must have a size (a rectangle) or a radius (a circle) (got {got})")
+            extents = "neither" if self.size is None else "both"
+            raise SceneError(f"{where} must have a size (a rectangle) or a radius (a circle) (got {extents})")
         if self.radius is not None:
             require(0 < self.radius < np.inf, where, "radius", self.radius, "positive and finite [m]")
         if self.size is not None:
@@ -116,8 +116,8 @@ class CoulombMap(FrictionLaw):
         if self.file is None:
             if not self.regions:
                 raise SceneError(f'{self.key} must have a file or regions (got neither); or set type = "coulomb"')
-            given = self.coefficient is not None
-            require(given, self.key, "coefficient", None, "given: without a file it holds outside the regions")
+            has_base = self.coefficient is not None
+            require(has_base, self.key, "coefficient", None, "given: without a file it holds outside the regions")
         _ = self._map  # read and checked now, not in the middle of a run
 
     @cached_property
@@ -130,13 +130,13 @@ class CoulombMap(FrictionLaw):
         return {}
 
     def coefficients(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Coefficient [-] at points [m] that broadcast; NaN where none is given."""
+        """Coefficient [-] at points [m] that broadcast; NaN without a coefficient."""
         shape = np.broadcast_shapes(np.shape(x), np.shape(y))
         base = np.nan if self.coefficient is None else self.coefficient
         out = np.full(shape, base)
         if self._map is not None:
-            found = self._map.at(np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
-            out = np.where(np.isnan(found), base, found)
+            mapped = self._map.at(np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
+            out = np.where(np.isnan(mapped), base, mapped)
         for region in self.regions:
             out[region.contains(np.asarray(x), np.asarray(y))] = region.coefficient
         return out

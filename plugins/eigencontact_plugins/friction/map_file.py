@@ -39,11 +39,11 @@ class FrictionMap:
 
     def at(self, x: FloatArray, y: FloatArray, method: Literal["linear", "nearest"]) -> FloatArray:
         """Values ``(ny, nx)`` at points that broadcast; NaN further out than half a step from the outermost points."""
-        outside = _beyond(self.x, x) | _beyond(self.y, y)
+        outside = _outside(self.x, x) | _outside(self.y, y)
         return np.where(outside, np.nan, self.data.at("coefficient", y, x, method=method))
 
 
-def _beyond(axis: FloatArray, values: FloatArray) -> NDArray[np.bool_]:
+def _outside(axis: FloatArray, values: FloatArray) -> NDArray[np.bool_]:
     """Whether coordinates lie more than half a step outside an axis; round-off of a step counts as inside."""
     low, high = 0.5 * (1 + 1e-9) * (axis[1] - axis[0]), 0.5 * (1 + 1e-9) * (axis[-1] - axis[-2])
     return np.asarray((values < axis[0] - low) | (values > axis[-1] + high))

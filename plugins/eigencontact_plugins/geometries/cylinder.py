@@ -66,11 +66,11 @@ class Cylinder(Geometry):
     def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Separation h(x, y) [m]; 0 on the lowest line."""
         xi, eta = body_axes(x, y, self.center, self.angle)
-        beyond = np.maximum(0.0, np.abs(eta) - 0.5 * self.length)
+        overhang = np.maximum(0.0, np.abs(eta) - 0.5 * self.length)
         if self.end_radius > 0:
-            end = beyond * (beyond / (2.0 * self.end_radius))
+            end = overhang * (overhang / (2.0 * self.end_radius))
         else:
-            end = np.where(beyond > 1e-9 * self.length, self.radius + self.length, 0.0)
+            end = np.where(overhang > 1e-9 * self.length, self.radius + self.length, 0.0)
         return np.asarray(xi * (xi / (2.0 * self.radius)) + end)
 
 

@@ -1,4 +1,4 @@
-"""Where a body sits: its centre and its turn about z, shared by the geometries."""
+"""Centre of a body and its rotation about z, shared by the geometries."""
 
 from __future__ import annotations
 

@@ -20,7 +20,8 @@ from eigencontact_plugins.geometries.text_table import read_table
 __all__ = ["Measurement", "read_measurement"]
 
 FloatArray = NDArray[np.float64]
-GALLERY, FIELD = "gallery:", "topography.file"
+GALLERY = "gallery:"
+FIELD = "topography.file"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,9 +78,9 @@ def _first_line(problem: BaseException) -> str:
 def _locate(file: str) -> Path:
     if file.startswith(GALLERY):
         folder, name = Path(str(files("eigencontact"))) / "gallery", file.removeprefix(GALLERY)
-        known = sorted(p.name for p in folder.glob("*") if p.suffix in (".npy", ".npz", *TEXT_FILES))
-        if name not in known:
-            raise _refusal("a file of the gallery", file, f"the gallery holds {', '.join(known) or 'none'}")
+        names = sorted(p.name for p in folder.glob("*") if p.suffix in (".npy", ".npz", *TEXT_FILES))
+        if name not in names:
+            raise _refusal("a file of the gallery", file, f"the gallery holds {', '.join(names) or 'none'}")
         return folder / name
     path = Path(file)
     if not path.is_file():
@@ -91,8 +92,8 @@ def _read_numpy(path: Path, file: str) -> Measurement:
     arrays = read_arrays(FIELD, str(path))
     names = [name for name in arrays if name not in ("dx", "dy")]
     if "heights" not in names and len(names) != 1:
-        found = ", ".join(arrays) or "nothing"
-        raise _refusal("an archive with the array 'heights', or with one array", file, f"it holds {found}")
+        listed = ", ".join(arrays) or "nothing"
+        raise _refusal("an archive with the array 'heights', or with one array", file, f"it holds {listed}")
     heights = arrays["heights" if "heights" in names else names[0]]
     steps = [arrays[name] for name in ("dx", "dy") if name in arrays]
     if not steps:
@@ -116,8 +117,8 @@ def _read_text(path: Path, file: str) -> Measurement:
     """Three columns are coordinates, unless the header says how wide the window is; more or fewer are a matrix."""
     table = read_table(path, lambda rule, reason: _refusal(rule, file, reason))
     header = read_header(table.header, lambda rule, reason: _refusal(rule, file, reason))
-    told = [*header.spacing, *header.size]
-    if table.numbers.shape[1] == 3 and told == [None] * 4:
+    lengths = [*header.spacing, *header.size]
+    if table.numbers.shape[1] == 3 and lengths == [None] * 4:
         return _from_columns(table.numbers, header, file)
     _refuse_labels(table.numbers, file)
     ny, nx = table.numbers.shape
@@ -185,7 +186,7 @@ def _raster(values: FloatArray, axis: str, file: str) -> tuple[NDArray[np.intp],
 
 
 def _read_instrument(path: Path, file: str) -> Measurement:
-    """Any format that SurfaceTopography knows, first height channel, in its own units where it has them."""
+    """Measurement from a format of SurfaceTopography: the first height channel, in the units of the file if any."""
     try:
         from SurfaceTopography import open_topography
     except ImportError as problem:

@@ -104,11 +104,11 @@ class RandomRough(Geometry):
     def __post_init__(self) -> None:
         usable = len(self.size) == 2 and all(0 < side < np.inf for side in self.size)
         require(usable, self.key, "size", self.size, "two positive and finite lengths (x, y)")
-        given = [name for name in ("rms_height", "rms_slope") if getattr(self, name) is not None]
+        names = [name for name in ("rms_height", "rms_slope") if getattr(self, name) is not None]
         rule = "given where rms_slope is not, one of the two"
-        require(len(given) == 1, self.key, "rms_height", self.rms_height, rule)
-        value = getattr(self, given[0])
-        require(0 < value < np.inf, self.key, given[0], value, "positive and finite")
+        require(len(names) == 1, self.key, "rms_height", self.rms_height, rule)
+        value = getattr(self, names[0])
+        require(0 < value < np.inf, self.key, names[0], value, "positive and finite")
         require(0 < self.hurst <= 1, self.key, "hurst", self.hurst, "above 0 and up to 1 [-]")
         period = max(self.size)
         rule = f"from {period / _MOST:.4g} m, a {_MOST}th of the period, to {period:.4g} m, the period"
@@ -154,12 +154,14 @@ class RandomRough(Geometry):
             # The real part alone, as one product of real matrices.
             height = np.concatenate([turn.real, -turn.imag]).T @ np.concatenate([half.real, half.imag])
             return np.asarray(height).reshape(shape)
-        points = np.stack([part.ravel() for part in np.broadcast_arrays(along / self.size[0], across / self.size[1])])
+        points = np.stack(
+            [coordinates.ravel() for coordinates in np.broadcast_arrays(along / self.size[0], across / self.size[1])]
+        )
         pieces = -(-points.shape[1] * sum(self._coefficients.shape) // _PIECE) or 1
         heights = []
-        for part in np.array_split(points, pieces, axis=1):
-            half = self._coefficients @ _turns(self._waves.along_x, part[0])
-            heights.append(np.einsum("np,np->p", half, _turns(self._waves.along_y, part[1])).real)
+        for coordinates in np.array_split(points, pieces, axis=1):
+            half = self._coefficients @ _turns(self._waves.along_x, coordinates[0])
+            heights.append(np.einsum("np,np->p", half, _turns(self._waves.along_y, coordinates[1])).real)
         return np.concatenate(heights).reshape(shape)
 
     @cached_property
@@ -204,8 +206,8 @@ def phases(n: NDArray[np.intp], m: NDArray[np.intp], seed: int) -> FloatArray:
     side = np.where(n == 0, 0, 2 * n - 1 + (m < 0))
     place = 2 * ring * (ring - 1) + np.where(n == ring, 2 * ring - 1 + m + ring, side)
     place = np.maximum(place, 0)  # the wave 0, which no surface has
-    drawn = np.random.PCG64(seed).random_raw(int(place.max()) + 1)
-    return np.asarray(2 * np.pi * 2.0**-53 * (drawn >> np.uint64(11))[place], dtype=float)
+    random_numbers = np.random.PCG64(seed).random_raw(int(place.max()) + 1)
+    return np.asarray(2 * np.pi * 2.0**-53 * (random_numbers >> np.uint64(11))[place], dtype=float)
 
 
 def _turns(numbers: NDArray[np.intp], periods: FloatArray) -> NDArray[np.complex128]:

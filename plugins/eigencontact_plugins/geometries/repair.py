@@ -15,8 +15,8 @@ def fitted_plane(height: FloatArray) -> FloatArray:
     ny, nx = height.shape
     row, column = np.linspace(-1, 1, ny)[:, None], np.linspace(-1, 1, nx)[None, :]
     basis = np.stack([np.ones((ny, nx)), row + 0 * column, column + 0 * row], axis=-1)
-    known = np.isfinite(height)
-    coefficients, *_ = np.linalg.lstsq(basis[known], height[known], rcond=None)
+    measured = np.isfinite(height)
+    coefficients, *_ = np.linalg.lstsq(basis[measured], height[measured], rcond=None)
     return np.asarray(basis @ coefficients)
 
 

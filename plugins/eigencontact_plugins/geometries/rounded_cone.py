@@ -74,8 +74,8 @@ class RoundedCone(Revolution):
     def rate(self, t: FloatArray) -> FloatArray:
         """Growth of the approach; see `Revolution`."""
         b = self.junction
-        beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
-        return np.asarray((2.0 * (t - beyond) + b * np.arctan2(beyond, b)) / self.tip_radius)
+        outer = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
+        return np.asarray((2.0 * (t - outer) + b * np.arctan2(outer, b)) / self.tip_radius)
 
 
 @hookimpl

@@ -66,8 +66,8 @@ class RoundedPunch(Revolution):
     def rate(self, t: FloatArray) -> FloatArray:
         """Growth of the approach; see `Revolution`."""
         b = self.flat_radius
-        beyond = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
-        return np.asarray((2.0 * beyond - b * np.arctan2(beyond, b)) / self.edge_radius)
+        outer = np.sqrt(np.maximum(0.0, (t - b) * (t + b)))
+        return np.asarray((2.0 * outer - b * np.arctan2(outer, b)) / self.edge_radius)
 
 
 @hookimpl

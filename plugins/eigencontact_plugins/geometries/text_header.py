@@ -1,4 +1,4 @@
-"""What the header of a file of text says of the units and distances of a measured surface.
+"""Units and distances of a measured surface from the header of a text file.
 
 Lines like ``Width: 64.0 µm``, ``# dx = 0.5 um``, ``Value units: nm``, ``"XY calibration",0.69,"um"`` or ``x [um], y
 [um], z [nm]`` are read, whatever mark stands before them; the others are passed over.
@@ -45,7 +45,7 @@ _COLUMN = re.compile(r"\b([xyz])\s*[\[(/]\s*([^\])\s,;]+)")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Header:
-    """What a header tells; None where it does not.
+    """Entries of a header; None where one is missing.
 
     Attributes
     ----------
@@ -70,22 +70,22 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
         A unit that is none of length.
     """
     lines = list(lines)
-    told = list(_told(lines))
-    twice = [key for key in _LENGTH_KEYS["width"] if sum(key == name for name, _ in told) > 1]
+    entries = list(_entries(lines))
+    twice = [key for key in _LENGTH_KEYS["width"] if sum(key == name for name, _ in entries) > 1]
     if twice:
         raise refusal("a text file with one matrix", f"its headers give {twice[0]!r} twice; keep one channel")
     columns = {name: unit for line in lines for name, unit in _COLUMN.findall(line.lower())}
 
     def unit(names: Iterable[str], column: str) -> float | None:
-        found = [text for name in names for key, text in told if key in _UNIT_KEYS[name] and not _NUMBER.match(text)]
-        return _metres(found[0] if found else columns.get(column), refusal)
+        texts = [text for name in names for key, text in entries if key in _UNIT_KEYS[name] and not _NUMBER.match(text)]
+        return _metres(texts[0] if texts else columns.get(column), refusal)
 
-    lengths = {name: found for name, keys in _LENGTH_KEYS.items() for found in _lengths(told, keys, refusal)}
+    lengths = {name: values for name, keys in _LENGTH_KEYS.items() for values in _lengths(entries, keys, refusal)}
     # A length without a unit has that of the others.
-    usual = unit(("lateral", "both"), "x") or next((own for _, own in lengths.values() if own), None)
+    usual = unit(("lateral", "both"), "x") or next((file_unit for _, file_unit in lengths.values() if file_unit), None)
 
-    def pair(both: str, x: str, y: str) -> tuple[float | None, float | None]:
-        first, last = (lengths.get(name, lengths.get(both)) for name in (x, y))
+    def pair(common: str, x: str, y: str) -> tuple[float | None, float | None]:
+        first, last = (lengths.get(name, lengths.get(common)) for name in (x, y))
         return (
             None if first is None else first[0][0] * (1.0 if first[1] is None or usual is None else first[1] / usual),
             None if last is None else last[0][-1] * (1.0 if last[1] is None or usual is None else last[1] / usual),
@@ -99,27 +99,27 @@ def read_header(lines: Iterable[str], refusal: Refusal) -> Header:
     )
 
 
-def _told(lines: list[str]) -> Iterator[tuple[str, str]]:
+def _entries(lines: list[str]) -> Iterator[tuple[str, str]]:
     """Keys and the texts behind them."""
     for line in lines:
-        key, *rest = re.split(r"[:=,;\t]", REMARK.sub("", line).replace('"', ""), maxsplit=1)
-        if rest:
+        key, *texts = re.split(r"[:=,;\t]", REMARK.sub("", line).replace('"', ""), maxsplit=1)
+        if texts:
             bracket = re.search(r"[\[(]([^\])]+)[\])]", key)
-            text = rest[0] if "." in rest[0] else re.sub(r"(\d),(\d)", r"\1.\2", rest[0])
+            text = texts[0] if "." in texts[0] else re.sub(r"(\d),(\d)", r"\1.\2", texts[0])
             text = " ".join(re.split(r"[,;\s]+", text.strip("=: \t\r\n")))
             name = " ".join(re.split(r"[\s_-]+", re.sub(r"[\[(].*", "", key).strip().lower()))
             yield name, f"{text} {bracket[1]}" if bracket else text
 
 
 def _lengths(
-    told: list[tuple[str, str]], keys: tuple[str, ...], refusal: Refusal
+    entries: list[tuple[str, str]], keys: tuple[str, ...], refusal: Refusal
 ) -> Iterator[tuple[list[float], float | None]]:
     """Numbers behind keys, one for both directions or two; and metres in their own unit, if they have one."""
-    for key, text in told:
-        numbers = [float(one) for one in _NUMBER.findall(text)]
+    for key, text in entries:
+        numbers = [float(number) for number in _NUMBER.findall(text)]
         if key in keys and numbers:
-            words = [word for word in re.findall(r"[^\W\d_]+", _NUMBER.sub(" ", text)) if word not in ("x", "by")]
-            yield numbers, _metres(words[0] if words else None, refusal)
+            units = [word for word in re.findall(r"[^\W\d_]+", _NUMBER.sub(" ", text)) if word not in ("x", "by")]
+            yield numbers, _metres(units[0] if units else None, refusal)
 
 
 def _metres(unit: str | None, refusal: Refusal) -> float | None:

@@ -32,7 +32,7 @@ class Table(NamedTuple):
 
 
 class _Marks(NamedTuple):
-    """What parts numbers, None for blanks, and whether a comma is decimal."""
+    """Delimiter of numbers, None for blanks, and whether a comma is decimal."""
 
     delimiter: str | None
     decimal_comma: bool
@@ -84,14 +84,14 @@ def _cells(row: str, marks: _Marks) -> list[str]:
 
 
 def _marks(row: str) -> _Marks | None:
-    """What parts the numbers of a row; None where it is no row of two numbers or more."""
+    """Delimiter of the numbers of a row; None for a row without two numbers."""
     for delimiter in (";", "\t", ",", None):
         if delimiter is not None and delimiter not in row:
             continue
         marks = _Marks(delimiter, delimiter != "," and "," in row)
         cells = _cells(row, marks)
-        known = [cell for cell in cells if cell.lower() not in _MISSING]
-        if len(cells) > 1 and known and all(map(_NUMBER.fullmatch, known)):
+        numbers = [cell for cell in cells if cell.lower() not in _MISSING]
+        if len(cells) > 1 and numbers and all(map(_NUMBER.fullmatch, numbers)):
             return marks
     return None
 

@@ -153,22 +153,22 @@ class Topography(Geometry):
             "height_unit": height_unit is None,
         }
         if any(silent.values()):
-            asked = [name for name, asks in silent.items() if asks]
-            words = " or ".join(_SILENT[name][0] for name in asked)
-            example = ", ".join(f"{name.replace('_', '-')} = {_SILENT[name][1]}" for name in asked)
+            missing = [name for name, asks in silent.items() if asks]
+            subject = " or ".join(_SILENT[name][0] for name in missing)
+            example = ", ".join(f"{name.replace('_', '-')} = {_SILENT[name][1]}" for name in missing)
             raise SceneError(
-                f"{self.key}.{' and '.join(asked)} must be given (got None): {self.file!r} does not tell {words}; for"
-                f" example {example}"
+                f"{self.key}.{' and '.join(missing)} must be given (got None): {self.file!r} does not tell {subject}; "
+                f"for example {example}"
             )
         assert height_unit is not None
-        told = measurement.spacing
-        if told is None:
+        spacing = measurement.spacing
+        if spacing is None:
             assert self.spacing is not None
             return (*self.spacing, height_unit)
         if lateral_unit is None:  # of coordinates in an unknown unit the proportion counts
             assert self.spacing is not None
-            lateral_unit = self.spacing[0] / told[0]
-        dx, dy = told[0] * lateral_unit, told[1] * lateral_unit
+            lateral_unit = self.spacing[0] / spacing[0]
+        dx, dy = spacing[0] * lateral_unit, spacing[1] * lateral_unit
         rule = f"positive and finite in {self.file!r}, as dx and dy"
         require(0 < dx < np.inf and 0 < dy < np.inf, self.key, "spacing", (dx, dy), rule)
         agrees = self.spacing is None or np.allclose(self.spacing, (dx, dy), rtol=1e-3, atol=0)
@@ -176,14 +176,14 @@ class Topography(Geometry):
         require(agrees, self.key, "spacing", self.spacing, rule)
         return dx, dy, height_unit
 
-    def _unit(self, name: str, told: float | None, *, fixed: bool) -> float | None:
+    def _unit(self, name: str, file_unit: float | None, *, fixed: bool) -> float | None:
         """Unit that the field gives, else the file."""
-        given: float | None = getattr(self, name)
-        if given is None:
-            return told
-        agrees = told is None or not fixed or np.isclose(given, told, rtol=1e-9, atol=0)
-        require(agrees, self.key, name, given, f"left out: {self.file!r} carries its own units")
-        return given
+        unit: float | None = getattr(self, name)
+        if unit is None:
+            return file_unit
+        agrees = file_unit is None or not fixed or np.isclose(unit, file_unit, rtol=1e-9, atol=0)
+        require(agrees, self.key, name, unit, f"left out: {self.file!r} carries its own units")
+        return unit
 
 
 #: What a file does not tell, by the field that does; and an example.

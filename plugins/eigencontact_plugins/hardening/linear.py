@@ -47,9 +47,9 @@ class Linear(IsotropicHardening):
     def __post_init__(self) -> None:
         good = 0 < self.yield_stress < np.inf
         require(good, self.key, "yield_stress", self.yield_stress, "positive and finite [Pa]")
-        given = [name for name in ("modulus", "tangent_modulus") if getattr(self, name) is not None]
-        require(len(given) == 1, self.key, "modulus", ", ".join(given) or None, "given, or else tangent-modulus")
-        for name in given:
+        names = [name for name in ("modulus", "tangent_modulus") if getattr(self, name) is not None]
+        require(len(names) == 1, self.key, "modulus", ", ".join(names) or None, "given, or else tangent-modulus")
+        for name in names:
             require(bool(np.isfinite(getattr(self, name))), self.key, name, getattr(self, name), "finite [Pa]")
         floor = self.least_stress
         good = floor is None or 0 < floor <= self.yield_stress

@@ -53,9 +53,9 @@ class Swift(IsotropicHardening):
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `IsotropicHardening.flow_stress`."""
-        reached = self.C + 1e6 * p
-        stress = self.B * reached**self.n
-        return stress, 1e6 * self.n * stress / reached
+        shifted = self.C + 1e6 * p
+        stress = self.B * shifted**self.n
+        return stress, 1e6 * self.n * stress / shifted
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,8 +40,8 @@ class Tabulated(IsotropicHardening):
     file: DataFile | None = None
 
     def __post_init__(self) -> None:
-        given = bool(self.strain or self.stress)
-        require(given != (self.file is not None), self.key, "file", self.file, "given, or else strain and stress")
+        has_table = bool(self.strain or self.stress)
+        require(has_table != (self.file is not None), self.key, "file", self.file, "given, or else strain and stress")
         strain, stress = self._curve
         name = "file" if self.file is not None else "strain"
         same = strain.size == stress.size >= 2

@@ -1,4 +1,4 @@
-"""Brittle materials: elasticity that is lost where the material is stretched."""
+"""Brittle materials: loss of stiffness under stretch."""
 
 from __future__ import annotations
 
@@ -31,10 +31,15 @@ __all__ = ["Brittle"]
 
 FloatArray = NDArray[np.float64]
 
-#: Steepest damage by a mean: the rise while the strain grows by a share, looked for at these strains, in parts of the
-#: share. The iteration between cells converges at a tenth of that steepness (Mazars with B κ0 = 10) and stalls at a
-#: residual of 0.35 a little above it (B κ0 = 100).
-_RISE, _SHARE, _PARTS, _STRAINS = 0.5, 0.01, 10, (1e-8, 1.0)
+#: Largest rise of damage by a mean while the strain grows by `_SHARE`. The iteration between cells converges at a tenth
+#: of that steepness (Mazars with B κ0 = 10) and stalls at a residual of 0.35 a little above it (B κ0 = 100).
+_RISE = 0.5
+#: Growth of the strain over which the rise is measured.
+_SHARE = 0.01
+#: Strains that are tried while the strain grows by `_SHARE`.
+_PARTS = 10
+#: Range of the strains that are tried.
+_STRAINS = (1e-8, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,9 +112,9 @@ class Brittle(ConstitutiveLaw):
         lost = self.damage.damage(strain)[0]
         rise = lost[_PARTS:] - lost[:-_PARTS]
         worst = int(np.argmax(rise))
-        got = f"{self.damage.key!r}, which rises by {rise[worst]:.2g} at the strain {strain[worst]:.2g}"
+        steepest = f"{self.damage.key!r}, which rises by {rise[worst]:.2g} at the strain {strain[worst]:.2g}"
         rule = f"a law that rises by at most {_RISE:g} while its strain grows by {_SHARE:.0%}, where it has a length"
-        require(bool(rise[worst] <= _RISE), f"{self.key}.damage", "type", got, f"{rule}: make the curve flatter")
+        require(bool(rise[worst] <= _RISE), f"{self.key}.damage", "type", steepest, f"{rule}: make the curve flatter")
 
     @property
     def averaged(self) -> Mapping[str, float]:
@@ -136,14 +141,14 @@ class Brittle(ConstitutiveLaw):
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: LawStep) -> Response:
         """See `ConstitutiveLaw.update`; the tangent is that of the increment, at given means without their change."""
-        known = before["equivalent_strain"][0]
+        previous = before["equivalent_strain"][0]
         values, axes = principal(strain)
         stretched = np.maximum(values, 0.0)
         stretch = np.sqrt(np.sum(stretched**2, axis=0))
-        largest, mean = np.maximum(known, stretch), step.means.get("equivalent_strain")
+        largest, mean = np.maximum(previous, stretch), step.means.get("equivalent_strain")
         D, slope = self.damage.damage(largest if mean is None else np.maximum(mean[0], 0.0))
         at = Damaged.of(values, D, *self._constants, closing=self.crack_closure)
-        growing = (stretch > known) & (mean is None)
+        growing = (stretch > previous) & (mean is None)
         # Derivative of D by the principal strains.
         grown = np.where(growing, slope / np.where(stretch > 0.0, stretch, 1.0), 0.0) * stretched
         tangent = tangent_of(axes, at.slopes + at.by_damage[:, None] * grown[None], at.shears)

@@ -70,12 +70,14 @@ class ByDepth(ConstitutiveLaw):
         for law in self.laws:
             for name, variable in law.variables.items():
                 rule = f"laws that remember {name!r} alike: stored as one field"
-                require(self.variables[name] == variable, self.key, "laws", [one.key for one in self.laws], rule)
+                require(
+                    self.variables[name] == variable, self.key, "laws", [other_law.key for other_law in self.laws], rule
+                )
 
     @property
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
         """See `ConstitutiveLaw.variables`: those of all; zero where a law does not know them."""
-        return {name: one for law in reversed(self.laws) for name, one in law.variables.items()}
+        return {name: variable for law in reversed(self.laws) for name, variable in law.variables.items()}
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]
@@ -105,13 +107,15 @@ class ByDepth(ConstitutiveLaw):
         """See `ConstitutiveLaw.update`."""
         stress, tangent = np.empty_like(strain), np.empty((6, *strain.shape))
         after = {name: np.array(values) for name, values in before.items()}
-        for law, here in self.laws_at(step.x, step.y, step.z):
-            place = replace(step, x=step.x[here], y=step.y[here], z=step.z[here])
-            found = law.update(strain[:, here], {name: before[name][:, here] for name in law.variables}, place)
-            stress[:, here] = found.stress
-            tangent[:, :, here] = found.tangent if found.tangent.ndim == 3 else found.tangent[..., None]
-            for name, values in found.variables.items():
-                after[name][:, here] = values
+        for law, in_layer in self.laws_at(step.x, step.y, step.z):
+            place = replace(step, x=step.x[in_layer], y=step.y[in_layer], z=step.z[in_layer])
+            response = law.update(
+                strain[:, in_layer], {name: before[name][:, in_layer] for name in law.variables}, place
+            )
+            stress[:, in_layer] = response.stress
+            tangent[:, :, in_layer] = response.tangent if response.tangent.ndim == 3 else response.tangent[..., None]
+            for name, values in response.variables.items():
+                after[name][:, in_layer] = values
         return Response(stress=stress, tangent=tangent, variables=after)
 
     @property

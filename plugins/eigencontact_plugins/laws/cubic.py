@@ -55,9 +55,9 @@ class Cubic(LinearLaw):
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""
         turn = mandel_rotation(frame_of(self.key, self.x_axis, self.y_axis))
-        own = np.diag([self.c11 - self.c12] * 3 + [2.0 * self.c44] * 3)
-        own[:3, :3] += self.c12
-        return turn @ own @ turn.T
+        crystal = np.diag([self.c11 - self.c12] * 3 + [2.0 * self.c44] * 3)
+        crystal[:3, :3] += self.c12
+        return turn @ crystal @ turn.T
 
 
 @hookimpl

@@ -1,4 +1,4 @@
-"""Elasticity of the body around: for what stays elastic in a body that yields."""
+"""Elasticity of the surrounding body, for elastic parts of a body that yields."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Elastic(LinearLaw):
-    """Isotropic elasticity with the constants of the body: a layer or a region that never yields in one that does.
+    """Isotropic elasticity with the constants of the body: an elastic layer or region in a body that yields.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ class J2(ConstitutiveLaw):
     @property
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
         """See `ConstitutiveLaw.variables`; one back-stress of each kinematic law."""
-        found = {
+        declared = {
             "equivalent_plastic_strain": Variable(
                 "1", "equivalent plastic strain", largest="max_plastic_strain", extent="plastic_volume"
             ),
@@ -114,12 +114,12 @@ class J2(ConstitutiveLaw):
             "plastic_work_density": Variable("J/m^3", "plastic work", total=("plastic_work", "J")),
         }
         for number in range(1, len(self._kinematic) + 1):
-            found[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
+            declared[f"back_stress_{number}"] = Variable("Pa", "middle of the yield surface", 6)
         if self.damage is not None:
-            found["damage"] = Variable(
+            declared["damage"] = Variable(
                 "1", "part of the stiffness that is lost", largest="max_damage", extent="damaged_volume"
             )
-        return found
+        return declared
 
     @property
     def averaged(self) -> Mapping[str, float]:
@@ -229,8 +229,8 @@ class J2(ConstitutiveLaw):
             some = drive.of(flows)
             now = self._return.returned(some, flows)
             sound[flows] = now.sound
-            known = {name: values[:, flows] for name, values in before.items()}
-            deviator[:, flows], changed = self._after(some, now, known)
+            before_flow = {name: values[:, flows] for name, values in before.items()}
+            deviator[:, flows], changed = self._after(some, now, before_flow)
             for name, values in changed.items():
                 after[name][:, flows] = values
         return deviator, sound, after
@@ -285,15 +285,15 @@ class J2(ConstitutiveLaw):
         flowing = now.dw * drive.tau - _ROOT * (now.w + now.dw * now.dp) * m
         out = now.w * unit + _outer(flowing, grown) - _ROOT * now.w * now.dp * across
         if effective:
-            whole = deviator / now.sound
-            out = now.sound * out + _outer(now.dsound * whole, grown)
+            undamaged = deviator / now.sound
+            out = now.sound * out + _outer(now.dsound * undamaged, grown)
         out = out + _outer(now.dsound * bulk * volume * _UNIT[:, None], grown)
         out = np.einsum("ijn,jk->ikn", out, _DEVIATOR)
         return cast("FloatArray", out + now.sound * bulk * np.outer(_UNIT, _UNIT)[:, :, None])
 
 
-def _outer(one: FloatArray, other: FloatArray) -> FloatArray:
-    return one[:, None, :] * other[None, :, :]
+def _outer(left: FloatArray, right: FloatArray) -> FloatArray:
+    return left[:, None, :] * right[None, :, :]
 
 
 @hookimpl

@@ -72,27 +72,27 @@ class Orthotropic(LinearLaw):
         require(np.all(np.isfinite(ratios)), self.key, "poisson_ratios", ratios.tolist(), "finite [-]")
         frame_of(self.key, self.x_axis, self.y_axis)
         # In units that make its diagonal one, so that the least eigenvalue says how far the energy is from negative.
-        own = self._own()
-        size = 1.0 / np.sqrt(np.diag(own))
-        least = float(np.linalg.eigvalsh(own * np.outer(size, size))[0])
+        compliance = self._compliance_in_axes()
+        size = 1.0 / np.sqrt(np.diag(compliance))
+        least = float(np.linalg.eigvalsh(compliance * np.outer(size, size))[0])
         rule = "such that no strain has negative energy with these moduli [-]"
         require(least >= -_ROUNDING, self.key, "poisson_ratios", self.poisson_ratios, rule)
 
-    def _own(self) -> FloatArray:
+    def _compliance_in_axes(self) -> FloatArray:
         """Compliance in the axes of the material."""
         E1, E2, _ = self.moduli
         nu12, nu13, nu23 = self.poisson_ratios
         G12, G13, G23 = self.shear_moduli
-        own = np.diag([*(1.0 / E for E in self.moduli), 0.5 / G23, 0.5 / G13, 0.5 / G12])
-        own[0, 1] = own[1, 0] = -nu12 / E1
-        own[0, 2] = own[2, 0] = -nu13 / E1
-        own[1, 2] = own[2, 1] = -nu23 / E2
-        return own
+        compliance = np.diag([*(1.0 / E for E in self.moduli), 0.5 / G23, 0.5 / G13, 0.5 / G12])
+        compliance[0, 1] = compliance[1, 0] = -nu12 / E1
+        compliance[0, 2] = compliance[2, 0] = -nu13 / E1
+        compliance[1, 2] = compliance[2, 1] = -nu23 / E2
+        return compliance
 
     def compliance_matrix(self) -> FloatArray:
         """Mandel compliance ``(6, 6)`` [1/Pa] in scene axes, finite for incompressible solids too."""
         turn = mandel_rotation(frame_of(self.key, self.x_axis, self.y_axis))
-        return turn @ self._own() @ turn.T
+        return turn @ self._compliance_in_axes() @ turn.T
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""

@@ -41,8 +41,8 @@ def principal(strain: FloatArray) -> tuple[FloatArray, FloatArray]:
     for column, (a, b) in enumerate(dyads):
         size = 1.0 if a == b else _ROOT
         for row, (i, j) in enumerate(dyads):
-            both = 0.5 * (n[i, a] * n[j, b] + n[j, a] * n[i, b])
-            axes[row, column] = both * size * (1.0 if i == j else _ROOT)
+            product = 0.5 * (n[i, a] * n[j, b] + n[j, a] * n[i, b])
+            axes[row, column] = product * size * (1.0 if i == j else _ROOT)
     return np.ascontiguousarray(values.T), axes
 
 

@@ -33,13 +33,17 @@ __all__ = ["Drive", "RadialReturn", "Returned"]
 FloatArray = NDArray[np.float64]
 
 _ROOT = float(np.sqrt(1.5))
-#: Steps of the search for dp, doublings of its bracket, and residual that is round-off, in parts of the stress.
-_STEPS, _DOUBLINGS, _ROUND_OFF = 100, 60, 1e-13
+#: Most steps of the search for dp.
+_STEPS = 100
+#: Most doublings of the bracket of dp.
+_DOUBLINGS = 60
+#: Residual that is round-off, in parts of the stress.
+_ROUND_OFF = 1e-13
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """What drives n points, and what they remember.
+    """Strain that drives n points, and their history variables.
 
     Attributes
     ----------
@@ -125,10 +129,10 @@ class RadialReturn:
     def elastic(self, drive: Drive) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
         """State without a plastic increment: stiffness w [Pa], 1 - D, and which points go beyond their yield stress."""
         w, _, sound, _ = self._stiffness(drive, drive.p)
-        reached = w * drive.tau
+        trial = w * drive.tau
         if len(drive.back):
-            reached -= drive.back.sum(axis=0)
-        size = np.sqrt(np.einsum("in,in->n", reached, reached))
+            trial -= drive.back.sum(axis=0)
+        size = np.sqrt(np.einsum("in,in->n", trial, trial))
         return w, sound, np.asarray(_ROOT * size > self.isotropic.flow_stress(drive.p)[0])
 
     def returned(self, drive: Drive, flows: NDArray[np.bool_]) -> Returned:
@@ -197,7 +201,7 @@ class RadialReturn:
         return self.damage.damage(mean)[0], np.zeros_like(p)
 
     def _root(self, drive: Drive, active: NDArray[np.bool_]) -> FloatArray:
-        """Root of f in a bracket: Newton's step, or the middle where that is no better."""
+        """Root of f in a bracket by Newton's steps, with bisection where they do not improve."""
         low = np.zeros_like(drive.p)
         now = self.state(drive, low)
         # Slope of f where the point begins to yield: the stress that a point bears must rise with what drives it.
@@ -232,8 +236,8 @@ class RadialReturn:
             raise self._refusal(active, unclear)
         return dp
 
-    def _refusal(self, active: NDArray[np.bool_], which: NDArray[np.bool_]) -> NotUnique:
-        points = np.flatnonzero(active)[which]
+    def _refusal(self, active: NDArray[np.bool_], unstable: NDArray[np.bool_]) -> NotUnique:
+        points = np.flatnonzero(active)[unstable]
         return NotUnique(
             f"{points.size} points soften so fast that their answer is not unique, point {points[0]} the first of "
             f"{active.size}",

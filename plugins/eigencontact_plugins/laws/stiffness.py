@@ -50,8 +50,8 @@ class GivenStiffness(LinearLaw):
 
     def __post_init__(self) -> None:
         ragged = len({len(row) for row in self.stiffness}) > 1
-        given = checked_stiffness(self.key, "stiffness", [[0.0]] if ragged else self.stiffness)
-        object.__setattr__(self, "stiffness", tuple(map(tuple, given.tolist())))
+        matrix = checked_stiffness(self.key, "stiffness", [[0.0]] if ragged else self.stiffness)
+        object.__setattr__(self, "stiffness", tuple(map(tuple, matrix.tolist())))
         frame_of(self.key, self.x_axis, self.y_axis)
 
     def stiffness_matrix(self) -> FloatArray:

@@ -90,11 +90,11 @@ class TransverselyIsotropic(LinearLaw):
         """Mandel compliance ``(6, 6)`` [1/Pa] in scene axes, finite for incompressible solids too."""
         across, along, nu = self.transverse_modulus, self.axial_modulus, self.transverse_poisson_ratio
         shear = 0.5 / self.axial_shear_modulus
-        own = np.diag([1.0 / across, 1.0 / across, 1.0 / along, shear, shear, (1.0 + nu) / across])
-        own[0, 1] = own[1, 0] = -nu / across
-        own[2, :2] = own[:2, 2] = -self.axial_poisson_ratio / along
+        compliance = np.diag([1.0 / across, 1.0 / across, 1.0 / along, shear, shear, (1.0 + nu) / across])
+        compliance[0, 1] = compliance[1, 0] = -nu / across
+        compliance[2, :2] = compliance[:2, 2] = -self.axial_poisson_ratio / along
         turn = self._turn()
-        return turn @ own @ turn.T
+        return turn @ compliance @ turn.T
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""

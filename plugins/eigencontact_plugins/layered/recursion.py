@@ -143,21 +143,21 @@ class Waves:
                 self.k, _product(_half_space(self.substrate) / G, below), below, 2.0 / G * shear * decay, shear * decay
             )
         slab, (pair, across) = self.slabs[number], self._compliances[number + 1]
-        whole, G = self.k * slab.thickness, slab.material.shear_modulus
-        up = np.maximum(whole - d, 0.0)
+        thickness, G = self.k * slab.thickness, slab.material.shear_modulus
+        up = np.maximum(thickness - d, 0.0)
         state = np.empty((4, *d.shape))
-        thin = whole < THIN
+        thin = thickness < THIN
         if thin.any():
             under = self._tractions[number + 1][0][:, thin]
-            given = np.concatenate([G * _product(pair[..., thin], under), under])
-            state[..., thin] = _transferred(up[:, thin], slab.material, given)
+            tractions = np.concatenate([G * _product(pair[..., thin], under), under])
+            state[..., thin] = _transferred(up[:, thin], slab.material, tractions)
         if not thin.all():
             thick = ~thin
-            distances = (d[:, thick], up[:, thick], whole[thick])
+            distances = (d[:, thick], up[:, thick], thickness[thick])
             state[..., thick] = _two_waves(distances, slab.material, G * pair[..., thick], traction[:, thick])
         state[:2] /= G
         b, cosh, sinh = 0.5 * G * across, 1 + np.exp(-2 * up), -np.expm1(-2 * up)
-        factor = shear * np.exp(-d) / (1 + np.exp(-2 * whole) - b * np.expm1(-2 * whole))
+        factor = shear * np.exp(-d) / (1 + np.exp(-2 * thickness) - b * np.expm1(-2 * thickness))
         return State(self.k, state[:2], state[2:], 2.0 / G * factor * (b * cosh + sinh), factor * (cosh + b * sinh))
 
 
@@ -181,9 +181,9 @@ def _two_waves(
     distances: tuple[FloatArray, FloatArray, FloatArray], material: Material, B: FloatArray, traction: FloatArray
 ) -> FloatArray:
     """State (G w, G a, p, q) ``(4, nz, n)`` inside a thick layer from the traction above, see the module."""
-    d, up, whole = distances
+    d, up, thickness = distances
     A, swap = _half_space(material), np.array([1.0, -1.0])[:, None, None]
-    P, R, Q = _reflection(whole, material, B)
+    P, R, Q = _reflection(thickness, material, B)
     down_wave = _product(_inverse(ONE + Q), traction)
     up_wave = _product(R, P, down_wave)
     falling = _decayed(d, down_wave)
@@ -205,9 +205,9 @@ def _pass_pair(d: FloatArray, material: Material, pair: FloatArray) -> tuple[Flo
     B = G * pair
     over, down = np.empty_like(B), np.empty_like(B)
     thin = d < THIN
-    for chosen, formula in ((thin, _thin), (~thin, _thick)):
-        if chosen.any():
-            over[..., chosen], down[..., chosen] = formula(d[chosen], material, B[..., chosen])
+    for waves, formula in ((thin, _thin), (~thin, _thick)):
+        if waves.any():
+            over[..., waves], down[..., waves] = formula(d[waves], material, B[..., waves])
     return over / G, down
 
 

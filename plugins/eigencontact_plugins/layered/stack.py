@@ -48,7 +48,7 @@ SAME_DEPTH = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class _Solid:
-    """What a layer and the substrate share."""
+    """Elastic constants of a layer or of the substrate."""
 
     young_modulus: Stress
     poisson_ratio: float
@@ -170,10 +170,10 @@ class BondedLayers(LayeredMedium):
 
     def thinned(self, depth: float) -> BondedLayers | Material:
         """See `Thinning.thinned`."""
-        rest = self._undersides - depth
+        undersides = self._undersides - depth
         left = tuple(
             replace(layer, thickness=float(min(under, layer.thickness)))
-            for layer, under in zip(self.layers, rest, strict=True)
+            for layer, under in zip(self.layers, undersides, strict=True)
             if under >= THINNEST
         )
         return replace(self, layers=left) if left else self.deep_material
@@ -220,15 +220,15 @@ class BondedLayers(LayeredMedium):
         place = place.reshape(k.shape)
         slabs = [Slab(layer.thickness, layer.material) for layer in self.layers]
         waves = Waves(distinct, slabs, self.deep_material, "p" if traction == "p" else "q")
-        one, nil = np.ones(1), np.zeros(1)
-        loads = {"p": (one, nil), "q_x": (m, -n), "q_y": (n, m)}[traction]
+        unit, nil = np.ones(1), np.zeros(1)
+        loads = {"p": (unit, nil), "q_x": (m, -n), "q_y": (n, m)}[traction]
         out = np.zeros((len(components), depths.size, *k.shape), dtype=complex)
         index, interface, offset = self._places(depths, side)
         for layer, level in sorted(set(zip(index.tolist(), interface.tolist(), strict=True))):
             numbers = np.flatnonzero((index == layer) & (interface == level))
             state = waves.on_interface(level) if level >= 0 else waves.inside(layer, offset[numbers])
-            parts = state.displacement() if quantity == "displacement" else state.stress(self._materials[layer])
-            shares = {name: values[:, place] * loads[name in ACROSS] for name, values in parts.items()}
+            amplitudes = state.displacement() if quantity == "displacement" else state.stress(self._materials[layer])
+            shares = {name: values[:, place] * loads[name in ACROSS] for name, values in amplitudes.items()}
             for row, name in enumerate(components):
                 values = _turned(name, shares, m, n)
                 values[:, zero] = 0.0 if quantity == "displacement" else UNIFORM.get((traction, name), 0.0)
@@ -271,26 +271,26 @@ class BondedLayers(LayeredMedium):
         return index, np.where(offset == 0, index, np.where(under, index + 1, -1)), offset
 
 
-def _turned(name: str, parts: Mapping[str, FloatArray], m: FloatArray, n: FloatArray) -> FloatArray:
+def _turned(name: str, components: Mapping[str, FloatArray], m: FloatArray, n: FloatArray) -> FloatArray:
     """Plain component along x, y, z from components along the wavevector (s), across it (t) and z."""
-    part = parts.__getitem__
+    component = components.__getitem__
     match name:
         case "x":
-            return m * part("s") - n * part("t")
+            return m * component("s") - n * component("t")
         case "y":
-            return n * part("s") + m * part("t")
+            return n * component("s") + m * component("t")
         case "xx":
-            return m * m * part("ss") + n * n * part("tt") - 2 * m * n * part("st")
+            return m * m * component("ss") + n * n * component("tt") - 2 * m * n * component("st")
         case "yy":
-            return n * n * part("ss") + m * m * part("tt") + 2 * m * n * part("st")
+            return n * n * component("ss") + m * m * component("tt") + 2 * m * n * component("st")
         case "xy":
-            return m * n * (part("ss") - part("tt")) + (m * m - n * n) * part("st")
+            return m * n * (component("ss") - component("tt")) + (m * m - n * n) * component("st")
         case "xz":
-            return m * part("sz") - n * part("tz")
+            return m * component("sz") - n * component("tz")
         case "yz":
-            return n * part("sz") + m * part("tz")
+            return n * component("sz") + m * component("tz")
         case _:  # z and zz
-            return part(name)
+            return component(name)
 
 
 @hookimpl

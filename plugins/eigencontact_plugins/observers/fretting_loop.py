@@ -51,8 +51,8 @@ class FrettingLoop(Observer):
     @property
     def units(self) -> Mapping[str, str]:
         """See `Observer.units`."""
-        own = {"moment": "N m", "twist": "rad"} if self.motion == "twist" else {"load": "N", "shift": "m"}
-        return {**own, "load_ratio": "1", "dissipated_energy": "J"}
+        of_motion = {"moment": "N m", "twist": "rad"} if self.motion == "twist" else {"load": "N", "shift": "m"}
+        return {**of_motion, "load_ratio": "1", "dissipated_energy": "J"}
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of one point of the loop.
@@ -86,7 +86,9 @@ class FrettingLoop(Observer):
         else:
             along = np.cos(self.angle), np.sin(self.angle)
             load = float(along[0] * np.sum(q_x) + along[1] * np.sum(q_y)) * cell
-            shift = sum(part * step.scalars.get(f"shift_{axis}", 0.0) for part, axis in zip(along, "xy", strict=True))
+            shift = sum(
+                cosine * step.scalars.get(f"shift_{axis}", 0.0) for cosine, axis in zip(along, "xy", strict=True)
+            )
             ratio = _ratio(load, step.scalars["normal_load"])
             numbers = {"load": load, "shift": float(shift), "load_ratio": ratio}
         return {**numbers, "dissipated_energy": energy}

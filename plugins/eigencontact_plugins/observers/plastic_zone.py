@@ -66,16 +66,16 @@ class PlasticZone(Observer):
 
     def observe(self, step: StepView) -> Mapping[str, float]:
         """Numbers of the plastic zone; see the notes of the class."""
-        known = step.history[f"equivalent_plastic_strain_{self.body}"]
+        record = step.history[f"equivalent_plastic_strain_{self.body}"]
         damage = step.history.get(f"damage_{self.body}")
-        strain = known.values[0]
+        strain = record.values[0]
         out = dict.fromkeys(_UNITS, 0.0)
         if damage is not None:
             out["max_damage"] = float(damage.values.max())
         plastic = strain > self.threshold
         if not plastic.any():
             return out
-        z, y, x = (known.coords[name] for name in "zyx")
+        z, y, x = (record.coords[name] for name in "zyx")
         # One layer begins at the surface; its centre is half of its height.
         dz, dy, dx = (float(axis[1] - axis[0]) if axis.size > 1 else 2.0 * abs(float(axis[0])) for axis in (z, y, x))
         k, j, i = np.unravel_index(int(strain.argmax()), strain.shape)

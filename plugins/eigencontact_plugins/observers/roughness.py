@@ -39,8 +39,8 @@ class Roughness(Observer):
     end: tuple[Length, Length] | None = None
 
     def __post_init__(self) -> None:
-        given = [corner for corner in (self.start, self.end) if corner is not None]
-        require(len(given) != 1, self.key, "start", self.start, "given together with end, or neither")
+        corners = [corner for corner in (self.start, self.end) if corner is not None]
+        require(len(corners) != 1, self.key, "start", self.start, "given together with end, or neither")
         if self.start is not None and self.end is not None:
             good = all(low < high for low, high in zip(self.start, self.end, strict=True))
             require(good, self.key, "end", self.end, "beyond start along x and y [m]")

@@ -115,9 +115,9 @@ class Cuboid(InclusionShape):
         """
         if self.rotation is None:
             return None, self.edges
-        given = rotation_matrix(self.key, self.rotation)
-        order = max(permutations(range(3)), key=lambda p: sum(abs(float(given[i, j])) for i, j in enumerate(p)))
-        turn = given[:, order] * np.where(given[range(3), order] < 0, -1.0, 1.0)
+        rotation = rotation_matrix(self.key, self.rotation)
+        order = max(permutations(range(3)), key=lambda p: sum(abs(float(rotation[i, j])) for i, j in enumerate(p)))
+        turn = rotation[:, order] * np.where(rotation[range(3), order] < 0, -1.0, 1.0)
         turn[np.abs(turn) < STRAIGHT] = 0.0
         turn[np.abs(turn - 1.0) < STRAIGHT] = 1.0
         a, b, c = (float(self.edges[i]) for i in order)
@@ -131,7 +131,7 @@ class Cuboid(InclusionShape):
 
     @property
     def method(self) -> str:
-        """How the potentials are found."""
+        """Method for the potentials."""
         return "closed form" if self._has_closed_chi else "closed form, and quadrature of the mirror image"
 
     @property
@@ -218,11 +218,11 @@ class Cuboid(InclusionShape):
         Chi has no parity along z; all its offsets z + z' are positive anyway.
         """
         turn, edges = self._frame
-        own, back = orders, None
+        local_orders, back = orders, None
         if turn is not None:
-            every, matrix = turned_derivatives(turn, tuple(orders))
-            needed = np.flatnonzero(matrix.any(axis=0))
-            own, back = [every[column] for column in needed], matrix[:, needed]
+            turned_orders, matrix = turned_derivatives(turn, tuple(orders))
+            columns = np.flatnonzero(matrix.any(axis=0))
+            local_orders, back = [turned_orders[column] for column in columns], matrix[:, columns]
         unit = 2.0 ** round(np.log2(max(edges)))
         half = [0.5 * edge / unit for edge in edges]
         center = [c / unit for c in self.center]
@@ -238,9 +238,9 @@ class Cuboid(InclusionShape):
             reflected[2] = offsets[2]
         elif flush:
             side = np.where(offsets[2] < 0, -np.ravel(seen_from), 0.0)
-        values = _evaluate(potential, own, reflected, half, side)
+        values = _evaluate(potential, local_orders, reflected, half, side)
         power = 2 if potential == "phi" else 4
-        for row, order in enumerate(own):
+        for row, order in enumerate(local_orders):
             for axis in range(2 if potential == "chi" else 3):
                 if order[axis] % 2:
                     np.negative(values[row], out=values[row], where=offsets[axis] < 0)
@@ -264,7 +264,7 @@ def _evaluate(
     half: Sequence[float],
     side: FloatArray | None,
 ) -> FloatArray:
-    """Sum over the corners, or what replaces it where that cancels."""
+    """Sum over the corners, or its replacement where the sum cancels."""
     gaps = [np.maximum(t - h, 0.0) for t, h in zip(offsets, half, strict=True)]
     limit = distant_from([2 * h for h in half])
     distant = gaps[0] ** 2 + gaps[1] ** 2 + gaps[2] ** 2 > limit**2

@@ -71,8 +71,8 @@ class Corner:
     def _plus(self, i: int) -> FloatArray:
         total: FloatArray = self.R + np.abs(self.x[i])
         if np.any(self.x[i] < 0):
-            others = self.squares[i - 1] + self.squares[i - 2]
-            total = np.where(self.x[i] < 0, others / np.maximum(total, FLOOR), total)
+            squares = self.squares[i - 1] + self.squares[i - 2]
+            total = np.where(self.x[i] < 0, squares / np.maximum(total, FLOOR), total)
         return np.maximum(total, FLOOR, out=total)
 
     def L(self, i: int) -> FloatArray:

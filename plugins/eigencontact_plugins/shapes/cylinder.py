@@ -68,9 +68,9 @@ class Cylinder(InclusionShape):
     @cached_property
     def direction(self) -> FloatArray:
         """Unit vector along the axis."""
-        given = np.array(AXES[self.axis] if isinstance(self.axis, str) else self.axis, dtype=float)
-        given = given / np.abs(given).max()
-        return np.asarray(given / np.linalg.norm(given))
+        vector = np.array(AXES[self.axis] if isinstance(self.axis, str) else self.axis, dtype=float)
+        vector = vector / np.abs(vector).max()
+        return np.asarray(vector / np.linalg.norm(vector))
 
     @property
     def volume(self) -> float:
@@ -89,9 +89,9 @@ class Cylinder(InclusionShape):
         """Whether points lie in the cylinder or on its boundary."""
         x, y, z = real_points(self.key, x, y, z)
         offset = [np.asarray(t, dtype=float) - c for t, c in zip((x, y, z), self.center, strict=True)]
-        u, v, w = (float(part) for part in self.direction)
+        u, v, w = (float(cosine) for cosine in self.direction)
         along = u * offset[0] + v * offset[1] + w * offset[2]
-        p, q, r = (t - along * part for t, part in zip(offset, (u, v, w), strict=True))
+        p, q, r = (t - along * cosine for t, cosine in zip(offset, (u, v, w), strict=True))
         within = p * p + q * q + r * r <= (self.radius * (1 + SNAP)) ** 2
         return np.asarray(within & (np.abs(along) <= 0.5 * self.length * (1 + SNAP)))
 

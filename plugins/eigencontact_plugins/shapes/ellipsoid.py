@@ -107,7 +107,7 @@ class Ellipsoid(InclusionShape):
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie in the ellipsoid or on its boundary."""
         x, y, z = real_points(self.key, x, y, z)
-        return np.asarray(self._level(self._own(x, y, z)) <= SNAP)
+        return np.asarray(self._level(self._in_axes(x, y, z)) <= SNAP)
 
     def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Phi of any order, ``(len(orders), ...)`` [m^(2 - order)]."""
@@ -124,7 +124,7 @@ class Ellipsoid(InclusionShape):
         unit = 2.0 ** round(np.log2(max(self.semi_axes)))
         semi_axes = np.array(self.semi_axes) / unit
         at = [np.ravel(np.asarray(t, dtype=float)) for t in (x, y, z)]
-        across, around = chi_degrees(semi_axes, tuple(t / unit for t in self._own(at[0], at[1], -at[2])))
+        across, around = chi_degrees(semi_axes, tuple(t / unit for t in self._in_axes(at[0], at[1], -at[2])))
         offset = (at[0] - self.center[0], at[1] - self.center[1], at[2] + self.center[2])
         values = np.empty((len(orders), at[0].size))
         for degrees in map(tuple, np.unique(np.stack([across, around])[:, around >= 0], axis=1).T.tolist()):
@@ -152,7 +152,7 @@ class Ellipsoid(InclusionShape):
         assert far is not None
         return far
 
-    def _own(self, x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _in_axes(self, x: FloatArray, y: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Coordinates along the semi-axes, from the centre."""
         offset = [np.asarray(t, dtype=float) - c for t, c in zip((x, y, z), self.center, strict=True)]
         if self.rotation is None:
@@ -160,9 +160,9 @@ class Ellipsoid(InclusionShape):
         turned = [offset[0] * R[0] + offset[1] * R[1] + offset[2] * R[2] for R in self.axes.T]
         return turned[0], turned[1], turned[2]
 
-    def _level(self, own: Sequence[FloatArray]) -> FloatArray:
+    def _level(self, coordinates: Sequence[FloatArray]) -> FloatArray:
         """Σ (x_i/a_i)² - 1: negative inside."""
-        a, b, c = ((t / axis) ** 2 for t, axis in zip(own, self.semi_axes, strict=True))
+        a, b, c = ((t / axis) ** 2 for t, axis in zip(coordinates, self.semi_axes, strict=True))
         return np.asarray(a + b + c - 1.0)
 
     def _differentiate(
@@ -170,28 +170,30 @@ class Ellipsoid(InclusionShape):
     ) -> FloatArray:
         unit = 2.0 ** round(np.log2(max(self.semi_axes)))
         semi_axes = np.array(self.semi_axes) / unit
-        own, back = turned_derivatives(self.axes, tuple(orders)) if self.rotation is not None else (orders, None)
-        points = [np.ravel(t) for t in self._own(x, y, z)]
+        local_orders, back = (
+            turned_derivatives(self.axes, tuple(orders)) if self.rotation is not None else (orders, None)
+        )
+        points = [np.ravel(t) for t in self._in_axes(x, y, z)]
         level = self._level(points)
         border = np.abs(level) <= SNAP
         depth = np.broadcast_to(z, np.shape(x)).ravel()
         surface = border & (depth == 0)
         outside = (level > SNAP) | surface
         halves = border & ~surface
-        values = np.empty((len(own), level.size))
+        values = np.empty((len(local_orders), level.size))
         for first in range(0, level.size, CHUNK):
-            part = slice(first, first + CHUNK)
+            chunk = slice(first, first + CHUNK)
             for side in (False, True):
-                place = first + np.flatnonzero((outside[part] == side) & ~halves[part])
+                place = first + np.flatnonzero((outside[chunk] == side) & ~halves[chunk])
                 if place.size:
                     values[:, place] = potential_derivatives(
-                        potential, semi_axes, own, tuple(t[place] / unit for t in points), outside=side
+                        potential, semi_axes, local_orders, tuple(t[place] / unit for t in points), outside=side
                     )
         place = np.flatnonzero(halves)
         if place.size:
             at = tuple(t[place] / unit for t in points)
             inner, outer = (
-                potential_derivatives(potential, semi_axes, own, at, outside=side) for side in (False, True)
+                potential_derivatives(potential, semi_axes, local_orders, at, outside=side) for side in (False, True)
             )
             values[:, place] = 0.5 * (inner + outer)
         if back is not None:

@@ -64,8 +64,8 @@ def chi_degrees(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> tuple[
     around = cosh + np.sqrt((cosh - 1.0) * (cosh + 1.0))
     degrees = []
     for ratio in (across, around):
-        wanted = -np.log(DIGITS) / np.log(np.maximum(ratio, 1.0 + 1e-9))
-        place = np.searchsorted(DEGREES, wanted)
+        degree = -np.log(DIGITS) / np.log(np.maximum(ratio, 1.0 + 1e-9))
+        place = np.searchsorted(DEGREES, degree)
         degrees.append(np.where(place < DEGREES.size, DEGREES[np.minimum(place, DEGREES.size - 1)], -1))
     first, second = degrees
     if q2 == 0:
@@ -104,11 +104,11 @@ def focal_chi(
     result = np.empty((len(orders), x.size))
     step = max(1, PAIRS // weights.size)
     for first in range(0, x.size, step):
-        part = slice(first, first + step)
+        chunk = slice(first, first + step)
         # the mirrored source lies at -z', so that its depth adds to that of the field point
-        kernels = PointKernels(x[part] - nodes[:, :1], y[part] - nodes[:, 1:2], z[part] + nodes[:, 2:])
+        kernels = PointKernels(x[chunk] - nodes[:, :1], y[chunk] - nodes[:, 1:2], z[chunk] + nodes[:, 2:])
         for row, order in enumerate(orders):
-            result[row, part] = volume * (weights @ kernels.derivative("chi", order))
+            result[row, chunk] = volume * (weights @ kernels.derivative("chi", order))
     return result
 
 
@@ -123,16 +123,16 @@ def focal_sources(semi_axes: FloatArray, axes: FloatArray) -> list[tuple[float, 
     i, j, k = (int(axis) for axis in np.argsort(-semi_axes))
     a, b, c = (float(axis) for axis in semi_axes[[i, j, k]])
     p, q = np.sqrt((a - c) * (a + c)), np.sqrt((b - c) * (b + c))
-    found = []
+    levels = []
     for reach in REACHES:
         distance = max(reach * p, 1.001 * a)
         u, v, weights = _outside(max(reach, distance / max(p, 1e-9 * a)), flat=q > 0)
         positions = p * u[:, None] * axes[:, i] + q * v[:, None] * axes[:, j]
         spread = c * c / (3.0 if q > 0 else 4.0)
-        found.append((distance, positions, weights, spread * (1.0 - u * u - v * v)))
+        levels.append((distance, positions, weights, spread * (1.0 - u * u - v * v)))
         if distance > reach * p:
             break
-    return found
+    return levels
 
 
 @cache
@@ -149,12 +149,12 @@ def _outside(reach: float, *, flat: bool) -> tuple[FloatArray, FloatArray, Float
         around = _terms(reach / radius)  # the smaller a ring, the fewer of its harmonics are felt
         angle = 2.0 * np.pi * (np.arange(around) + 0.5 * (len(rings) % 2)) / around
         rings.append((radius * np.cos(angle), radius * np.sin(angle), np.full(around, 3.0 * w * t * t / around)))
-    u, v, weights = (np.concatenate(parts) for parts in zip(*rings, strict=True))
+    u, v, weights = (np.concatenate(arrays) for arrays in zip(*rings, strict=True))
     return u, v, weights
 
 
 def _terms(ratio: float) -> int:
-    """Order from which terms that fall like ratio^-n are negligible, in derivatives too: those of order 5 grow so."""
+    """Order of negligible terms that fall like ratio^-n, including their derivatives up to order 5."""
     n = 1
     while comb(n + 5, 5) * ratio**-n > SOURCE_DIGITS:
         n += 1

@@ -49,7 +49,7 @@ _NODES = 20
 
 
 class Region:
-    """Points that are all inside or all outside; the pieces that derivatives are made of, each made once.
+    """Points all inside or all outside, with the terms of their derivatives, each computed once.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class Region:
 
         t = implicit(equation, level, slope, self.order)
         inverse = [(t + e) ** -1 for e in self.excess]
-        self.y = [x * part for x, part in zip(self.x, inverse, strict=True)]
+        self.y = [x * inverse_square for x, inverse_square in zip(self.x, inverse, strict=True)]
         p, q, r = (y * y for y in self.y)
         self.scale = (inverse[0] * inverse[1] * inverse[2]) ** 0.5 * float(2.0 * np.pi * self.a.prod())  # g
         self.twice_over_h = 2.0 / (p + q + r)
@@ -140,10 +140,10 @@ class Region:
         if len(axes) == 1:
             return Jet(-self.x[axes[0]].value * self.integrals[axes][None], 0)
         i, j = axes
-        parts = [-self.integral(i)] if i == j else []
+        terms = [-self.integral(i)] if i == j else []
         if self.outside:
-            parts.append(self.layer(i, j))
-        return self._total(parts)
+            terms.append(self.layer(i, j))
+        return self._total(terms)
 
     def psi(self, axes: tuple[int, ...]) -> Jet:
         """Derivative of Ψ along one, two or three axes, given in rising order."""
@@ -156,20 +156,20 @@ class Region:
             diagonal = 0.5 * twice if i == j else 0.0
             return Jet((diagonal - self.x[i].value * self.x[j].value * self._j(i, j))[None], 0)
         i, j, k = axes
-        parts = [-self.x[k] * self.integral(i, k)] if i == j else []
-        parts += [-self.x[i] * self.integral(i, j)] if j == k else []
-        parts += [-self.x[j] * self.integral(i, j)] if i == k else []
+        terms = [-self.x[k] * self.integral(i, k)] if i == j else []
+        terms += [-self.x[i] * self.integral(i, j)] if j == k else []
+        terms += [-self.x[j] * self.integral(i, j)] if i == k else []
         if self.outside:
-            parts.append(self.layer(i, j, k))
-        return self._total(parts)
+            terms.append(self.layer(i, j, k))
+        return self._total(terms)
 
     def _j(self, i: int, k: int) -> FloatArray:
         return self.integrals[min(i, k), max(i, k)]
 
-    def _total(self, parts: list[Jet]) -> Jet:
+    def _total(self, terms: list[Jet]) -> Jet:
         total = Jet(np.zeros((1, *self.x[0].value.shape)), self.order)
-        for part in parts:
-            total = total + part
+        for term in terms:
+            total = total + term
         return total
 
 
@@ -180,18 +180,18 @@ def potential_derivatives(
     terms: list[tuple[tuple[str, Order, float], ...]] = [((potential, order, 1.0),) for order in orders]
     if outside:
         terms = [_without_short(potential, order, int(np.argmin(semi_axes))) for order in orders]
-    needed = {(name, order) for row in terms for name, order, _ in row}
+    derivatives = {(name, order) for row in terms for name, order, _ in row}
     closed = {"phi": 2, "psi": 3}
-    left = max((sum(order) - closed[name] for name, order in needed), default=0)
+    left = max((sum(order) - closed[name] for name, order in derivatives), default=0)
     x, y, z = points
     region = Region(semi_axes, (x, y, z), max(0, left), outside=outside)
     jets: dict[tuple[str, tuple[int, ...]], Jet] = {}
     values: dict[tuple[str, Order], FloatArray] = {}
-    for name, order in needed:
-        axes, rest = _split(order, closed[name])
+    for name, order in derivatives:
+        axes, remaining = _split(order, closed[name])
         if (name, axes) not in jets:
             jets[name, axes] = region.phi(axes) if name == "phi" else region.psi(axes)
-        values[name, order] = jets[name, axes].derivative(rest)
+        values[name, order] = jets[name, axes].derivative(remaining)
     result = np.zeros((len(orders), x.size))
     for place, row in enumerate(terms):
         for name, order, factor in row:
@@ -246,9 +246,9 @@ def ellipsoidal_level(semi_axes: FloatArray, points: tuple[FloatArray, ...]) -> 
         np.maximum(level, square - e, out=level)
     for _ in range(60):
         inverse = [1.0 / (level + e) for e in excess]
-        parts = [square * part for square, part in zip(squares, inverse, strict=True)]
-        total = parts[0] + parts[1] + parts[2]
-        slope = parts[0] * inverse[0] + parts[1] * inverse[1] + parts[2] * inverse[2]
+        quotients = [square * inverse_square for square, inverse_square in zip(squares, inverse, strict=True)]
+        total = quotients[0] + quotients[1] + quotients[2]
+        slope = quotients[0] * inverse[0] + quotients[1] * inverse[1] + quotients[2] * inverse[2]
         step = np.maximum(total * (total - 1.0) / np.where(slope > 0, slope, 1.0), 0.0)
         level += step
         if np.all(step <= 1e-15 * level):
@@ -301,23 +301,23 @@ def _integrals(
     names += [(i, j) for i in range(3) for j in range(i, 3)]
     result = {name: np.empty(level.shape) for name in names}
     slender = level + excess.max() > _ROUND * level
-    for chosen in (slender, ~slender):
-        if not chosen.any():
+    for points in (slender, ~slender):
+        if not points.any():
             continue
-        A = [level[chosen] + e for e in excess]
+        A = [level[points] + e for e in excess]
         largest = A[int(np.argmax(excess))]
-        u2, v2, weight = _slender_rule(level[chosen], largest) if chosen is slender else _round_rule()
-        B = [1.0 / (largest * v2 + part * u2) for part in A]
-        N = largest * v2 + value[chosen] * u2
+        u2, v2, weight = _slender_rule(level[points], largest) if points is slender else _round_rule()
+        B = [1.0 / (largest * v2 + term * u2) for term in A]
+        N = largest * v2 + value[points] * u2
         base = weight * np.sqrt(B[0] * B[1] * B[2])
         factor = 4.0 * np.pi * float(semi_axes.prod()) * largest
-        result[()][chosen] = factor * base.sum(axis=0)
+        result[()][points] = factor * base.sum(axis=0)
         for i in range(3):
             once = base * B[i]
-            both = once * N
-            result[(i,)][chosen] = factor * np.sum(once * u2, axis=0)
-            result["K", i][chosen] = factor * both.sum(axis=0)
-            both *= u2
+            weighted = once * N
+            result[(i,)][points] = factor * np.sum(once * u2, axis=0)
+            result["K", i][points] = factor * weighted.sum(axis=0)
+            weighted *= u2
             for j in range(i, 3):
-                result[i, j][chosen] = factor * np.einsum("qn,qn->n", both, B[j])
+                result[i, j][points] = factor * np.einsum("qn,qn->n", weighted, B[j])
     return result

@@ -75,8 +75,10 @@ class Layer(InclusionShape):
         require(0 <= self.top < np.inf, self.key, "top", self.top, "zero or positive and finite [m]")
         require(0 < self.thickness_unit < np.inf, self.key, "thickness_unit", self.thickness_unit, "positive [m]")
         if (self.thickness is None) == (self.file is None):
-            given = "neither" if self.file is None else "both"
-            raise SceneError(f"{self.key} must have a thickness [m] or a file with a map of it (got {given}); give one")
+            sources = "neither" if self.file is None else "both"
+            raise SceneError(
+                f"{self.key} must have a thickness [m] or a file with a map of it (got {sources}); give one"
+            )
         if self.thickness is not None:
             require(0 < self.thickness < np.inf, self.key, "thickness", self.thickness, "positive and finite [m]")
         _ = self._map  # read and checked now, not in the middle of a run
@@ -124,8 +126,8 @@ class Layer(InclusionShape):
 
 def _read(file: str) -> FloatArray:
     field, suffix = f"{Layer.key}.file", Path(file).suffix.lower()
-    known = (".npy", ".npz", *TEXT_FILES)
-    require(suffix in known, Layer.key, "file", file, f"a map of one of the types {', '.join(known)}")
+    suffixes = (".npy", ".npz", *TEXT_FILES)
+    require(suffix in suffixes, Layer.key, "file", file, f"a map of one of the types {', '.join(suffixes)}")
     if suffix not in TEXT_FILES:
         arrays = read_arrays(field, file)
         return arrays["thickness" if "thickness" in arrays else next(iter(arrays))]

@@ -41,8 +41,8 @@ def read_faces(where: str, file: str) -> tuple[FloatArray, list[IntArray]]:
     require(not solid, where, "file", file, f"a surface mesh without {', '.join(solid)} cells; extract its surface")
     require(len(faces) > 0, where, "file", file, "a mesh with triangles; it holds none")
     require(bool(np.isfinite(points).all()), where, "file", file, "a mesh of finite coordinates; some are not")
-    named = np.concatenate([table.ravel() for table in faces])
-    wrong = named[(named < 0) | (named >= len(points))]
+    numbers = np.concatenate([table.ravel() for table in faces])
+    wrong = numbers[(numbers < 0) | (numbers >= len(points))]
     if wrong.size:
         rule = f"a mesh whose faces name its {len(points)} points; one names point number {wrong[0] + 1}"
         raise SceneError(f"{where}.file must be {rule} (got {file!r})")
@@ -68,17 +68,17 @@ def _obj(path: Path) -> Content:
     """Wavefront: ``v x y z``, ``f a b c ...``; numbers count from 1, negative ones from the last point so far."""
     places: list[list[str]] = []
     faces: list[list[int]] = []
-    for kind, *rest in _lines(path):
+    for kind, *texts in _lines(path):
         if kind == "v":
-            places.append(rest[:3])
+            places.append(texts[:3])
         elif kind == "f":
-            numbers = [int(text.split("/")[0]) for text in rest]
+            numbers = [int(text.split("/")[0]) for text in texts]
             faces.append([number + len(places) if number < 0 else number - 1 for number in numbers])
     return _points(places), _tables(faces), []
 
 
 def _lines(path: Path) -> list[list[str]]:
-    """Words of the lines that hold any; what follows # is a remark."""
+    """Words of the lines of a file, without empty lines and remarks after #."""
     rows = (line.partition("#")[0].split() for line in path.read_text(encoding="utf-8").splitlines())
     return [row for row in rows if row]
 

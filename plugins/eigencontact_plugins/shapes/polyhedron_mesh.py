@@ -80,18 +80,18 @@ def _triangles(where: str, file: str, points: FloatArray, faces: Sequence[IntArr
     A flat face is cut from one of its corners. It need not be convex: triangles beyond it are of the other sense and
     take away what others have too much. A bent face is cut around its middle, if all these triangles look to one side.
     """
-    parts = []
+    triangles = []
     for table in faces:
         flat, bent = (table, table[:0]) if table.shape[1] == 3 else _sorted(where, file, points, table)
-        parts += [flat[:, [0, k, k + 1]] for k in range(1, table.shape[1] - 1)]
+        triangles += [flat[:, [0, k, k + 1]] for k in range(1, table.shape[1] - 1)]
         middle = len(points) + np.arange(len(bent))
-        parts += [np.column_stack([bent[:, k - 1], bent[:, k], middle]) for k in range(table.shape[1])]
+        triangles += [np.column_stack([bent[:, k - 1], bent[:, k], middle]) for k in range(table.shape[1])]
         points = np.concatenate([points, points[bent].mean(axis=1)])
-    return points, np.concatenate(parts)
+    return points, np.concatenate(triangles)
 
 
 def _sorted(where: str, file: str, points: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Faces that are flat, and faces that are bent; those that are folded are refused."""
+    """Flat faces and bent faces; refuses folded faces."""
     offsets = points[faces] - points[faces].mean(axis=1, keepdims=True)
     areas = np.cross(offsets, np.roll(offsets, -1, axis=1))  # twice those of the triangles around the middle
     normal = areas.sum(axis=1)

@@ -1,4 +1,4 @@
-"""How often a closed surface winds around points, by the triangles that a ray from each of them meets.
+"""Winding number of a closed surface around points, by the triangles on a ray from each point.
 
 The rays share one direction along no lattice, so that the triangles can be sorted once into bins of the plane across it
 and each point is compared with a few of them only. A ray that passes an edge or a corner within rounding decides
@@ -31,7 +31,7 @@ TURN: FloatArray = np.array([[_c, -_s, 0.0], [_s, _c, 0.0], [0.0, 0.0, 1.0]]) @ 
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Triangles ``(m, 3, 3)`` in turned coordinates that run from 0 to about 1, and those that reach into each bin."""
+    """Triangles ``(m, 3, 3)`` in turned coordinates from 0 to about 1, and the triangles of each bin."""
 
     origin: FloatArray
     extent: float
@@ -51,8 +51,8 @@ class Bins:
         start = 0
         while start < len(points):
             stop = max(start + 1, int(np.searchsorted(ends, (ends[start - 1] if start else 0) + PAIRS)))
-            part = slice(start, stop)
-            self._meet(turned[part], self.first[place[part]], number[part], winding[part], doubt[part])
+            chunk = slice(start, stop)
+            self._meet(turned[chunk], self.first[place[chunk]], number[chunk], winding[chunk], doubt[chunk])
             start = stop
         return winding, doubt
 
@@ -60,19 +60,19 @@ class Bins:
         self, points: FloatArray, first: IntArray, number: IntArray, winding: IntArray, doubt: NDArray[np.bool_]
     ) -> None:
         """All pairs of a point and a triangle of its bin; adds to `winding`, marks `doubt`."""
-        which = np.repeat(np.arange(len(points)), number)
-        within = np.arange(which.size) - np.repeat(np.cumsum(number) - number, number)
+        point = np.repeat(np.arange(len(points)), number)
+        within = np.arange(point.size) - np.repeat(np.cumsum(number) - number, number)
         corners = self.corners[self.members[np.repeat(first, number) + within]]
-        offset = corners - points[which, None, :]
+        offset = corners - points[point, None, :]
         x, y, z = offset[..., 0], offset[..., 1], offset[..., 2]
         sides = np.stack([x[:, i - 2] * y[:, i - 1] - x[:, i - 1] * y[:, i - 2] for i in range(3)], axis=1)
         low, high = sides.min(axis=1), sides.max(axis=1)
         up, down = low > ROUNDING, high < -ROUNDING
-        doubt[which[~up & ~down & ((low > -ROUNDING) | (high < ROUNDING))]] = True
+        doubt[point[~up & ~down & ((low > -ROUNDING) | (high < ROUNDING))]] = True
         met = np.flatnonzero(up | down)
         height = np.einsum("ni,ni->n", sides[met], z[met]) / sides[met].sum(axis=1)
         ahead = met[height > 0]
-        np.add.at(winding, which[ahead], np.where(up[ahead], 1, -1))
+        np.add.at(winding, point[ahead], np.where(up[ahead], 1, -1))
 
 
 def sorted_into_bins(corners: FloatArray) -> Bins:

@@ -49,8 +49,8 @@ def volumes_in_cells(corners: FloatArray, shape: tuple[int, int, int]) -> FloatA
                 height = (z[:, :1] + z[:, 1:-1] + z[:, 2:]) / 3.0 - k[:, None]
                 area += np.bincount(place, fan.sum(axis=1), minlength=area.size).reshape(layers)
                 moment += np.bincount(place, (fan * height).sum(axis=1), minlength=area.size).reshape(layers)
-    beyond = np.cumsum(area[::-1], axis=0)[::-1]
-    return np.asarray(moment[1:-1] + beyond[2:])
+    area_above = np.cumsum(area[::-1], axis=0)[::-1]
+    return np.asarray(moment[1:-1] + area_above[2:])
 
 
 def _cut(polygons: FloatArray, axis: int, cells: tuple[int, int]) -> Iterator[tuple[FloatArray, IntArray, IntArray]]:
@@ -68,21 +68,21 @@ def _cut(polygons: FloatArray, axis: int, cells: tuple[int, int]) -> Iterator[tu
     else:
         first, last = np.maximum(first, lowest), np.minimum(last, highest)
     number = np.maximum(last - first + 1, 0)
-    which = np.repeat(np.arange(len(polygons)), number)
-    cell = first[which] + np.arange(which.size) - np.repeat(np.cumsum(number) - number, number)
-    for start in range(0, which.size, PIECES):
-        part = slice(start, start + PIECES)
-        low, high = cell[part].astype(float), cell[part] + 1.0
-        low[cell[part] == lowest] = endless[0]
-        high[cell[part] == highest] = endless[1]
-        pieces, kept = _kept(polygons[which[part]], axis, low, 1.0)
-        pieces, among = _kept(pieces, axis, high[kept], -1.0)
-        kept = kept[among]
-        yield pieces, which[part][kept], cell[part][kept]
+    polygon = np.repeat(np.arange(len(polygons)), number)
+    cell = first[polygon] + np.arange(polygon.size) - np.repeat(np.cumsum(number) - number, number)
+    for start in range(0, polygon.size, PIECES):
+        chunk = slice(start, start + PIECES)
+        low, high = cell[chunk].astype(float), cell[chunk] + 1.0
+        low[cell[chunk] == lowest] = endless[0]
+        high[cell[chunk] == highest] = endless[1]
+        pieces, sources = _clipped(polygons[polygon[chunk]], axis, low, 1.0)
+        pieces, among = _clipped(pieces, axis, high[sources], -1.0)
+        sources = sources[among]
+        yield pieces, polygon[chunk][sources], cell[chunk][sources]
 
 
-def _kept(polygons: FloatArray, axis: int, plane: FloatArray, side: float) -> tuple[FloatArray, IntArray]:
-    """What is left of convex polygons on one side of a plane across an axis, and the numbers of those left.
+def _clipped(polygons: FloatArray, axis: int, plane: FloatArray, side: float) -> tuple[FloatArray, IntArray]:
+    """Convex polygons clipped to one side of a plane normal to an axis, and the numbers of the remaining polygons.
 
     All are given as many vertices as the one that has most; the last one is repeated.
     """
@@ -99,6 +99,6 @@ def _kept(polygons: FloatArray, axis: int, plane: FloatArray, side: float) -> tu
     if not left.size:
         return np.empty((0, 3, 3)), left
     order = np.argsort(~valid[left], axis=1, kind="stable")
-    chosen = np.minimum(np.arange(number[left].max()), number[left, None] - 1)
-    order = np.take_along_axis(order, chosen, axis=1)
+    corners = np.minimum(np.arange(number[left].max()), number[left, None] - 1)
+    order = np.take_along_axis(order, corners, axis=1)
     return np.take_along_axis(vertices[left], order[:, :, None], axis=1), left

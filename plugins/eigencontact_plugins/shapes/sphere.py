@@ -154,12 +154,12 @@ class SphericalInclusion(InclusionShape):
 
     def _inside(self, distance: FloatArray, depth: FloatArray) -> FloatArray:
         """1 inside, 0 outside and at a point that touches the surface, 1/2 elsewhere on the boundary."""
-        part: FloatArray = np.where(distance < 1.0, 1.0, 0.0)
+        fraction: FloatArray = np.where(distance < 1.0, 1.0, 0.0)
         boundary = np.abs(distance - 1.0) <= SNAP
-        part[boundary] = 0.5
+        fraction[boundary] = 0.5
         if abs(self.center[2] - self.radius) <= FLUSH * self.radius:
-            part[boundary & (np.abs(depth) <= SNAP * self.radius)] = 0.0
-        return part
+            fraction[boundary & (np.abs(depth) <= SNAP * self.radius)] = 0.0
+        return fraction
 
 
 @hookimpl

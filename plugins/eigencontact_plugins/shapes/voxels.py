@@ -66,9 +66,9 @@ class VoxelShape(InclusionShape):
         require(labels.ndim == 3 and bool(np.all(labels == np.round(labels))), self.key, "file", self.file, rule)
         filled = labels == self.value
         if not filled.any():
-            known = np.unique(labels).astype(int).tolist()
-            words = ", ".join(map(str, known[:12])) + (" ..." if len(known) > 12 else "")
-            require(False, self.key, "value", self.value, f"a number that a voxel bears, {words}")
+            numbers = np.unique(labels).astype(int).tolist()
+            listed = ", ".join(map(str, numbers[:12])) + (" ..." if len(numbers) > 12 else "")
+            require(False, self.key, "value", self.value, f"a number that a voxel bears, {listed}")
         box = []
         for axis in range(3):
             planes = np.flatnonzero(filled.any(axis=tuple({0, 1, 2} - {axis})))

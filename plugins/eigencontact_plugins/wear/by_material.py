@@ -1,4 +1,4 @@
-"""Wear that differs with the material at the surface: a coating and what is under it, a matrix and grains."""
+"""Wear law for each material at the surface: coating and substrate, matrix and grains."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ class ByMaterial(WearLaw):
     @property
     def volume_per_energy(self) -> float | None:
         """See `WearLaw.volume_per_energy`: where all laws have the same."""
-        found = {law.volume_per_energy for law in self.laws.values()}
-        return found.pop() if len(found) == 1 else None
+        volumes = {law.volume_per_energy for law in self.laws.values()}
+        return volumes.pop() if len(volumes) == 1 else None
 
     def depth(self, state: WearState) -> FloatArray:
         """Worn depth [m]; see `WearLaw`."""

@@ -67,7 +67,7 @@ class MatrixOperator:
     ) -> None:
         self.grid, self.targets, self.sources = grid, targets, sources
         self.periodic, self.precision, self.threads = periodic, precision, threads
-        self._coefficients = {pair: coefficients[pair] for pair in coefficients if self._wanted(pair)}
+        self._coefficients = {pair: coefficients[pair] for pair in coefficients if self._couples(pair)}
         self._tables: dict[Pair, FloatArray] = {}
         self._unit: float | None = None
         self._operators: dict[tuple[Box, Box], tuple[Convolver, list[list[Spectrum | None]]]] = {}
@@ -76,7 +76,7 @@ class MatrixOperator:
         #: Times that all displacements were computed.
         self.applications = 0
 
-    def _wanted(self, pair: Pair) -> bool:
+    def _couples(self, pair: Pair) -> bool:
         return pair[0] in self.targets and pair[1] in self.sources
 
     def apply(self, tractions: FloatArray, source: Box, target: Box) -> FloatArray:
@@ -128,19 +128,19 @@ class MatrixOperator:
         Values differ in the last bit with the number of offsets that they are sampled at: were there fewer at first, a
         resumed run would differ from one that met smaller contacts before.
         """
-        known = self._tables.get(pair, np.empty((0, 0)))
-        if known.shape[0] < ny or known.shape[1] < nx:
+        table = self._tables.get(pair, np.empty((0, 0)))
+        if table.shape[0] < ny or table.shape[1] < nx:
             rows, columns = max(ny, self.grid.ny), max(nx, self.grid.nx)
             dx, dy = self.grid.dx, self.grid.dy
             x, y = np.arange(columns, dtype=float) * dx, np.arange(rows, dtype=float) * dy
-            known = self._tables[pair] = self._coefficients[pair].table(x, y, (0.5 * dx, 0.5 * dy))
-        return known[:ny, :nx]
+            table = self._tables[pair] = self._coefficients[pair].table(x, y, (0.5 * dx, 0.5 * dy))
+        return table[:ny, :nx]
 
     def precondition(self, displacements: FloatArray, box: Box) -> FloatArray:
         """Rough inverse of the diagonal terms on a box, in units of one over `unit`."""
         if box not in self._preconditioners:
             self._preconditioners.clear()
-            made = []
+            inverses = []
             for direction in self.sources:
                 if direction not in self._diagonal:
                     self._diagonal[direction] = Compliance(
@@ -149,10 +149,10 @@ class MatrixOperator:
                     )  # fmt: skip
                 compliance = self._diagonal[direction]
                 inverse = Circulant(compliance, box).inverse
-                made.append((inverse, compliance.unit / self.unit()))
-            self._preconditioners[box] = made
-        parts = [
+                inverses.append((inverse, compliance.unit / self.unit()))
+            self._preconditioners[box] = inverses
+        corrections = [
             np.asarray(inverse(field), dtype=float) / ratio
             for field, (inverse, ratio) in zip(displacements, self._preconditioners[box], strict=True)
         ]
-        return np.stack(parts)
+        return np.stack(corrections)

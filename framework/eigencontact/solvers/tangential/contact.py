@@ -28,13 +28,15 @@ FloatArray = NDArray[np.float64]
 _INNER = 0.2
 #: Rounds of normal and tangential solves in one increment.
 _ROUNDS = 120
-#: Tolerance of the two solves in the first round, and in later ones as part of the change that the last round made.
-_LOOSEST, _SHARE = 1e-2, 0.1
+#: Tolerance of the two solves in the first round.
+_LOOSEST = 1e-2
+#: Tolerance of the two solves in later rounds, as part of the change in the round before.
+_SHARE = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sliding:
-    """What one load increment hands to the next (thesis eq. 2.75).
+    """State of the contact that one load increment passes to the next (thesis eq. 2.75).
 
     Attributes
     ----------
@@ -64,7 +66,7 @@ class Sliding:
 
     @classmethod
     def at_rest(cls, grid: Grid, components: str = "xy") -> Sliding:
-        """Nothing touches yet."""
+        """State without contact."""
         plane, zero = np.zeros((len(components), *grid.shape)), np.zeros(grid.shape)
         return cls(pressure=zero, shear=plane, position=plane, lift=zero, slip_distance=zero, dissipated=zero)
 
@@ -103,7 +105,7 @@ class FrictionalSolution:
 
 @dataclass(frozen=True, slots=True)
 class _Increment:
-    """What is asked of one step; see `FrictionalContact.step`."""
+    """Arguments of one increment; see `FrictionalContact.step`."""
 
     separation: FloatArray
     control: Control
@@ -225,26 +227,26 @@ class FrictionalContact:
             See `NormalSolver` and `TangentialSolver`.
         """
         before = before or Sliding.at_rest(self.grid, self.components)
-        asked = _Increment(separation, control, tangential, before, offset, tolerance, slide, moved, progress)
+        increment = _Increment(separation, control, tangential, before, offset, tolerance, slide, moved, progress)
         last = None if start is None else self._as_round(start, before)
         if self._by_shear is None:
-            return self._solution(asked, self._round(asked, last, before.lift, tolerance), before.lift, 1, 0.0)
-        return self._agreed(asked, last, before.lift if start is None else start.sliding.lift)
+            return self._solution(increment, self._round(increment, last, before.lift, tolerance), before.lift, 1, 0.0)
+        return self._agreed(increment, last, before.lift if start is None else start.sliding.lift)
 
     def _as_round(self, start: FrictionalSolution, before: Sliding) -> _Round:
         bound = self.bound(start.normal.pressure, before)
         return _Round(start.normal, start.tangential, start.tangential_by_pressure, bound, (0, 0))
 
-    def _agreed(self, asked: _Increment, last: _Round | None, lift: FloatArray) -> FrictionalSolution:
+    def _agreed(self, increment: _Increment, last: _Round | None, lift: FloatArray) -> FrictionalSolution:
         """Rounds of normal and tangential contact until the normal displacement by the shear does not change."""
-        tolerance = asked.tolerance or self.options.tolerance
+        tolerance = increment.tolerance or self.options.tolerance
         finest, mixer, change = _INNER * tolerance, Anderson(), 0.0
         inner = _LOOSEST if last is None else finest
         for rounds in range(1, _ROUNDS + 1):
             try:
-                last = self._round(asked, last, lift, inner)
+                last = self._round(increment, last, lift, inner)
             except Overloaded as error:
-                if error.at_any_place and asked.control.normal_load is not None:
+                if error.at_any_place and increment.control.normal_load is not None:
                     raise
                 raise NotConverged(
                     f"{error} (under the pressure of round {rounds}, before normal and tangential contact had agreed; "
@@ -253,12 +255,12 @@ class FrictionalContact:
                 ) from error
             image = self.lift(last.tangential.shear)
             change = self._change(image - lift, last.normal)
-            if asked.progress is not None:
-                asked.progress("normal and tangential", change, tolerance)
+            if increment.progress is not None:
+                increment.progress("normal and tangential", change, tolerance)
             if change <= tolerance and inner <= finest:
                 if not (self._at_edge or self.options.periodic):
                     refuse_edge(last.normal.pressure, self.grid)
-                return self._solution(asked, last, image, rounds, change)
+                return self._solution(increment, last, image, rounds, change)
             # A change below what the two solves leave open says nothing; combined with others it would count for most.
             lift = mixer.next(lift, image) if change > inner else image
             inner = min(_LOOSEST, max(_SHARE * change, finest))
@@ -268,48 +270,48 @@ class FrictionalContact:
             last.tangential.report if last else None,
         )
 
-    def _round(self, asked: _Increment, last: _Round | None, lift: FloatArray, inner: float | None) -> _Round:
+    def _round(self, increment: _Increment, last: _Round | None, lift: FloatArray, inner: float | None) -> _Round:
         """Normal, then tangential contact from the last answers, to the tolerance `inner` or that of the options."""
-        before = asked.before
+        before = increment.before
         start = before.pressure if np.any(before.lift) else None
-        normal = self._normal(asked, lift, last.normal.pressure if last else start, inner)
+        normal = self._normal(increment, lift, last.normal.pressure if last else start, inner)
         bound, carried = self.bound(normal.pressure, before), self._carried(normal.pressure)
-        offset = carried - before.position if asked.offset is None else carried + asked.offset - before.position
-        if asked.slide is not None:
-            direction = asked.slide / np.linalg.norm(asked.slide)
-            found = self.tangential.slid(bound, offset, direction, before.rigid)
+        offset = carried - before.position if increment.offset is None else carried + increment.offset - before.position
+        if increment.slide is not None:
+            direction = increment.slide / np.linalg.norm(increment.slide)
+            tangential = self.tangential.slid(bound, offset, direction, before.rigid)
         else:
-            found = self.tangential.solve(
-                bound, offset, asked.tangential, start=last.shear_under(bound) if last else before.shear,
-                tolerance=inner, progress=asked.progress,
+            tangential = self.tangential.solve(
+                bound, offset, increment.tangential, start=last.shear_under(bound) if last else before.shear,
+                tolerance=inner, progress=increment.progress,
             )  # fmt: skip
-        counts = (normal.report.convolutions, found.report.convolutions)
+        counts = (normal.report.convolutions, tangential.report.convolutions)
         if last is not None:
             counts = (counts[0] + last.convolutions[0], counts[1] + last.convolutions[1])
-        return _Round(normal, found, carried, bound, counts)
+        return _Round(normal, tangential, carried, bound, counts)
 
     def _normal(
-        self, asked: _Increment, lift: FloatArray, start: FloatArray | None, inner: float | None
+        self, increment: _Increment, lift: FloatArray, start: FloatArray | None, inner: float | None
     ) -> NormalSolution:
         """Solution of the normal contact; the last one where nothing has changed for it."""
-        separation, control = asked.separation + lift, asked.control
+        separation, control = increment.separation + lift, increment.control
         if start is None and self._last is not None:
-            known, told, found = self._last
-            if told == control and np.array_equal(known, separation):
-                found.report.convolutions = 0
-                return found
+            last_separation, last_control, solution = self._last
+            if last_control == control and np.array_equal(last_separation, separation):
+                solution.report.convolutions = 0
+                return solution
         finest = self.normal.options.tolerance
         tolerance = None if inner is None else max(_INNER * finest, inner * finest / self.options.tolerance)
-        found = self.normal.solve(separation, control, start=start, tolerance=tolerance, progress=asked.progress)
-        self._last = (separation, control, found) if start is None else None
-        return found
+        solution = self.normal.solve(separation, control, start=start, tolerance=tolerance, progress=increment.progress)
+        self._last = (separation, control, solution) if start is None else None
+        return solution
 
     def _solution(
-        self, asked: _Increment, last: _Round, lift: FloatArray, rounds: int, change: float
+        self, increment: _Increment, last: _Round, lift: FloatArray, rounds: int, change: float
     ) -> FrictionalSolution:
         return FrictionalSolution(
             normal=last.normal, tangential=last.tangential,
-            sliding=self._after(asked.before, last.normal.pressure, last.tangential, lift, asked),
+            sliding=self._after(increment.before, last.normal.pressure, last.tangential, lift, increment),
             tangential_by_pressure=last.carried, rounds=rounds, coupling_residual=change,
             normal_convolutions=last.convolutions[0], tangential_convolutions=last.convolutions[1],
         )  # fmt: skip
@@ -327,11 +329,11 @@ class FrictionalContact:
         return np.asarray(self._everywhere(self._by_shear, shear)[0])
 
     def _everywhere(self, operator: MatrixOperator, tractions: FloatArray) -> FloatArray:
-        whole = Box(0, self.grid.ny, 0, self.grid.nx)
-        box = whole if self.options.periodic else Box.around(np.any(tractions != 0, axis=0))
+        window = Box(0, self.grid.ny, 0, self.grid.nx)
+        box = window if self.options.periodic else Box.around(np.any(tractions != 0, axis=0))
         if box is None:
             return np.zeros((len(operator.targets), *self.grid.shape))
-        return operator.apply(tractions[:, *box.slices], box, whole)
+        return operator.apply(tractions[:, *box.slices], box, window)
 
     def _change(self, difference: FloatArray, normal: NormalSolution) -> float:
         """Largest change of the normal displacement in contact, relative to the largest deflection there."""
@@ -341,8 +343,8 @@ class FrictionalContact:
         return largest / deflection if deflection > 0 else 0.0
 
     def _after(
-        self, before: Sliding, pressure: FloatArray, found: TangentialSolution, lift: FloatArray,
-        asked: _Increment,
+        self, before: Sliding, pressure: FloatArray, tangential: TangentialSolution, lift: FloatArray,
+        increment: _Increment,
     ) -> Sliding:  # fmt: skip
         """State at the end of the increment.
 
@@ -352,14 +354,15 @@ class FrictionalContact:
         where the surfaces have moved before the increment, the bound is that of its end.
         """
         loaded, left = pressure > 0, (before.pressure > 0) & (pressure <= 0)
-        slip = found.slip * ((loaded & ~found.stick) | left)
+        slip = tangential.slip * ((loaded & ~tangential.stick) | left)
         distance = np.sqrt(np.einsum("kij,kij->ij", slip, slip))
-        if asked.slide is not None:
-            distance = loaded * float(np.linalg.norm(asked.slide))
+        if increment.slide is not None:
+            distance = loaded * float(np.linalg.norm(increment.slide))
         after = self.bound(pressure, before)
-        known = asked.slide is None and not asked.moved
-        work = (after if not known else 0.5 * (self.bound(before.pressure, before) + after)) * distance
+        has_path = increment.slide is None and not increment.moved
+        work = (after if not has_path else 0.5 * (self.bound(before.pressure, before) + after)) * distance
         return Sliding(
-            pressure=pressure, shear=found.shear, position=before.position + found.slip, lift=lift, rigid=found.rigid,
-            slip_distance=before.slip_distance + distance, dissipated=before.dissipated + work,
+            pressure=pressure, shear=tangential.shear, position=before.position + tangential.slip, lift=lift,
+            rigid=tangential.rigid, slip_distance=before.slip_distance + distance,
+            dissipated=before.dissipated + work,
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What is prescribed of a tangential contact: forces or rigid displacements, each mode by itself."""
+"""Prescribed values of a tangential contact: a force or a rigid displacement for each mode."""
 
 from __future__ import annotations
 

@@ -13,12 +13,16 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _TINY = np.finfo(float).tiny
-#: Forces that the projected tractions miss, relative to what all cells at their bound could carry.
-_EXACT, _ENOUGH = 1e-14, 1e-9
+#: Error of the forces, relative to the sum of the bounds of all cells, at which the projection stops.
+_EXACT = 1e-14
+#: Largest error of the forces, relative to the same sum, that is accepted.
+_ENOUGH = 1e-9
 #: Multipliers of forces, in units of the tractions, that only grow this large where the forces cannot be carried.
 _FAR = 1e12
-#: Ratio of the eigenvalues of normal equations below which they are not used, and of singular values that are nothing.
-_FLAT, _NOTHING = 1e-6, 1e-10
+#: Smallest ratio of the eigenvalues of normal equations in use.
+_FLAT = 1e-6
+#: Singular values below this part of the largest count as zero.
+_NOTHING = 1e-10
 
 
 class Infeasible(EigencontactError):
@@ -62,7 +66,7 @@ class RigidPlane:
         """Sums of each mode times a field, ``(m,)``."""
         return np.asarray(np.einsum("mkij,kij->m", self.fields, vectors))
 
-    def closest(self, vectors: FloatArray, bound: FloatArray, held: BoolArray | None = None) -> FloatArray:
+    def closest(self, vectors: FloatArray, bound: FloatArray, on_rim: BoolArray | None = None) -> FloatArray:
         """Tractions within the discs that carry the forces and are closest to the given ones.
 
         The multipliers of the forces maximise a concave dual function of as many variables as there are modes; it is
@@ -77,16 +81,16 @@ class RigidPlane:
         """
         none = np.zeros(bound.shape, dtype=bool)
         if not len(self):
-            size, held = length_of(vectors), none if held is None else held
-            return np.asarray(vectors * np.where((size > bound) | held, bound / np.maximum(size, _TINY), 1.0))
-        if held is not None and np.any(held):
+            size, on_rim = length_of(vectors), none if on_rim is None else on_rim
+            return np.asarray(vectors * np.where((size > bound) | on_rim, bound / np.maximum(size, _TINY), 1.0))
+        if on_rim is not None and np.any(on_rim):
             try:
-                return self._climb(vectors, bound, held, 20)
+                return self._climb(vectors, bound, on_rim, 20)
             except Infeasible:  # rims are no convex set
                 pass
         return self._climb(vectors, bound, none, 80)
 
-    def _climb(self, vectors: FloatArray, bound: FloatArray, held: BoolArray, iterations: int) -> FloatArray:
+    def _climb(self, vectors: FloatArray, bound: FloatArray, on_rim: BoolArray, iterations: int) -> FloatArray:
         """Newton's method on the dual function."""
         capacity = np.einsum("mij,ij->m", np.sqrt(np.einsum("mkij,mkij->mij", self.fields, self.fields)), bound) + _TINY
         amounts, value = np.zeros(len(self)), np.inf
@@ -95,7 +99,7 @@ class RigidPlane:
         for _ in range(iterations):
             moved = vectors + self.combine(amounts)
             size = length_of(moved)
-            outside = (size > bound) | held
+            outside = (size > bound) | on_rim
             factor = np.where(outside, bound / np.maximum(size, _TINY), 1.0)
             closest = moved * factor
             error = self.work(closest) - self.forces
@@ -114,8 +118,8 @@ class RigidPlane:
             for _ in range(40):
                 trial = amounts + share * change
                 size = length_of(vectors + self.combine(trial))
-                reached = self._dual(size, (size > bound) | held, bound, trial)
-                if reached <= value + 1e-4 * share * expected or abs(reached - value) <= 1e-13 * abs(value):
+                trial_value = self._dual(size, (size > bound) | on_rim, bound, trial)
+                if trial_value <= value + 1e-4 * share * expected or abs(trial_value - value) <= 1e-13 * abs(value):
                     break
                 share *= 0.5
             amounts = trial
@@ -131,7 +135,7 @@ class RigidPlane:
         return float(np.sum(np.where(outside, bound * size - 0.5 * bound**2, inside))) - float(self.forces @ amounts)
 
     def fitted(self, unit: FloatArray, loaded: BoolArray) -> FittedModes:
-        """The modes over the directions in which tractions may still change: where loaded, across the unit vectors."""
+        """Modes over the free directions of tractions: in loaded cells, across the unit vectors."""
         return FittedModes(self, unit, loaded)
 
 
@@ -156,9 +160,9 @@ class FittedModes:
             self._basis = np.linalg.svd(across.reshape(len(modes), -1).T, full_matrices=False)
 
     def amounts(self, field: FloatArray) -> FloatArray:
-        """Amounts ``(m,)`` of the modes that leave least of a field, which has no part along the unit vectors."""
+        """Amounts ``(m,)`` of the modes that fit a field best; the field has no component along the unit vectors."""
         if self._gram is not None:
             return np.asarray(np.linalg.solve(self._gram, self._modes.work(field)))
         left, size, right = self._basis
-        kept = size > _NOTHING * size[0]
-        return np.asarray(right[kept].T @ ((left.T @ field.ravel())[kept] / size[kept]))
+        significant = size > _NOTHING * size[0]
+        return np.asarray(right[significant].T @ ((left.T @ field.ravel())[significant] / size[significant]))

@@ -30,9 +30,10 @@ BoolArray = NDArray[np.bool_]
 _TINY = np.finfo(float).tiny
 #: Conjugate-gradient steps in one Newton step at most.
 _INNER = 80
-#: Part of the loaded cells that may change between stick and slip for the Newton steps to be worth some precision, and
-#: the residual of a step, relative to its first, before that.
-_SETTLED, _ROUGH = 0.01, 0.4
+#: Part of the loaded cells that may change between stick and slip for the Newton steps to be worth some precision.
+_SETTLED = 0.01
+#: Residual of a Newton step, relative to its first, while more cells change.
+_ROUGH = 0.4
 #: Round-off of the energy, in the work of the slip.
 _LOST = 4.0 * np.finfo(float).eps
 #: Stiffness of a cell, in units of the largest coefficient, from which the first gradient step is taken.
@@ -124,8 +125,8 @@ class _Iteration:
         self, start: FloatArray, tolerance: float, max_iterations: int, on_iteration: Callable[[float], None]
     ) -> DiscState:
         start = start * self.loaded
-        held = self.loaded & (length_of(start) >= self.problem.bound * (1.0 - 1e-9))
-        state = self._state(self.problem.modes.closest(start, self.problem.bound, held))
+        on_rim = self.loaded & (length_of(start) >= self.problem.bound * (1.0 - 1e-9))
+        state = self._state(self.problem.modes.closest(start, self.problem.bound, on_rim))
         slipped: BoolArray | None = None
         for number in range(max_iterations + 1):
             slip, free, outward = self._look(state)
@@ -133,8 +134,8 @@ class _Iteration:
             if state.residual <= tolerance or number == max_iterations:
                 break
             few = _SETTLED * np.count_nonzero(self.loaded)
-            settled = slipped is not None and np.count_nonzero(state.slipping != slipped) <= few
-            looseness = min(0.1, max(0.3 * state.residual**0.5, 0.01)) if settled else _ROUGH
+            zones_steady = slipped is not None and np.count_nonzero(state.slipping != slipped) <= few
+            looseness = min(0.1, max(0.3 * state.residual**0.5, 0.01)) if zones_steady else _ROUGH
             slipped = state.slipping
             step = self._newton(free, outward, max(looseness, 0.3 * tolerance / state.residual))
             state = self._moved(state, slip, step) or self._descended(state, slip)
@@ -155,10 +156,10 @@ class _Iteration:
             state.rigid = self._fit(raw, np.where(slipping, unit, 0.0))
             slip = raw - problem.modes.combine(state.rigid) * self.loaded if len(problem.modes) else raw
             outward = -np.einsum("kij,kij->ij", slip, unit)
-            found = at_bound & (outward > 0)
-            if np.array_equal(found, slipping):
+            now_slipping = at_bound & (outward > 0)
+            if np.array_equal(now_slipping, slipping):
                 break
-            slipping = found
+            slipping = now_slipping
         state.slipping = slipping
         unit = np.where(slipping, unit, 0.0)
         curvature = np.where(slipping, outward / np.maximum(problem.bound, _TINY), 0.0)
@@ -168,7 +169,7 @@ class _Iteration:
         return slip, wrong, (unit, curvature)
 
     def _fit(self, slip: FloatArray, unit: FloatArray) -> FloatArray:
-        """Free rigid modes that leave the least slip in the directions that stick."""
+        """Free rigid modes with the least slip in the sticking directions."""
         modes = self.problem.modes
         if not len(modes):
             return np.zeros(0)
@@ -221,36 +222,36 @@ class _Iteration:
         share, lost = 1.0, _LOST * inner(np.abs(slip), np.abs(state.tractions))
         for _ in range(4):
             tractions = self.problem.modes.closest(state.tractions + share * step, self.problem.bound, state.slipping)
-            found = self._state(tractions)
-            expected, gained = _change_of_energy(slip, state, found)
+            trial = self._state(tractions)
+            expected, gained = _change_of_energy(slip, state, trial)
             if gained <= 1e-4 * expected + lost:
-                return found
+                return trial
             share *= 0.4
         return None
 
     def _descended(self, state: DiscState, slip: FloatArray) -> DiscState:
         """State after a projected gradient step; short ones always lower the energy."""
-        found = state
+        trial = state
         for _ in range(12):
             tractions = self.problem.modes.closest(state.tractions - self.gradient_step * slip, self.problem.bound)
-            found = self._state(tractions)
-            expected, gained = _change_of_energy(slip, state, found)
+            trial = self._state(tractions)
+            expected, gained = _change_of_energy(slip, state, trial)
             if gained <= 0.25 * expected:
                 self.gradient_step *= 1.5
-                return found
+                return trial
             self.gradient_step *= 0.4
-        return found
+        return trial
 
 
-def _change_of_energy(slip: FloatArray, state: DiscState, found: DiscState) -> tuple[float, float]:
+def _change_of_energy(slip: FloatArray, state: DiscState, changed: DiscState) -> tuple[float, float]:
     """Change of the energy from one state to another with the same forces: to first order, and exactly.
 
     It is not the difference of two energies: near the answer that would be lost in their round-off, long before the
     slip of lightly loaded cells is right.
     """
-    change = found.tractions - state.tractions
+    change = changed.tractions - state.tractions
     first = inner(slip, change)
-    return first, first + 0.5 * inner(change, found.displacement - state.displacement)
+    return first, first + 0.5 * inner(change, changed.displacement - state.displacement)
 
 
 def _across(field: FloatArray, unit: FloatArray) -> FloatArray:
@@ -258,5 +259,5 @@ def _across(field: FloatArray, unit: FloatArray) -> FloatArray:
     return np.asarray(field - unit * np.einsum("kij,kij->ij", unit, field))
 
 
-def _ratio(part: float, whole: float) -> float:
-    return part / whole if whole > 0.0 else (0.0 if part == 0.0 else np.inf)
+def _ratio(numerator: float, denominator: float) -> float:
+    return numerator / denominator if denominator > 0.0 else (0.0 if numerator == 0.0 else np.inf)

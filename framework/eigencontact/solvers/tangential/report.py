@@ -1,4 +1,4 @@
-"""What the tangential solver says about its answer."""
+"""Report of the tangential solver."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Overloaded(SceneError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TangentialOptions:
-    """How to solve.
+    """Options of the tangential solver.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class TangentialSolver:
         SceneError
             A bound that is negative or not finite.
         """
-        began, report, done = perf_counter(), TangentialReport(), self.operator.applications
+        began, report, before = perf_counter(), TangentialReport(), self.operator.applications
         require(bound.shape == self.grid.shape, "friction", "bound", bound.shape, f"of shape {self.grid.shape}")
         if not (np.all(np.isfinite(bound)) and float(bound.min()) >= 0):
             raise SceneError(
@@ -184,7 +184,7 @@ class TangentialSolver:
         try:
             return self._solve(bound, offset, control, start, report, tolerance or self.options.tolerance, progress)
         finally:
-            report.convolutions = self.operator.applications - done
+            report.convolutions = self.operator.applications - before
             report.seconds = perf_counter() - began
 
     def slid(
@@ -212,9 +212,9 @@ class TangentialSolver:
         report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=0.0)
         displacement = np.zeros_like(shear)
         if box is not None:
-            whole, done = Box(0, self.grid.ny, 0, self.grid.nx), self.operator.applications
-            displacement = self.operator.apply(shear[:, *box.slices], box, whole)
-            report.convolutions = self.operator.applications - done
+            window, before = Box(0, self.grid.ny, 0, self.grid.nx), self.operator.applications
+            displacement = self.operator.apply(shear[:, *box.slices], box, window)
+            report.convolutions = self.operator.applications - before
         return TangentialSolution(
             shear=shear, displacement=displacement, rigid=rigid, report=report,
             slip=displacement + offset - np.einsum("m,mkij->kij", rigid, fields),
@@ -233,8 +233,8 @@ class TangentialSolver:
         progress: Progress | None,
     ) -> TangentialSolution:
         grid, options = self.grid, self.options
-        whole = Box(0, grid.ny, 0, grid.nx)
-        box = whole if options.periodic else Box.around(bound > 0)
+        window = Box(0, grid.ny, 0, grid.nx)
+        box = window if options.periodic else Box.around(bound > 0)
         if box is None:
             return self._without_contact(offset, control, report)
         cut = (slice(None), *box.slices)
@@ -248,14 +248,14 @@ class TangentialSolver:
         sizes = np.array([float(np.abs(mode).max()) or 1.0 for mode in modes])
         forces = np.array(list(free.values())) / (traction * grid.cell_area)
         plane = RigidPlane(modes / sizes[:, None, None, None], forces / sizes) if free else RigidPlane(modes, forces)
-        here = offset[cut].copy()
+        offset_in_box = offset[cut].copy()
         for mode, value in control.displacements().items():
             if value:
-                here -= value * fields[mode][cut]
+                offset_in_box -= value * fields[mode][cut]
         problem = DiscProblem(
             apply=lambda q: self.operator.apply(q, box, box) / unit,
             precondition=lambda r: self.operator.precondition(r, box),
-            offset=here / length,
+            offset=offset_in_box / length,
             bound=bound[box.slices] / traction,
             modes=plane,
         )
@@ -265,7 +265,7 @@ class TangentialSolver:
             if progress is not None:
                 progress(f"friction, {grid.nx} x {grid.ny} cells", residual, tolerance)
 
-        first = np.zeros_like(here) if start is None else start[cut] / traction
+        first = np.zeros_like(offset_in_box) if start is None else start[cut] / traction
         try:
             state = solve_discs(
                 problem, first, tolerance=0.7 * tolerance, max_iterations=options.max_iterations,
@@ -300,11 +300,11 @@ class TangentialSolver:
     ) -> TangentialSolution:
         """Check the friction conditions with a convolution of their own, which also serves outside the contact."""
         grid, (box, traction) = self.grid, scale
-        whole = Box(0, grid.ny, 0, grid.nx)
+        window = Box(0, grid.ny, 0, grid.nx)
         fields = mode_fields(grid, self.components)
         shear = np.zeros((len(self.components), *grid.shape))
         shear[:, *box.slices] = state.tractions * traction
-        displacement = self.operator.apply(shear[:, *box.slices], box, whole)
+        displacement = self.operator.apply(shear[:, *box.slices], box, window)
         slip = displacement + offset - np.einsum("m,mkij->kij", rigid, fields)
         loaded = bound > 0
         largest = float(np.max(length_of(displacement) * loaded)) or np.inf
@@ -338,14 +338,14 @@ class TangentialSolver:
     def _overloaded(self, bound: FloatArray, free: Mapping[int, float], fields: FloatArray) -> Overloaded:
         capacity = self._capacity(bound, fields)
         units = ("N", "N", "N m")
-        said = ", ".join(
+        forces = ", ".join(
             f"{MODES[mode][1]} {value:.6g} of at most {capacity[mode]:.6g} {units[mode]}"
             for mode, value in free.items()
         )
         displacement = MODES[next(iter(free))][0]
         resultant = float(np.hypot(free.get(0, 0.0), free.get(1, 0.0)))
         return Overloaded(
-            f"step.{MODES[next(iter(free))][1]} must be below what friction carries together (got {said}); lower it, "
+            f"step.{MODES[next(iter(free))][1]} must be below what friction carries together (got {forces}); lower it, "
             f"or prescribe {displacement} to slide",
             at_any_place=resultant >= float(bound.sum()) * self.grid.cell_area,
         )
