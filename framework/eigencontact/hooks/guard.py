@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import threading
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -23,6 +24,8 @@ __all__ = ["guard_methods", "plugin_code", "reason_of"]
 #: Packages whose classes are bases of plugins and no plugins.
 _BASES = ("eigencontact", "builtins", "abc", "typing")
 _MARK = "_eigencontact_guarded"
+#: Whether the thread is inside the code of a plugin: a plugin that calls another is one place to come back to.
+_NESTED = threading.local()
 
 
 @contextmanager
@@ -48,7 +51,8 @@ def plugin_code(
     Traceback (most recent call last):
     eigencontact.errors.PluginError: plugin 'torus' failed with SystemExit: 0
     """
-    folder = _working_directory()
+    outermost, _NESTED.inside = not getattr(_NESTED, "inside", False), True
+    folder = _working_directory() if outermost else None  # asking takes longer than a small call
     try:
         yield
     except BaseException as problem:
@@ -56,6 +60,7 @@ def plugin_code(
             raise
         raise PluginError(message(problem)) from problem
     finally:
+        _NESTED.inside = not outermost
         if folder is not None and _working_directory() != folder:
             with suppress(OSError):
                 os.chdir(folder)

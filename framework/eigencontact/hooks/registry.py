@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import lru_cache
 from typing import Any, get_type_hints
 
 from eigencontact.errors import PluginError, nearest
@@ -16,6 +17,12 @@ __all__ = ["BUNDLED", "OF_FILE", "BrokenPlugin", "Entry", "Registry"]
 BUNDLED = "eigencontact"
 #: What the version of a single file begins with: a hash of its text follows.
 OF_FILE = "sha256:"
+
+
+@lru_cache(maxsize=1024)
+def _annotations(component: type) -> dict[str, Any]:
+    """Annotations of a class, evaluated once: registries are filled again and again."""
+    return get_type_hints(component, include_extras=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +103,7 @@ class Registry:
         if not (isinstance(key, str) and re.fullmatch(r"[^\s:]+", key)):
             raise PluginError(f"{name}.key must be a non-empty text without blanks and ':' (got {key!r})")
         try:
-            get_type_hints(component, include_extras=True)
+            _annotations(component)
         except Exception as problem:
             raise PluginError(
                 f"annotations of {name} must be known when it runs (got {type(problem).__name__}: {problem}); "
