@@ -10,6 +10,7 @@ from close import close
 from eigencontact.app import installed_plugins
 from eigencontact.core.tensors import to_mandel
 from eigencontact.execution.blocks.increment import Increment
+from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.responding import places_solved
 from eigencontact.execution.interiors.uniform_inclusions import Wholes
 from eigencontact.model.model import build_model
@@ -19,8 +20,7 @@ E, NU, RADIUS, DEPTH, RATIO = 210e9, 0.3, 1e-6, 20e-6, 3.0
 VOLUME = 4 / 3 * np.pi * RADIUS**3
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 AT_REST = Increment(
-    times=(0.0, 1.0), begin={}, control=None, tangential=None, separation=None, material=None, worn={}, slide=None,
-    moved=False, progress=None,
+    times=(0.0, 1.0), begin={}, control=None, tangential=None, surface=Surface(), progress=None,
 )  # fmt: skip
 
 

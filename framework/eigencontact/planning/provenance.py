@@ -33,15 +33,16 @@ def run_info(plan: Plan) -> RunInfo:
 
     from eigencontact.core.material import contact_modulus
     from eigencontact.model.bodies import layered_bodies, layers_as_data, without_layers
-    from eigencontact.planning.borders import line_borders, sections_of
     from eigencontact.planning.explain import references, told
     from eigencontact.plugin import LayeredMedium
 
-    outlines = {}
+    borders: dict[str, Any] = {}
     if plan.sources:
-        from eigencontact.model.outlines import outlines as outlines_of
+        from eigencontact.model.outlines import outlines
+        from eigencontact.planning.borders import line_borders, sections_of
 
-        outlines = outlines_of(plan)
+        sections = sections_of(plan, plan.sources[:_MOST])
+        borders = {"outlines": outlines(plan), "sections": sections, "lines": line_borders(plan)}
     resolved = plan.scene.resolved()
     homogeneous = bool(plan.geometries) and not layered_bodies(plan.bodies)
     return RunInfo(
@@ -55,10 +56,8 @@ def run_info(plan: Plan) -> RunInfo:
         precisions={one.operator: one.chosen for one in plan.precisions},
         contact_modulus=contact_modulus(*without_layers(plan.bodies)) if homogeneous else None,
         steps=plan.steps,
-        outlines=outlines,
         inclusions=tuple(_inclusion(source) for source in plan.sources[:_MOST]),
-        sections=sections_of(plan, plan.sources[:_MOST]),
-        lines=line_borders(plan),
+        **borders,
         layers={
             str(number): layers_as_data(body)
             for number, body in enumerate(plan.bodies, 1)
