@@ -53,7 +53,8 @@ class Stiffness(Stateless):
 def told(tmp_path, monkeypatch):
     """Console, summary, report, sweep table and reference page of a scene with one number more of each sort."""
     blocks = separation.blocks_beside_contact
-    monkeypatch.setattr(separation, "blocks_beside_contact", lambda model, **options: [*blocks(model, **options), Stiffness()])
+    more = lambda model, **options: [*blocks(model, **options), Stiffness()]  # noqa: E731
+    monkeypatch.setattr(separation, "blocks_beside_contact", more)
     (tmp_path / "mean.py").write_text(STRANGER)
     scene = {**SCENE, "plugins": ["mean.py"], "observers": [{"type": "window-spread"}]}
     (tmp_path / "scene.toml").write_text(_toml(scene))
