@@ -18,11 +18,15 @@ __all__ = ["run_bytes"]
 _STEPS = 34e6
 #: Libraries that are loaded where they are needed first: those that store, those that compile the loops over cells
 #: inside bodies, and those that draw in this process.
-_STORING, _COMPILING, _DRAWING = 14e6, 60e6, 75e6
-#: Process that draws: 124 to 160 MB with bundled scenes. Each further core has a copy that shares most of it.
-_PAINTER, _COPY = 145e6, 20e6
-#: An animation, which this process draws and encodes after the last step: 190 to 215 MB with bundled scenes.
-_FILM = 225e6
+_STORING = 14e6
+_COMPILING = 60e6
+_DRAWING = 75e6
+#: Process that draws: 168 to 172 MB with bundled scenes.
+_PAINTER = 170e6
+#: Copy of this process for each further core, beyond what the copies share: 0 (few pictures) to 71 MB.
+_COPY = 50e6
+#: An animation, which this process draws and encodes after the last step: 390 and 500 MB with bundled scenes.
+_FILM = 500e6
 
 
 def run_bytes(plan: Plan, *, stored: bool = True, painter: bool = True) -> float:
