@@ -170,7 +170,7 @@ def test_own_damage_law_agrees_with_finite_elements(command, desk):
     printed = succeeded(command("verify", "--plugin", "my_damage.py", "--quick"))
     assert "7 verdicts: 0 disagrees" in printed
     undecided = [line for line in printed.splitlines() if line.startswith("inconclusive: ")]
-    assert len(undecided) <= 1
+    assert len(undecided) <= 2  # a small component, and damage at a kink
     assert all("; repeat with --refine " in line for line in undecided)
 
 

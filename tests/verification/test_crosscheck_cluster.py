@@ -129,10 +129,10 @@ def test_plugin_files_reach_workers(command, tmp_path, monkeypatch):
     path.write_text(BALL, encoding="utf-8")
     known = module.typer.echo
 
-    def echo(words, *, err=False):
+    def echo(words, **options):
         if "workers" in words:
             path.unlink()
-        known(words, err=err)
+        known(words, **options)
 
     monkeypatch.setattr(module.typer, "echo", echo)
     monkeypatch.setattr(module, "_chosen", only_the_answer)
