@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from math import fsum
 from typing import Any, Literal
 
-__all__ = ["Number", "accumulate", "by_name"]
+from eigencontact.core.units import readable
+
+__all__ = ["Number", "accumulate", "by_name", "headline_numbers"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -62,6 +64,12 @@ class Number:
         """Words before the value."""
         return self.label or self.name.replace("_", " ")
 
+    def text(self, value: float) -> str:
+        """Value with its unit, for people."""
+        if self.unit in ("1", "unknown"):
+            return f"{value:.4g}"
+        return readable(value, self.unit.replace("m2", "m^2").replace("m3", "m^3"))
+
     def of_run(self, values: Iterable[float | None]) -> float | None:
         """Value for a run from the values of its steps; None where no step has one."""
         listed = list(values)
@@ -96,6 +104,25 @@ def by_name(numbers: Iterable[Number]) -> dict[str, Number]:
     for number in numbers:
         listed.setdefault(number.name, number)
     return listed
+
+
+def headline_numbers(numbers: Iterable[Number], values: Mapping[str, float | None]) -> list[Number]:
+    """Headline numbers that have a value, without those that a number other than zero replaces.
+
+    Examples
+    --------
+    >>> solved = Number(name="solved", unit="J", meaning="work", headline=True)
+    >>> whole = Number(name="whole", unit="J", meaning="work of all cycles", headline=True, replaces="solved")
+    >>> [number.name for number in headline_numbers([solved, whole], {"solved": 1.0, "whole": 9.0})]
+    ['whole']
+    """
+    listed = list(numbers)
+    replaced = {number.replaces for number in listed if values.get(number.name)}
+    return [
+        number
+        for number in listed
+        if number.headline and number.name not in replaced and values.get(number.name) is not None
+    ]
 
 
 def accumulate(numbers: Mapping[str, Number], total: dict[str, float], values: Mapping[str, float]) -> None:

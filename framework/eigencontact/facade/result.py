@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.core.arrays import is_whole
 from eigencontact.core.html_table import html_table
-from eigencontact.core.numbers import Number
-from eigencontact.core.units import readable
+from eigencontact.core.numbers import Number, headline_numbers
 from eigencontact.errors import SceneError, require
 from eigencontact.facade.arguments import length
 from eigencontact.library import field_points, installed_plugins
@@ -341,12 +340,10 @@ class ContactResult:
         return (self.steps if self._wanted is None else self._wanted) - 1
 
     def _rows(self) -> list[tuple[str, str]]:
-        rows = []
-        for name, number in ((name, Number(**table)) for name, table in self.summary["numbers"].items()):
-            if number.headline and name in self.dataset and np.isfinite(value := self._number(name)):
-                unit = number.unit.replace("m2", "m^2")
-                rows.append((number.words, f"{value:.3g}" if unit == "1" else readable(value, unit)))
-        return rows
+        declared = [Number(**table) for name, table in self.summary["numbers"].items() if name in self.dataset]
+        values = {number.name: self._number(number.name) for number in declared}
+        numbers = headline_numbers(declared, {name: value for name, value in values.items() if np.isfinite(value)})
+        return [(number.words, number.text(values[number.name])) for number in numbers]
 
     def __repr__(self) -> str:
         rows = [f"{label} {value}" for label, value in self._rows() if label != "contact area"]

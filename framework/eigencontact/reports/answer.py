@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from eigencontact.core.numbers import headline_numbers
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -38,9 +40,9 @@ def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
 
 def cards(columns: Iterable[Column]) -> list[Column]:
     """Headline numbers, in the order of the columns, without those that another number replaces."""
-    listed = list(columns)
-    replaced = {column.number.replaces for column in listed if column.largest}
-    return [column for column in listed if column.number.headline and column.name not in replaced]
+    by_name = {column.name: column for column in columns}
+    largest = {name: column.largest for name, column in by_name.items()}
+    return [by_name[number.name] for number in headline_numbers((c.number for c in by_name.values()), largest)]
 
 
 def _sentence(column: Column, error: Column | None, steps: Sequence[int]) -> str:

@@ -9,8 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eigencontact.core.numbers import Number
-from eigencontact.core.units import readable
+from eigencontact.core.numbers import Number, headline_numbers
 from eigencontact.results.atomic import replacing
 from eigencontact.results.ownership import SUMMARY
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from eigencontact.results.records import RunInfo, StepRecord
 
 __all__ = ["headlines", "summary_of", "write_summary"]
+
 
 def summary_of(
     info: RunInfo, record: StepRecord, history: Sequence[Mapping[str, Any]], extra: Mapping[str, Any]
@@ -83,16 +83,13 @@ def headlines(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     >>> headlines({"numbers": {"contact_radius": radius}, "contact_radius": 6e-6, "observed": {}, "history": []})
     [('contact radius', '6 um')]
     """
-    rows = []
     declared = {name: Number(**table) for name, table in summary["numbers"].items()}
-    replaced = {number.replaces for name, number in declared.items() if summary.get(name)}
-    for name, number in declared.items():
+    values: dict[str, Any] = {}
+    for name in declared:
         value = summary.get(name, summary["observed"].get(name))
-        changed = value or any(row.get(name) for row in summary["history"])
-        if number.headline and name not in replaced and value is not None and changed:
-            unit = number.unit.replace("m2", "m^2").replace("m3", "m^3")
-            rows.append((number.words, f"{value:.4g}" if unit in ("1", "unknown") else readable(value, unit)))
-    return rows
+        if value or any(row.get(name) for row in summary["history"]):
+            values[name] = value
+    return [(number.words, number.text(values[number.name])) for number in headline_numbers(declared.values(), values)]
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> Path:
