@@ -160,7 +160,7 @@ pictures = false
 @pytest.fixture
 def install(tmp_path, monkeypatch):
     """Install a package with an entry point the way pip leaves it: a module and its ``.dist-info`` on ``sys.path``."""
-    from eigencontact.app import installed_plugins
+    from eigencontact.scene.installed import installed_plugins
 
     site = tmp_path / "site"
     site.mkdir()

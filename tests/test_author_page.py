@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from eigencontact.app import installed_plugins
 from eigencontact.cli import app
 from eigencontact.hooks.files import with_files
 from eigencontact.plugin import KINDS
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.conformance import checks_for
 
 PAGES = Path(__file__).resolve().parent.parent / "docs" / "plugins"

@@ -77,7 +77,9 @@ def test_the_page_follows_three_scenes_and_counts_their_files():
 @pytest.mark.parametrize(
     "folder",
     [
-        "framework/eigencontact", "framework/eigencontact/execution", "plugins/eigencontact_plugins",
+        "framework/eigencontact",
+        "framework/eigencontact/execution",
+        "plugins/eigencontact_plugins",
         "verification/eigencontact_verification",
     ],
 )

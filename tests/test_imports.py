@@ -87,7 +87,7 @@ def test_a_run_with_wear_loads_it():
 
 
 def test_plugins_are_listed_without_scipy():
-    modules = loaded("from eigencontact.app import installed_plugins; installed_plugins()")
+    modules = loaded("from eigencontact.scene.installed import installed_plugins; installed_plugins()")
     assert not modules & {"scipy", "matplotlib", "vtk", "pyvista", "skfem", "xarray"}
 
 

@@ -77,7 +77,7 @@ def test_what_users_meet_has_an_example():
         if inspect.isfunction(item) or (inspect.isclass(item) and not getattr(item, "_is_protocol", False)):
             met.append((name, item))
     for name, item in list(met):
-        if inspect.isclass(item) and item.__module__.startswith("eigencontact.facade"):
+        if inspect.isclass(item) and item.__module__.startswith("eigencontact.library"):
             own = {method: value for base in item.__mro__[:-1] for method, value in vars(base).items()}
             met += [
                 (f"{name}.{method}", value)

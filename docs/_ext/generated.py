@@ -17,12 +17,12 @@ from sphinx.config import Config
 from typer.main import get_command
 
 from eigencontact.cli import app as command_line
-from eigencontact.library import installed_plugins
 from eigencontact.listing import plugin_data
 from eigencontact.reference.numbers import numbers_as_markdown
 from eigencontact.reference.tables import all_tables
 from eigencontact.reference.text import as_markdown
 from eigencontact.reports.citations import citations
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.loader import bundled_names
 
 

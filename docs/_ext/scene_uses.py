@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from eigencontact.library import installed_plugins
 from eigencontact.listing import plugin_data
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.loader import bundled_names, bundled_text
 
 #: Key of a scene whose table names a plugin by `type`, and the kind of that plugin.

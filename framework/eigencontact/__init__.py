@@ -18,15 +18,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from eigencontact.afterwards import open_results, region
-    from eigencontact.app import explain, load_scene, make, plan, rectangle_field, run
+    from eigencontact.app import explain, load_scene, plan, run
     from eigencontact.errors import EigencontactError, NotConverged
-    from eigencontact.facade.bodies import HalfSpace, Layered
-    from eigencontact.facade.contact import solve_contact
-    from eigencontact.facade.result import ContactResult
-    from eigencontact.facade.voxels import Voxels
-    from eigencontact.inclusions import inclusion_field
-    from eigencontact.pictures.plot import plot
+    from eigencontact.library.bodies import HalfSpace, Layered
+    from eigencontact.library.components import make, rectangle_field
+    from eigencontact.library.contact import solve_contact
+    from eigencontact.library.inclusions import inclusion_field
+    from eigencontact.library.result import ContactResult
+    from eigencontact.library.voxels import Voxels
+    from eigencontact.postprocess.plot import plot
+    from eigencontact.postprocess.stored_run import open_results, region
     from eigencontact.reports.report import report
     from eigencontact.scene.schema import Scene
     from eigencontact.sweeps.sweep import sweep
@@ -56,13 +57,13 @@ __all__ = [
 __version__ = "0.1.0"
 
 # Public names and the module that defines each: resolved on first use, so that importing the package stays light.
-_HOMES = dict.fromkeys(("explain", "load_scene", "make", "plan", "rectangle_field", "run"), "app")
-_HOMES |= {"open_results": "afterwards", "region": "afterwards"}
+_HOMES = dict.fromkeys(("explain", "load_scene", "plan", "run"), "app")
+_HOMES |= {"open_results": "postprocess.stored_run", "region": "postprocess.stored_run", "plot": "postprocess.plot"}
 _HOMES |= {"Scene": "scene.schema", "EigencontactError": "errors", "NotConverged": "errors"}
-_HOMES |= {"inclusion_field": "inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
-_HOMES |= {"HalfSpace": "facade.bodies", "Layered": "facade.bodies", "Voxels": "facade.voxels"}
-_HOMES |= {"solve_contact": "facade.contact", "ContactResult": "facade.result"}
-_HOMES |= {"plot": "pictures.plot"}
+_HOMES |= {"inclusion_field": "library.inclusions", "sweep": "sweeps.sweep", "report": "reports.report"}
+_HOMES |= {"HalfSpace": "library.bodies", "Layered": "library.bodies", "Voxels": "library.voxels"}
+_HOMES |= {"solve_contact": "library.contact", "ContactResult": "library.result"}
+_HOMES |= {"make": "library.components", "rectangle_field": "library.components"}
 
 
 def __getattr__(name: str) -> Any:

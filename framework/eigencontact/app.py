@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from eigencontact.core.stopwatch import Stopwatch
 from eigencontact.errors import DomainTooSmall, SceneError, shown
 from eigencontact.hooks.registry import Registry
-from eigencontact.library import installed_plugins, make, rectangle_field
 
 if TYPE_CHECKING:
     import xarray
@@ -33,11 +32,8 @@ if TYPE_CHECKING:
 __all__ = [
     "RunResult",
     "explain",
-    "installed_plugins",
     "load_scene",
-    "make",
     "plan",
-    "rectangle_field",
     "run",
 ]
 
@@ -242,9 +238,7 @@ def run(
             painter=painter,
         )
     if resume:
-        raise SceneError(
-            "resume must be given with a folder (got folder=None); a run in memory leaves nothing behind"
-        )
+        raise SceneError("resume must be given with a folder (got folder=None); a run in memory leaves nothing behind")
     from eigencontact.planning.memory import run_bytes
     from eigencontact.planning.provenance import run_info
     from eigencontact.results.memory import MemoryStore
@@ -348,7 +342,7 @@ def _solve(
 
 def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     """Numbers of all steps, and the warnings about their accuracy."""
-    from eigencontact.worth.noticed import noticed
+    from eigencontact.warnings_.after import noticed
 
     history = store.history(last)
     return {"history": history, "warnings": [caution.to_dict() for caution in noticed(planned, last, history)]}

@@ -19,7 +19,7 @@ from eigencontact import completion
 from eigencontact.command_help import PANELS, HelpfulCommand, HelpfulGroup, panel_of
 from eigencontact.errors import EigencontactError, PluginError
 from eigencontact.hooks.guard import plugin_code, reason_of
-from eigencontact.pictures.command import plot
+from eigencontact.postprocess.command import plot
 from eigencontact.skeleton import TEMPLATES
 
 __all__ = ["main"]
@@ -218,7 +218,8 @@ def explain(scene: SceneArgument, *, changes: SetOption = None, as_json: JsonOpt
 @app.command(cls=HelpfulCommand)
 def plugins(
     key: Annotated[
-        str | None, typer.Argument(
+        str | None,
+        typer.Argument(
             help="Show parameters and sources of one plugin or file.", autocompletion=completion.plugin_keys
         ),
     ] = None,
@@ -229,8 +230,8 @@ def plugins(
 
     Example: `eigencontact plugins torus.py` tests your plugin file.
     """
-    from eigencontact.app import installed_plugins
     from eigencontact.listing import file_data, plugin_data, plugin_text
+    from eigencontact.scene.installed import installed_plugins
 
     try:
         of_file = key is not None and key.endswith(".py")
@@ -259,9 +260,9 @@ def schema(
     Example: `eigencontact schema --json > scene.schema.json`, and in the first line of a scene
     `#:schema ./scene.schema.json`, so that an editor completes keys.
     """
-    from eigencontact.app import installed_plugins
     from eigencontact.hooks.files import with_files
     from eigencontact.reference.command import schema_text
+    from eigencontact.scene.installed import installed_plugins
 
     try:
         typer.echo(schema_text(with_files(installed_plugins(), plugin or []), table, as_json=as_json))

@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from eigencontact import completion
-from eigencontact.app import installed_plugins
 from eigencontact.reference.tables import all_tables
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.loader import bundled_names
 
 

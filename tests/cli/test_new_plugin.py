@@ -10,8 +10,8 @@ import pytest
 
 from eigencontact.errors import PluginError
 from eigencontact.hooks.files import with_files
-from eigencontact.library import installed_plugins
 from eigencontact.plugin import KINDS
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.skeleton import TEMPLATES, write_package
 
 

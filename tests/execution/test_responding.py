@@ -7,13 +7,13 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.app import installed_plugins
 from eigencontact.core.tensors import to_mandel
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.surface import Surface
 from eigencontact.execution.interiors.responding import places_solved
 from eigencontact.execution.interiors.uniform_inclusions import Wholes
 from eigencontact.model.model import build_model
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.oracles.eshelby_sphere import isotropic_stiffness, sphere_in_body
 
 E, NU, RADIUS, DEPTH, RATIO = 210e9, 0.3, 1e-6, 20e-6, 3.0

@@ -10,7 +10,7 @@ from bodies import STEEL_TABLE as STEEL
 from close import close
 from eigencontact.cli import app
 from eigencontact.results.records import RegionRecord, StepRecord
-from eigencontact.worth.noticed import noticed
+from eigencontact.warnings_.after import noticed
 
 A, CARRIED = 20e-6, 12.307 * 0.5  # contact radius, and what friction carries
 

@@ -10,7 +10,7 @@ from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.interiors.material_cells import MaterialCells, risen
 from eigencontact.execution.run.driver import drive
 from eigencontact.model.boxes import box_of_inhomogeneities
-from eigencontact.worth.noticed import noticed
+from eigencontact.warnings_.after import noticed
 
 #: Case WR-17, as in test_worn_layers.
 H, E, NU = 20e-6, 210e9, 0.3

@@ -60,9 +60,7 @@ def test_eigenstrain_by_voxels_adds_the_field_of_the_cuboid():
     for quantity in ("stress", "displacement"):
         whole = getattr(found, quantity)(points)
         tractions = getattr(STEEL, quantity)(points, pressure=found.pressure, spacing="0.5 um")
-        exact = ec.inclusion_field(
-            box, 1e-3 * np.eye(3), points, young_modulus=E, poisson_ratio=NU, quantity=quantity
-        )
+        exact = ec.inclusion_field(box, 1e-3 * np.eye(3), points, young_modulus=E, poisson_ratio=NU, quantity=quantity)
         np.testing.assert_allclose(whole - tractions, exact, atol=2e-5 * np.abs(exact).max())
 
 

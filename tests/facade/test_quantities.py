@@ -46,9 +46,9 @@ def rectangle(traction=(0, 0, 1e6), widths=(1e-6, 1e-6), points=POINT):
 CONVERTED = {
     "gap": lambda q: of_gap(q(GAP * 1e6, "um", GAP)).pressure,
     "gap, rows": lambda q: of_gap([q(row * 1e9, "nm", row) for row in GAP]).pressure,
-    "gap, DataArray": lambda q: of_gap(
-        GAP if q is plain else xarray.DataArray(GAP * 1e6, attrs={"units": "um"})
-    ).pressure,
+    "gap, DataArray": lambda q: (
+        of_gap(GAP if q is plain else xarray.DataArray(GAP * 1e6, attrs={"units": "um"})).pressure
+    ),
     "spacing": lambda q: of_gap(GAP, spacing=q(1.0, "um", 1e-6)).pressure,
     "spacing, pair": lambda q: of_gap(GAP, spacing=q([1.0, 1.0], "um", [1e-6, 1e-6])).pressure,
     "size": lambda q: of_gap(GAP, spacing=None, size=q(16.0, "um", 16e-6)).pressure,
@@ -67,13 +67,15 @@ CONVERTED = {
         ec.Layered([(q(2.0, "um", 2e-6), q(420.0, "GPa", 420e9), 0.25)], substrate=STEEL).solid.interfaces
     ),
     "voxels": lambda q: ec.Voxels(LABELS, q(0.5, "um", 5e-7), {}, origin=q([0.0, 0, 1], "um", [0, 0, 1e-6])).origin,
-    "inclusions": lambda q: ec.solve_contact(
-        BALL,
-        ec.HalfSpace("210 GPa", 0.3, inclusions=VOID | {"center": q([0.0, 0, 4], "um", [0, 0, 4e-6])}),
-        load=0.1,
-        size="16 um",
-        cells=16,
-    ).pressure,
+    "inclusions": lambda q: (
+        ec.solve_contact(
+            BALL,
+            ec.HalfSpace("210 GPa", 0.3, inclusions=VOID | {"center": q([0.0, 0, 4], "um", [0, 0, 4e-6])}),
+            load=0.1,
+            size="16 um",
+            cells=16,
+        ).pressure
+    ),
     "stress": lambda q: STEEL.stress(
         q([[0.0, 0, 1]], "um", POINT), pressure=q(DISC * 1e-6, "MPa", DISC), spacing=q(1.0, "um", 1e-6)
     ),

@@ -105,9 +105,7 @@ def test_friction():
 def test_layers():
     alike = ec.Layered([("2 um", E, NU), ("1 um", E, NU)], substrate=(E, NU))
     stiff = ec.Layered([("2 um", 2 * E, NU)], substrate=STEEL)
-    one, other, hard = (
-        ec.solve_contact(GAP, body, load=LOAD, spacing=DX) for body in (STEEL, alike, stiff)
-    )
+    one, other, hard = (ec.solve_contact(GAP, body, load=LOAD, spacing=DX) for body in (STEEL, alike, stiff))
     np.testing.assert_allclose(other.pressure, one.pressure, atol=1e-4 * P0)
     points = [[0, 0, 1e-6], [2e-6, 0, 3e-6]]
     np.testing.assert_allclose(other.stress(points), one.stress(points), atol=1e-4 * P0)

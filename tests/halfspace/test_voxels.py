@@ -14,9 +14,9 @@ from eigencontact.halfspace.points import field_at_points
 from eigencontact.halfspace.potentials import derivatives
 from eigencontact.halfspace.voxelised import VoxelisedShape
 from eigencontact.halfspace.voxels import volume_fractions, voxels_across
-from eigencontact.library import installed_plugins
 from eigencontact.model.installed import installed_cell
 from eigencontact.plugin import InclusionShape
+from eigencontact.scene.installed import installed_plugins
 
 
 class Ball:

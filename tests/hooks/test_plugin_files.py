@@ -12,9 +12,9 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.app import installed_plugins
 from eigencontact.errors import PluginError, ResultsError
 from eigencontact.reports.report import report
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.commands.check import _example
 from eigencontact_verification.commands.verify import _of_files
 from eigencontact_verification.crosscheck import cases

@@ -7,8 +7,8 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.app import installed_plugins
 from eigencontact.plugin import KINDS
+from eigencontact.scene.installed import installed_plugins
 
 GOOD = '''
 from dataclasses import dataclass

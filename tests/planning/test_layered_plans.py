@@ -11,8 +11,8 @@ import pytest
 
 import eigencontact as ec
 from eigencontact.errors import PluginError
-from eigencontact.library import installed_plugins
 from eigencontact.plugin import LayeredMedium, Material
+from eigencontact.scene.installed import installed_plugins
 
 COATED = {
     "type": "bonded-layers",

@@ -36,9 +36,7 @@ def test_the_price_of_a_section_is_the_size_of_its_operator(name, monkeypatch):
 def test_what_a_run_takes_beside_its_arrays():
     plan = ec.plan("fretting-mode-3")
     base = resident_bytes() + plan.cost.peak
-    alone, stored, drawn = (
-        run_bytes(plan, **how) for how in ({"stored": False}, {"painter": False}, {})
-    )
+    alone, stored, drawn = (run_bytes(plan, **how) for how in ({"stored": False}, {"painter": False}, {}))
     assert base + 2e7 < alone <= stored < drawn
     assert drawn - alone > 1e8
     quiet = ec.plan(ec.load_scene("fretting-mode-3", ["output.pictures=false"]))

@@ -154,9 +154,7 @@ def test_a_ball_that_yields_by_its_own_law_in_a_body_that_yields_is_told_by_numb
     steel = "young-modulus='210 GPa', poisson-ratio=0.3"
     law = f"type='j2', {steel}, hardening={{type='perfect', yield-stress='3.7 GPa'}}" if material == "j2" else steel
     changes = ["grid.cells-per-contact-radius=5", "numerics.inclusion-pitch='3 um'", "stress=[]"]
-    planned = ec.plan(
-        ec.load_scene("hard-inclusion-in-plastic-matrix", [*changes, f"inclusions.0.material={{{law}}}"])
-    )
+    planned = ec.plan(ec.load_scene("hard-inclusion-in-plastic-matrix", [*changes, f"inclusions.0.material={{{law}}}"]))
     found = [caution for caution in planned.cautions if caution.code == "law-regions"]
     assert len(found) == told
     if told:

@@ -289,7 +289,6 @@ def test_the_zero_wave_carries_the_load_and_nothing_else():
 # --- table and messages -------------------------------------------------------------------------------------------
 
 
-
 def test_bonded_layers_are_registered():
     registry = load_plugins(KINDS, discovered=(), extra=[stack])
     assert not registry.broken

@@ -7,7 +7,7 @@ import pytest
 
 import eigencontact as ec
 from close import close
-from eigencontact.afterwards import draw
+from eigencontact.postprocess.stored_run import draw
 from eigencontact.results.ownership import is_ours
 
 COARSE = [

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from eigencontact.afterwards import draw
 from eigencontact.errors import ResultsError, SceneError
+from eigencontact.postprocess.stored_run import draw
 from eigencontact.results import netcdf
 from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore

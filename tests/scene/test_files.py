@@ -6,8 +6,8 @@ import tomli_w
 
 import eigencontact as ec
 from bodies import STEEL_TABLE as STEEL
-from eigencontact.app import installed_plugins
 from eigencontact.scene.files import anchored
+from eigencontact.scene.installed import installed_plugins
 from stopping import Stop, Stopper
 
 SPHERE = {"type": "sphere", "radius": 105e-6}

@@ -7,9 +7,9 @@ import numpy as np
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material, contact_modulus
 from eigencontact.errors import NotConverged
-from eigencontact.library import installed_plugins
 from eigencontact.model.installed import installed_influence
 from eigencontact.model.kernels import PairCoefficients
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.solvers.control import Control, mode_field
 from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.tangential.compliance import MatrixOperator

@@ -12,8 +12,8 @@ from eigencontact.core.material import Material
 from eigencontact.core.tensors import from_mandel, to_mandel
 from eigencontact.errors import SceneError
 from eigencontact.halfspace.points import field_at_points
-from eigencontact.library import installed_plugins
 from eigencontact.model.installed import installed_cell, installed_influence
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.image_pressure import ImagePressure, ImagePressureVolume
 

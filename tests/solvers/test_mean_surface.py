@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from close import close
-from eigencontact.app import installed_plugins
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material
 from eigencontact.model.installed import installed_cell, installed_influence
 from eigencontact.model.kernels import StressCoefficients
+from eigencontact.scene.installed import installed_plugins
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.eigenstrain_planes import PlaneFields
 from eigencontact.solvers.mean_surface import MeanStressKernel, SurfaceAndCells

@@ -22,9 +22,7 @@ def problem(matrix, offset, bound, forces=None):
 
 def solve(discs, tolerance=1e-10):
     residuals = []
-    state = solve_discs(
-        discs, np.zeros(SHAPE), tolerance=tolerance, max_iterations=60, on_iteration=residuals.append
-    )
+    state = solve_discs(discs, np.zeros(SHAPE), tolerance=tolerance, max_iterations=60, on_iteration=residuals.append)
     assert residuals[-1] == state.residual <= tolerance
     return state
 

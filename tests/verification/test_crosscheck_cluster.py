@@ -11,7 +11,7 @@ import pytest
 
 import analytic_cases
 import eigencontact_verification.crosscheck as package
-from eigencontact.app import installed_plugins
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.crosscheck.progress import Bar
 from hooks.test_plugin_files import BALL
 from sweep.test_cluster import free_port, scheduler, worker

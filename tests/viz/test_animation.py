@@ -11,7 +11,7 @@ from PIL import Image
 
 import eigencontact as ec
 from close import close
-from eigencontact.afterwards import draw
+from eigencontact.postprocess.stored_run import draw
 from eigencontact.results.ownership import is_ours
 from eigencontact.results.reader import open_results
 from eigencontact.results.store import ResultStore

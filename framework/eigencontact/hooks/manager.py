@@ -104,4 +104,3 @@ def _name_and_version(dist: Distribution) -> tuple[str, str]:
     """Name and version of an installed package."""
     metadata = dist.metadata
     return metadata["Name"], metadata["Version"]
-

@@ -172,9 +172,7 @@ def contacts_of_steps(
     return found
 
 
-def _growth(
-    scene: Scene, found: Sequence[tuple[ContactEstimate, Control, Separation]]
-) -> ContactGrowth | None:
+def _growth(scene: Scene, found: Sequence[tuple[ContactEstimate, Control, Separation]]) -> ContactGrowth | None:
     """Growth of the contact where a load step is even in its radius."""
     if not (found and any(spaced_by_radius(scene.steps, friction=scene.friction is not None))):
         return None

@@ -46,9 +46,7 @@ def cut_down(value: float, count: float, power: int = 1, each: float = BYTES_OF_
     return float(f"{floor(fitting / unit) * unit:.2g}")
 
 
-def refuse_more(
-    count: float, where: str, what: str, got: str, advice: str, each: float = BYTES_OF_ONE
-) -> None:
+def refuse_more(count: float, where: str, what: str, got: str, advice: str, each: float = BYTES_OF_ONE) -> None:
     """Refuse a size that cannot fit.
 
     Parameters

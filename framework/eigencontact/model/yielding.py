@@ -308,9 +308,7 @@ def _coarse_contacts(
         window = Grid(nx=nx, ny=ny, dx=edge, dy=edge, center=center)
         # A periodic contact that nearly fills its window is looked at in all of it.
         whole = periodic and max(nx * edge / grid.size[0], ny * edge / grid.size[1]) > 1.0
-        found = coarse_contact(
-            grid if whole else window, separation, normal, control, periodic=whole, cells=6 * ACROSS
-        )
+        found = coarse_contact(grid if whole else window, separation, normal, control, periodic=whole, cells=6 * ACROSS)
         # Where the coarse contact is not found, its largest pressure everywhere is on the safe side.
         yield found if found is not None else (window, np.full(window.shape, contact.peak))
 

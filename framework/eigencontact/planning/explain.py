@@ -12,8 +12,8 @@ from eigencontact.model.overlaps import WHAT_COUNTS, overlapping
 from eigencontact.model.resolution import percent
 from eigencontact.planning.memory import run_bytes
 from eigencontact.scene.steps import segments_of, solved_cycles, spaced_by_radius
-from eigencontact.worth.foreseen import worst_above
-from eigencontact.worth.understood import (
+from eigencontact.warnings_.before import worst_above
+from eigencontact.warnings_.sizes import (
     body_laws,
     contact_as_data,
     expected_lines,

@@ -14,7 +14,7 @@ from eigencontact.model.sources import Inhomogeneity
 from eigencontact.planning.plan import LeftOut
 from eigencontact.scene.steps import solved_cycles
 from eigencontact.scene.wear import Wear
-from eigencontact.worth.foreseen import shift_by_radius
+from eigencontact.warnings_.before import shift_by_radius
 
 __all__ = ["left_out"]
 

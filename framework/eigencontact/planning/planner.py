@@ -21,7 +21,7 @@ from eigencontact.planning.plan import Plan
 from eigencontact.scene.files import anchored
 from eigencontact.scene.labels import labels_in_messages
 from eigencontact.scene.schema import Scene
-from eigencontact.worth.foreseen import foreseen
+from eigencontact.warnings_.before import foreseen
 
 __all__ = ["make_plan"]
 

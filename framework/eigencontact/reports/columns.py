@@ -111,6 +111,5 @@ def telling(found: list[Column]) -> list[Column]:
     return [
         column
         for column in found
-        if column.number.role == "result"
-        and largest[column.name] > least.get(column.unit, 0.0)
+        if column.number.role == "result" and largest[column.name] > least.get(column.unit, 0.0)
     ]

@@ -34,13 +34,17 @@ def page(template: str, scene: str, content: Mapping[str, Any]) -> str:
     content : mapping
         What else the template names.
     """
-    made = _environment().get_template(template).render(
-        **content,
-        version=__version__,
-        style=_own("style.css"),
-        script=_own("surface.js"),
-        scene_marked=_highlighted(scene),
-        scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(scene.encode()).decode()}",
+    made = (
+        _environment()
+        .get_template(template)
+        .render(
+            **content,
+            version=__version__,
+            style=_own("style.css"),
+            script=_own("surface.js"),
+            scene_marked=_highlighted(scene),
+            scene_url=f"data:text/plain;charset=utf-8;base64,{b64encode(scene.encode()).decode()}",
+        )
     )
     return made if made.endswith("\n") else f"{made}\n"
 

@@ -134,9 +134,7 @@ def _content(source: Source) -> dict[str, Any]:
         "certificates": [column for column in found if column.number.role in ("certificate", "error")],
         "effort": [column for column in found if column.number.role == "effort"],
         "charts": [
-            (column, chart(column, source.steps), in_words(column, source.steps))
-            for column in numbers
-            if column.varies
+            (column, chart(column, source.steps), in_words(column, source.steps)) for column in numbers if column.varies
         ],
         "pictures": drawn,
         "drawn_anew": anew,

@@ -173,7 +173,7 @@ def _version() -> str:
 
 
 def _refuse_taken(kind: str, key: str) -> None:
-    from eigencontact.library import installed_plugins
+    from eigencontact.scene.installed import installed_plugins
 
     for entry in installed_plugins().named(key):
         if entry.kind == kind:

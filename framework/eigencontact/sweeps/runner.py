@@ -180,8 +180,8 @@ def _record(task: _Task, failed: str) -> None:
 
 def _computed(task: _Task, threads: int | None) -> tuple[dict[str, Any], dict[str, Any], str]:
     """Summary, fields, and damage of what was there; run it unless it is finished."""
-    from eigencontact.afterwards import open_results
     from eigencontact.app import run
+    from eigencontact.postprocess.stored_run import open_results
 
     scene, folder = task.variant.scene, task.folder
     assert scene is not None

@@ -160,7 +160,7 @@ def _place_and_field(
         raise SceneError(
             f"region must be a stored one that can be drawn: {listed(places)} (got {shown(region)})"
             f"{nearest(str(region), places)}; another one is described by a table, "
-            "'name = \"cut\", shape = \"plane\", depth-max = \"1 mm\"'"
+            '\'name = "cut", shape = "plane", depth-max = "1 mm"\''
         )
     if region is None and field is None and "pressure" not in surface:
         region = next(iter(regions), None)

@@ -149,7 +149,6 @@ class Cut:
         visible[points] = self.values[points]
         return self.sides.largest(visible)
 
-
     def flat(self, points: tuple[slice, slice]) -> bool:
         """Whether the largest magnitude among some points belongs to a plateau."""
         size = np.abs(np.where(self.sides.trusted, self.values, np.nan)[points])

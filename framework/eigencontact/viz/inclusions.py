@@ -74,9 +74,7 @@ def coatings(dataset: Results) -> tuple[Coating, ...]:
         return ()
     described = _inclusions(dataset)
     stored = [(int(n), described[int(n)]) for n in np.unique(dataset["section_table"].values[:, 0])]
-    return tuple(
-        Coating(n, item["body"], item["bounds"][1][2]) for n, item in stored if item["bounds"][0][2] <= 0.0
-    )
+    return tuple(Coating(n, item["body"], item["bounds"][1][2]) for n, item in stored if item["bounds"][0][2] <= 0.0)
 
 
 def _inclusions(dataset: Results) -> list[dict[str, Any]]:

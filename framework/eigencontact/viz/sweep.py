@@ -130,9 +130,7 @@ def _map(axes: Axes, values: xarray.DataArray, limits: tuple[float, float] | Non
     axes.figure.colorbar(mesh, ax=axes, label=_with_unit(str(values.name), scale.unit))
 
 
-def _curves(
-    axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, limits: tuple[float, float] | None
-) -> None:
+def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, limits: tuple[float, float] | None) -> None:
     first, *other_dims = (str(dim) for dim in values.dims)
     scale = scale_for(values, str(values.attrs.get("units", "1")))
     along = _along(dataset, first)

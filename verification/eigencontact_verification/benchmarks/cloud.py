@@ -36,7 +36,7 @@ METHODS = {
         name=name,
         distribution="eigencontact",
         modules=(
-            "eigencontact.inclusions",
+            "eigencontact.library.inclusions",
             "eigencontact.halfspace.cloud_kernels",
             "eigencontact.halfspace.expansion_kernels",
         ),

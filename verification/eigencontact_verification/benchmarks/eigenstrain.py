@@ -38,7 +38,7 @@ _MODULES = (
     "pyfftw",
     "scipy.fft",
     "eigencontact.convolution.compiled",
-    "eigencontact.inclusions",
+    "eigencontact.library.inclusions",
     "eigencontact.solvers.eigenstrain",
     "eigencontact.solvers.eigenstrain_planes",
     "eigencontact_plugins.shapes.cuboid",

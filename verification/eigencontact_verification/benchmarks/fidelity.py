@@ -178,7 +178,7 @@ BUILDERS: dict[str, Callable[[Problem, str], Callable[[FloatArray], FloatArray]]
 _MODULES = (
     "pyfftw",
     "scipy.fft",
-    "eigencontact.inclusions",
+    "eigencontact.library.inclusions",
     "eigencontact.solvers.eigenstrain",
     "eigencontact.solvers.image_pressure",
     "eigencontact.solvers.eigenstrain_periodic",

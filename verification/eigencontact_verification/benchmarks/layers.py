@@ -78,10 +78,10 @@ def _kept_in(folder: str) -> Iterator[None]:
 def _stress(task: Task, body: str) -> tuple[Callable[[list[FloatArray]], FloatArray], list[FloatArray]]:
     """What makes the stress of loads, with a memory that is empty at first, and the loads; lengths in thicknesses."""
     from eigencontact.core.grid import Box, Grid
-    from eigencontact.library import installed_plugins
     from eigencontact.model.bodies import influence_for
     from eigencontact.model.kernels import StressCoefficients
     from eigencontact.plugin import Material
+    from eigencontact.scene.installed import installed_plugins
     from eigencontact.solvers.subsurface import SubsurfaceStress, stress_at_points
     from eigencontact_plugins.layered.stack import BondedLayers, Layer, Substrate
 

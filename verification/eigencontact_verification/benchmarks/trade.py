@@ -47,7 +47,7 @@ METHODS = {
     POINTWISE: Code(
         name=POINTWISE,
         distribution="eigencontact",
-        modules=("eigencontact.inclusions", "eigencontact.halfspace.points"),
+        modules=("eigencontact.library.inclusions", "eigencontact.halfspace.points"),
         settings="inclusion_field",
     ),
     **{

@@ -43,6 +43,8 @@ _TRADE_METHOD = (
     "Times are wall times when each was computed, those of the reference of its finest solution and of all solutions "
     "that its own error needs; memory is the peak of the process, which of several runs in one is that of the largest."
 )
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MapReport:
     """What a campaign found.

@@ -66,7 +66,7 @@ class Run:
     @contextmanager
     def results(self, folder: Path) -> Iterator[xr.Dataset]:
         """Results, from the folder of all runs."""
-        from eigencontact.afterwards import open_results
+        from eigencontact.postprocess.stored_run import open_results
 
         with open_results(folder / self.variant.label) as dataset:
             yield dataset

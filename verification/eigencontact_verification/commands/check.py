@@ -93,7 +93,7 @@ def _example(entry: Entry, parameters: list[str]) -> Any:
     """Component to check: of the declared example, of lengths that are tried, or of nothing but defaults."""
     from dataclasses import MISSING, fields
 
-    from eigencontact.library import make
+    from eigencontact.library.components import make
     from eigencontact.scene.loader import apply_changes
     from eigencontact_verification.crosscheck.strangers import example_of
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from eigencontact.errors import SceneError
 from eigencontact.hooks.registry import Entry
-from eigencontact.library import installed_plugins
 from eigencontact.plugin import Component
 from eigencontact.scene.components import instantiate
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.conformance.report import check, ensure
 
 __all__ = [

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.inclusions import inclusion_field
+from eigencontact.library.inclusions import inclusion_field
 from eigencontact_verification.conformance.orders import AXES
 from eigencontact_verification.conformance.report import agree, check, ensure, place_of
 from eigencontact_verification.conformance.sampling import derivative_along, evenly, region, sample

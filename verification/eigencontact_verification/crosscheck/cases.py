@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from eigencontact.library import installed_plugins
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.crosscheck import inhomogeneities, layers, plastic_cases, plasticity, wear
 from eigencontact_verification.crosscheck.case import Case, Gap
 from eigencontact_verification.crosscheck.inclusions import EIGENSTRAINS, inclusion_case, shape_of

@@ -101,8 +101,8 @@ class Cellwise:
         than three cells to the boundary that the cells make are spoilt by its steps.
         """
         from eigencontact.core.tensors import to_matrix
-        from eigencontact.library import installed_plugins
         from eigencontact.model.installed import installed_cell
+        from eigencontact.scene.installed import installed_plugins
         from eigencontact.solvers.cells import Cells
         from eigencontact.solvers.eigenstrain import VolumeField
         from eigencontact.solvers.eigenstrain_planes import SurfaceDisplacement
@@ -209,9 +209,9 @@ def _pressure(problem: Sphere, pitch: float, count: int) -> tuple[Any, FloatArra
 
 
 def _kernel(problem: Sphere) -> Any:
-    from eigencontact.library import installed_plugins
     from eigencontact.model.installed import installed_influence
     from eigencontact.model.kernels import StressCoefficients
+    from eigencontact.scene.installed import installed_plugins
 
     return StressCoefficients(installed_influence(installed_plugins(), "p"), problem.matrix)
 
@@ -230,8 +230,8 @@ def _lattice(problem: Sphere, across: int) -> tuple[Any, NDArray[np.bool_]]:
 def by_cells(problem: Sphere, across: int) -> Cellwise:
     """Solve for the eigenstrain of the cells whose centre lies in the sphere, `across` of them along a diameter."""
     from eigencontact.core.grid import Box
-    from eigencontact.library import installed_plugins
     from eigencontact.model.installed import installed_cell
+    from eigencontact.scene.installed import installed_plugins
     from eigencontact.solvers.equivalent_inclusions import solve_equivalent_inclusions
     from eigencontact.solvers.mean_stress import MeanVolumeField
     from eigencontact.solvers.subsurface import SubsurfaceStress

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import EigencontactError
-from eigencontact.library import installed_plugins, make
+from eigencontact.library.components import make
 from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, PlasticDamage
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.crosscheck.case import Profile
 from eigencontact_verification.crosscheck.indentation import VARIABLES
 from eigencontact_verification.crosscheck.plastic_cases import plastic_case

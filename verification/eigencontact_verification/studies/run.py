@@ -79,7 +79,7 @@ def run_study(
     """
     from dataclasses import replace
 
-    from eigencontact.afterwards import open_results
+    from eigencontact.postprocess.stored_run import open_results
     from eigencontact.sweeps.runner import outcomes
 
     variants = variants_of_study(study, coarse=coarse)

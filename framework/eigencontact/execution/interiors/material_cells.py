@@ -90,9 +90,7 @@ class MaterialCells:
         padded[inside] = lost[np.ix_(rows[(rows >= 0) & (rows < ny)], columns[(columns >= 0) & (columns < nx)])]
         padded /= self._box.lattice.edges[0]
         return {
-            member: padded[place[1:]]
-            for member, (place, _) in enumerate(self._new)
-            if self._sources[member].law.linear
+            member: padded[place[1:]] for member, (place, _) in enumerate(self._new) if self._sources[member].law.linear
         }
 
     def _risen_to(self, member: int, values: FloatArray) -> tuple[Place, FloatArray]:

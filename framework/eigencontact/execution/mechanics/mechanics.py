@@ -287,9 +287,7 @@ class RunningMechanics:
         return found + self._accurate(second, _memory(found), found[-1], None, depth + 1)
 
 
-def _numbers(
-    model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str
-) -> Iterator[Number]:
+def _numbers(model: Model, contact: Contact | None, interiors: Sequence[Interior], directions: str) -> Iterator[Number]:
     """Scalars of the steps of a scene."""
     if contact is not None:
         yield from contact.numbers

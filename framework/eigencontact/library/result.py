@@ -12,8 +12,9 @@ from eigencontact.core.arrays import is_whole
 from eigencontact.core.html_table import html_table
 from eigencontact.core.numbers import Number, headline_numbers
 from eigencontact.errors import SceneError, require
-from eigencontact.facade.arguments import length
-from eigencontact.library import field_points, installed_plugins
+from eigencontact.library.arguments import length
+from eigencontact.library.components import field_points
+from eigencontact.scene.installed import installed_plugins
 
 if TYPE_CHECKING:
     import xarray
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from eigencontact.app import RunResult
     from eigencontact.core.held_arrays import HeldArrays
-    from eigencontact.facade.bodies import Body
+    from eigencontact.library.bodies import Body
     from eigencontact.results.records import StepRecord
 
 __all__ = ["ContactResult"]
@@ -285,7 +286,7 @@ class ContactResult:
 
     def _look(self, table: dict[str, Any]) -> tuple[Any, StepRecord]:
         from eigencontact.planning.provenance import run_info
-        from eigencontact.planning.revisit import look, plan_of_region
+        from eigencontact.postprocess.revisit import look, plan_of_region
         from eigencontact.results.in_dataset import step_of
 
         if "step" in table:
@@ -324,7 +325,7 @@ class ContactResult:
         >>> ec.solve_contact(ball, steel, load="0.65 N").plot("gap").get_xlabel()
         'x [µm]'
         """
-        from eigencontact.pictures.plot import plot
+        from eigencontact.postprocess.plot import plot
 
         return plot(self.dataset, field, step=self._place + 1, **options)
 

@@ -14,7 +14,7 @@ from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin import KINDS
 from eigencontact.scene.installed import installed_plugins
 
-__all__ = ["field_points", "installed_plugins", "make", "rectangle_field"]
+__all__ = ["field_points", "make", "rectangle_field"]
 
 FloatArray = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from eigencontact.core.arrays import whole_array
 from eigencontact.core.held_arrays import hold
 from eigencontact.core.units import readable
 from eigencontact.errors import require
-from eigencontact.facade.arguments import lengths
+from eigencontact.library.arguments import lengths
 
 __all__ = ["Voxels"]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from eigencontact.errors import SceneError, shown
-from eigencontact.library import installed_plugins
+from eigencontact.scene.installed import installed_plugins
 
 if TYPE_CHECKING:
     import xarray
@@ -141,7 +141,7 @@ def region(
     ...         print(f"{float(data.deep_von_mises.max()) / 1e9:.1f} GPa")
     5.2 GPa
     """
-    from eigencontact.planning.revisit import region_table, revisit
+    from eigencontact.postprocess.revisit import region_table, revisit
     from eigencontact.results.atomic import writable_folder
     from eigencontact.results.join import dataset_of, join_steps
     from eigencontact.results.ownership import refuse_foreign_file

@@ -69,18 +69,18 @@ def plot(
         single = field is not None or (region is not None and "=" not in region)
         options = {"component": component, "zoom": zoom, "cmap": cmap}
         if single:
-            from eigencontact.pictures.plot import draw_chosen
+            from eigencontact.postprocess.plot import draw_chosen
 
             _refuse({"--animation": animation or mp4}, "all pictures, without --field and without the name of a region")
             files = draw_chosen(
                 results, output, field=field, region=region, step=step, kind=kind, dpi=dpi, style=style, **options
             )
         else:
-            from eigencontact import afterwards
-            from eigencontact.pictures.plot import dpi_of, format_of
+            from eigencontact.postprocess import stored_run
+            from eigencontact.postprocess.plot import dpi_of, format_of
 
             _refuse({f"--{name}": value for name, value in options.items()}, "--field, or the name of a region")
-            files = afterwards.draw(
+            files = stored_run.draw(
                 results,
                 output,
                 vtk=vtk,

@@ -16,9 +16,10 @@ from eigencontact.halfspace.cloud import field_of_cloud
 from eigencontact.halfspace.potentials import HasPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.halfspace.voxelised import VoxelisedShape
-from eigencontact.library import field_points, installed_plugins
+from eigencontact.library.components import field_points
 from eigencontact.model.installed import installed_cell
 from eigencontact.plugin import InclusionShape
+from eigencontact.scene.installed import installed_plugins
 
 __all__ = ["inclusion_field"]
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.core.material import Material
 from eigencontact.core.units import parse_quantity, readable
 from eigencontact.errors import SceneError, require
-from eigencontact.facade.voxels import Voxels
+from eigencontact.library.voxels import Voxels
 from eigencontact.plugin import LayeredMedium
 from eigencontact.scene.plain import plain
 
@@ -69,7 +69,7 @@ class Body(ABC):
         >>> stress.shape, bool(-0.65e9 < stress[0, 2, 2] < -0.64e9)  # 1 - z³/(a² + z²)^1.5 = 0.646 of the pressure
         ((1, 3, 3), True)
         """
-        from eigencontact.facade.tractions import field_under
+        from eigencontact.library.tractions import field_under
 
         return field_under(self, "stress", points, pressure, shear, spacing, center)
 
@@ -97,7 +97,7 @@ class Body(ABC):
         >>> f"{u[0, 2]:.4g} m"  # 1.1222 p (1 - ν²) / E times the edge of the square, Love 1929
         '1.556e-07 m'
         """
-        from eigencontact.facade.tractions import field_under
+        from eigencontact.library.tractions import field_under
 
         return field_under(self, "displacement", points, pressure, shear, spacing, center)
 
@@ -238,7 +238,7 @@ class Layered(Body):
         layers: Sequence[tuple[float | str, float | str, float]],
         substrate: HalfSpace | tuple[float | str, float],
     ) -> None:
-        from eigencontact.library import make
+        from eigencontact.library.components import make
 
         rule = "(thickness, young_modulus, poisson_ratio) each, from the surface down"
         good = isinstance(layers, list | tuple) and len(layers) > 0
@@ -274,8 +274,7 @@ class Layered(Body):
     def __repr__(self) -> str:
         tops = (0.0, *self._medium.interfaces)
         layers = [
-            (readable(bottom - top, "m"), *_constants(self._medium.material_at(top)))
-            for top, bottom in pairwise(tops)
+            (readable(bottom - top, "m"), *_constants(self._medium.material_at(top))) for top, bottom in pairwise(tops)
         ]
         return f"Layered({layers!r}, substrate={_constants(self._medium.deep_material)!r})"
 

@@ -120,9 +120,7 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     }
     seams = []
     for axis, (first, second, last_but_one, last) in lines.items():
-        step, *beside = (
-            float(np.sqrt(np.mean(h**2))) for h in (first - last, last - last_but_one, second - first)
-        )
+        step, *beside = (float(np.sqrt(np.mean(h**2))) for h in (first - last, last - last_but_one, second - first))
         seams.append((step / (max(beside) or np.inf), axis, step, max(beside)))
     ratio, axis, step, usual = max(seams)
     if ratio > _SEAM:

@@ -122,7 +122,7 @@ def draw_chosen(
     **options : optional
         ``component``, ``zoom`` and ``cmap`` of `plot`.
     """
-    from eigencontact.afterwards import region as new_region
+    from eigencontact.postprocess.stored_run import region as new_region
     from eigencontact.results.atomic import writable_folder
     from eigencontact.results.ownership import refuse_foreign_file
     from eigencontact.results.reader import results_file
@@ -197,7 +197,7 @@ def _opened(results: Any) -> Iterator[Results]:
 
 
 def _picture_of(dataset: Results, field: str | None, step: int | None, options: dict[str, Any]) -> Chosen:
-    from eigencontact.afterwards import place_of
+    from eigencontact.postprocess.stored_run import place_of
     from eigencontact.viz.chosen import chosen_picture
 
     return chosen_picture(dataset, field, step=-1 if step is None else place_of(dataset, step), **options)

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from eigencontact.core.held_arrays import PREFIX, HeldArrays, hold
 from eigencontact.errors import PluginError, SceneError, require
-from eigencontact.facade.arguments import counts, lengths, plane
-from eigencontact.facade.bodies import Body
-from eigencontact.facade.result import ContactResult
-from eigencontact.facade.voxels import Voxels
+from eigencontact.library.arguments import counts, lengths, plane
+from eigencontact.library.bodies import Body
+from eigencontact.library.result import ContactResult
+from eigencontact.library.voxels import Voxels
 from eigencontact.scene.plain import plain
 
 __all__ = ["solve_contact"]

@@ -12,11 +12,12 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.tensors import to_matrix
 from eigencontact.core.tractions import TRACTIONS
 from eigencontact.errors import SceneError, require
-from eigencontact.facade.arguments import lengths, plane
-from eigencontact.library import field_points, installed_plugins
+from eigencontact.library.arguments import lengths, plane
+from eigencontact.library.components import field_points
+from eigencontact.scene.installed import installed_plugins
 
 if TYPE_CHECKING:
-    from eigencontact.facade.bodies import Body
+    from eigencontact.library.bodies import Body
 
 __all__ = ["field_under"]
 
@@ -32,7 +33,7 @@ def field_under(
     spacing: float | str | Sequence[float | str],
     center: Sequence[float],
 ) -> FloatArray:
-    """Stress ``(n, 3, 3)`` [Pa] or displacement ``(n, 3)`` [m]; see `eigencontact.facade.bodies.Body`."""
+    """Stress ``(n, 3, 3)`` [Pa] or displacement ``(n, 3)`` [m]; see `eigencontact.library.bodies.Body`."""
     from eigencontact.model.bodies import influence_for
     from eigencontact.model.kernels import StressCoefficients
     from eigencontact.solvers.subsurface import stress_at_points

@@ -16,7 +16,7 @@ from eigencontact.model.sources import Patch
 from eigencontact.results.records import RegionRecord, StepRecord
 from eigencontact.scene.holding import held_steps
 from eigencontact.scene.steps import spaced_by_radius
-from eigencontact.worth.foreseen import coarse_contact, foreseen, from_nothing, measured
+from eigencontact.warnings_.before import coarse_contact, foreseen, from_nothing, measured
 
 __all__ = ["noticed"]
 
@@ -56,7 +56,7 @@ def noticed(model: Model, last: StepRecord, history: Sequence[Row]) -> tuple[Cau
     found = [*_contact(model, last), *_slip(model, history), *_slow_place(model, last)]
     found += [*_taken_for_elastic(model, history), *_plastic_steps(model, history)]
     if model.wear is not None:
-        from eigencontact.worth.worn_bodies import worn_bodies
+        from eigencontact.warnings_.worn_bodies import worn_bodies
 
         found += [*_wear(model, last, history), *worn_bodies(model, last, history)]
     known = {caution.code for caution in found}
