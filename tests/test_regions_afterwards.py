@@ -143,7 +143,7 @@ def test_a_name_that_is_stored_and_a_file_of_others_are_refused(tmp_path):
 
 def test_a_changed_window_is_noticed(history, tmp_path, monkeypatch):
     """An automatic window may come out otherwise in another version."""
-    from eigencontact.planning import revisit
+    from eigencontact.postprocess import revisit
 
     changed = ec.plan({**CONTACT, "inclusions": [SOFT], "stress": [PLANE], "grid": {"cells": 12, "size": [3e-5, 3e-5]}})
     monkeypatch.setattr(revisit, "make_plan", lambda scene, registry: changed)  # noqa: ARG005
