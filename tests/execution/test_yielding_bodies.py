@@ -121,7 +121,11 @@ def test_resume_continues_to_the_bit(tmp_path):
 
 
 PITCH = {"inclusion_pitch": "2 um"}  # else the height of the cells follows the depth of the box
-GROWING = {"steps": [{"normal_load": "0.3 N"}, LOAD, UNLOAD], "numerics": PITCH | {"law_room": 0.0}, "cells": 10}
+GROWING = {
+    "steps": [{"normal_load": "0.3 N"}, {"normal_load": "0.75 N"}, UNLOAD],
+    "numerics": PITCH | {"law_room": 0.0},
+    "cells": 10,
+}
 LINE = {"name": "axis", "shape": "line", "start": [0, 0, "1 um"], "end": [0, 0, "15 um"], "count": 9}
 
 
@@ -129,7 +133,7 @@ LINE = {"name": "axis", "shape": "line", "start": [0, 0, "1 um"], "end": [0, 0, 
 def grown(tmp_path_factory):
     """A body whose cells do not suffice at first, in a folder."""
     folder = tmp_path_factory.mktemp("grown")
-    table = scene(perfect("1.5 GPa"), stress=[LINE], **GROWING).resolved()
+    table = scene(perfect("1 GPa"), stress=[LINE], **GROWING).resolved()
     every = ec.Scene(**{**table, "output": {"pictures": False, "history": "all"}})
     return every, ec.run(every, folder), folder
 
@@ -137,14 +141,12 @@ def grown(tmp_path_factory):
 def test_a_box_that_yields_at_its_rim_grows_and_the_result_does_not_depend_on_it(grown):
     """State moves to the larger box; the same run with much room at first."""
     _, found, _ = grown
-    roomy = ec.run(
-        scene(perfect("1.5 GPa"), stress=[LINE], **GROWING | {"numerics": PITCH | {"law_room": 1.0}})
-    ).dataset
+    roomy = ec.run(scene(perfect("1 GPa"), stress=[LINE], **GROWING | {"numerics": PITCH | {"law_room": 1.0}})).dataset
     data = found.dataset
     for name in ("approach", "max_sink"):
         np.testing.assert_allclose(data[name], roomy[name], rtol=1e-5)
     np.testing.assert_allclose(data["pressure"], roomy["pressure"], atol=1e-5 * float(roomy["pressure"].max()))
-    np.testing.assert_allclose(data["axis_stress"], roomy["axis_stress"], atol=1e-4 * 1.5e9)
+    np.testing.assert_allclose(data["axis_stress"], roomy["axis_stress"], atol=1e-4 * 1e9)
     strain = data["equivalent_plastic_strain_1"]
     rims = [strain[-1, -1], strain[-1, :, 0], strain[-1, :, -1], strain[-1, :, :, 0], strain[-1, :, :, -1]]
     assert max(float(abs(rim).max()) for rim in rims) == 0.0

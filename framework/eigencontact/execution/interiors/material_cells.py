@@ -14,7 +14,7 @@ from eigencontact.errors import require
 from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.overlaps import bounds_meet
-from eigencontact.model.sources import Inhomogeneity
+from eigencontact.model.sources import Inhomogeneity, Lattice, Patch
 from eigencontact.plugin import ConstitutiveLaw
 
 if TYPE_CHECKING:
@@ -158,7 +158,9 @@ class MaterialCells:
         source = self._sources[member]
         assert source.lattice is not None
         later = [other.shape for other in self._sources[member + 1 :] if bounds_meet(source, other)]
-        fractions = fractions_in(source, _Without(source.shape, later) if later else source.shape, self._grid)
+        # The law of a body fills all cells of its lattice, which may have grown beyond the first guess of its region.
+        region = _filled(source.lattice, self._grid) if source.guessed else source.shape
+        fractions = fractions_in(source, _Without(region, later) if later else region, self._grid)
         if not later:
             rule = f"fine enough to find {source.name!r}"
             require(fractions.any(), source.where, "cells", source.lattice.shape[::-1], rule)
@@ -193,6 +195,14 @@ class MaterialCells:
             where, values = self._risen_to(member, new)
             out[:, *where] += values
         return out
+
+
+def _filled(lattice: Lattice, grid: Grid) -> Patch:
+    """Region of all cells of a lattice."""
+    axes, edges = lattice.axes(grid)[::-1], lattice.edges[::-1]
+    low = [float(axis[0] - 0.5 * edge) for axis, edge in zip(axes, edges, strict=True)]
+    high = [float(axis[-1] + 0.5 * edge) for axis, edge in zip(axes, edges, strict=True)]
+    return Patch(((low[0], low[1], low[2]), (high[0], high[1], high[2])))
 
 
 @dataclass(frozen=True, slots=True)
