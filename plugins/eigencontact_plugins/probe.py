@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require, unit_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 __all__ = ["Probe"]
 
@@ -78,6 +76,6 @@ class Probe(Observer):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
+def eigencontact_register() -> list[type[Observer]]:
     """Register the probe."""
     return [Probe]

@@ -17,23 +17,20 @@ The wave of zero wavenumber has displacement 0, stress -1 in the component that 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import CornerInfluence, Material, SurfaceInfluence, hookimpl
+from eigencontact.plugin import CornerInfluence, FloatArray, Material, SurfaceInfluence, hookimpl
 from eigencontact_plugins.surface_loads_corner import corner_displacement, corner_stress, surface_lift
 from eigencontact_plugins.surface_loads_far import gauss_displacement, gauss_stress, is_far
 from eigencontact_plugins.surface_loads_waves import wave_response
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 __all__ = ["PressureLoad", "ShearLoadX", "ShearLoadY"]
 
-FloatArray = NDArray[np.float64]
 HalfWidths = tuple[float, float]
 
 
@@ -212,6 +209,6 @@ class ShearLoadY(_UniformLoad):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[SurfaceInfluence]]:
+def eigencontact_register() -> list[type[SurfaceInfluence]]:
     """Called once when plugins are loaded; returns the three loads of a homogeneous half-space."""
     return [PressureLoad, ShearLoadX, ShearLoadY]

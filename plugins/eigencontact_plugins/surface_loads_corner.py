@@ -26,13 +26,11 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import SQRT2
+from eigencontact.plugin import SQRT2, FloatArray
 
 __all__ = ["SWAPPED", "corner_displacement", "corner_stress", "mandel_factor", "surface_lift"]
 
-FloatArray = NDArray[np.float64]
 
 #: Smallest distance in a logarithm or a quotient, in the unit of length of the coordinates.
 FLOOR = 1e-30

@@ -19,11 +19,11 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray
 from eigencontact_plugins.surface_loads_corner import SWAPPED, mandel_factor
 
 __all__ = ["gauss_displacement", "gauss_stress", "is_far"]
 
-FloatArray = NDArray[np.float64]
 HalfWidths = tuple[float, float]
 
 #: Inner radii of the shells that share one Gauss rule, as distances from the rectangle in longest edges.

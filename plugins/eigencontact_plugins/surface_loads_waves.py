@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray
 from eigencontact_plugins.surface_loads_corner import SWAPPED, mandel_factor
 
 __all__ = ["wave_response"]
 
-FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Formula = Callable[["Wave", float], NDArray[Any]]
 

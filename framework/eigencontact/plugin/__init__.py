@@ -7,7 +7,7 @@ excepted) and never changes the arrays it is given.
 
 from __future__ import annotations
 
-from eigencontact.core.arrays import real_array, real_points
+from eigencontact.core.arrays import FloatArray, real_array, real_points
 from eigencontact.core.elasticity import (
     checked_stiffness,
     factors_of_compliance,
@@ -89,6 +89,7 @@ __all__ = [
     "Direction",
     "EigenstrainField",
     "FileArrays",
+    "FloatArray",
     "Force",
     "FrictionLaw",
     "FrictionState",

@@ -10,6 +10,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.elasticity import factors_of_stiffness
 from eigencontact.plugin.component import Component
 
@@ -22,8 +23,6 @@ __all__ = [
     "Surroundings",
     "Variable",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

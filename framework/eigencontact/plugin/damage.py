@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.quantities import Length
 from eigencontact.errors import require
 from eigencontact.plugin.component import Component
 
 __all__ = ["DamageLaw", "PlasticDamage", "StrainDamage"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,14 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.arrays import FloatArray
 from eigencontact.plugin.component import Component
 
 __all__ = ["HardeningLaw", "IsotropicHardening", "KinematicHardening"]
-
-FloatArray = NDArray[np.float64]
 
 
 class HardeningLaw(Component, ABC):

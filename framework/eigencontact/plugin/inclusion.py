@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.plugin.component import Component
 
 __all__ = ["EigenstrainField", "InclusionShape"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 

@@ -7,15 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.plugin.component import Component
 
 __all__ = ["Observer", "RegionView", "RememberedView", "StepView"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -9,12 +9,11 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.arrays import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.plugin.component import Component
 
 __all__ = ["CornerInfluence", "HasWavenumberResponse", "SurfaceInfluence"]
-
-FloatArray = NDArray[np.float64]
 
 
 class SurfaceInfluence(Component, ABC):

@@ -9,14 +9,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.core.arrays import real_answer
+from eigencontact.core.arrays import FloatArray, real_answer
 from eigencontact.errors import PluginError
 from eigencontact.plugin.component import Component
 from eigencontact.plugin.materials import SUBSTRATE
 
 __all__ = ["WearLaw", "WearState", "checked_depth"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

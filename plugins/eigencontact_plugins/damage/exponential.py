@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, PlasticDamage, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, PlasticDamage, hookimpl, require
 
 __all__ = ["ExponentialDamage"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +46,6 @@ class ExponentialDamage(PlasticDamage):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[PlasticDamage]]:
     """Register the exponential law."""
     return [ExponentialDamage]

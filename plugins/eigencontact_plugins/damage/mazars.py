@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, StrainDamage, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, StrainDamage, hookimpl, require
 
 __all__ = ["MazarsDamage"]
 
-FloatArray = NDArray[np.float64]
 
 #: Stiffness that is left in the end, in parts of that of the sound material.
 _LEAST = 1e-6
@@ -68,6 +63,6 @@ class MazarsDamage(StrainDamage):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[StrainDamage]]:
     """Register Mazars' law."""
     return [MazarsDamage]

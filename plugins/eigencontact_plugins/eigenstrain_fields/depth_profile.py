@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, TimedField, hookimpl, require
+from eigencontact.plugin import FloatArray, Length, TimedField, hookimpl, require
 from eigencontact_plugins.eigenstrain_fields.values import Direction, directed
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["DepthProfile"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +61,6 @@ class DepthProfile(TimedField):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> list[type[TimedField]]:
     """Register the tabulated profile."""
     return [DepthProfile]

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, TimedField, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Length, TimedField, hookimpl, require
 
 __all__ = ["PeenedLayer"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +77,6 @@ class PeenedLayer(TimedField):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> list[type[TimedField]]:
     """Register the peened layer."""
     return [PeenedLayer]

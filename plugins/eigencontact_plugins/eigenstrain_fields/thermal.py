@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Length, TimedField, Unit, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Length, TimedField, Unit, hookimpl, require
 
 __all__ = ["Thermal"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +68,6 @@ class Thermal(TimedField):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> list[type[TimedField]]:
     """Register thermal expansion."""
     return [Thermal]

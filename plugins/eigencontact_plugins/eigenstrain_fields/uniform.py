@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import EigenstrainField, Strain, TimedField, hookimpl, mandel_strain
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, Strain, TimedField, hookimpl, mandel_strain
 
 __all__ = ["Uniform"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +47,6 @@ class Uniform(TimedField):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[EigenstrainField]]:
+def eigencontact_register() -> list[type[TimedField]]:
     """Register the uniform field."""
     return [Uniform]

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from eigencontact.plugin import Row, mandel_strain, require
+from eigencontact.plugin import FloatArray, Row, mandel_strain, require
 
 __all__ = ["Direction", "directed"]
 
-FloatArray = NDArray[np.float64]
 
 #: How one number is spread over the components: all three alike, along the surface alone, or by three weights.
 Direction = Literal["isotropic", "in-plane"] | Row

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import FrictionLaw, FrictionState, SceneError, by_material, hookimpl
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, SceneError, by_material, hookimpl
 from eigencontact_plugins.friction.coulomb import Coulomb, check_coefficient
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ByMaterial"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +61,6 @@ class ByMaterial(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> list[type[FrictionLaw]]:
     """Register friction by material."""
     return [ByMaterial]

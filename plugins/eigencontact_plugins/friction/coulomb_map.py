@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Angle, DataFile, FrictionLaw, FrictionState, Length, SceneError, hookimpl, require
+from eigencontact.plugin import (
+    Angle,
+    DataFile,
+    FloatArray,
+    FrictionLaw,
+    FrictionState,
+    Length,
+    SceneError,
+    hookimpl,
+    require,
+)
 from eigencontact_plugins.friction.coulomb import check_coefficient
 from eigencontact_plugins.friction.map_file import FrictionMap, read_map
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["CoulombMap", "Region"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,6 +173,6 @@ class CoulombMap(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> list[type[FrictionLaw]]:
     """Register Coulomb friction with a map."""
     return [CoulombMap]

@@ -8,11 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import GriddedData, SceneError, read_gridded
+from eigencontact.plugin import FloatArray, GriddedData, SceneError, read_gridded
 
 __all__ = ["FrictionMap", "read_map"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

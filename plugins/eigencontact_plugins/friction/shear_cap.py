@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import FrictionLaw, FrictionState, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, Stress, hookimpl, require
 from eigencontact_plugins.friction.coulomb import check_coefficient
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ShearCap"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +42,6 @@ class ShearCap(FrictionLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[FrictionLaw]]:
+def eigencontact_register() -> list[type[FrictionLaw]]:
     """Register friction with a shear cap."""
     return [ShearCap]

@@ -13,13 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import TEXT_FILES, SceneError, read_arrays
+from eigencontact.plugin import TEXT_FILES, FloatArray, SceneError, read_arrays
 from eigencontact_plugins.geometries.text_header import Header, read_header
 from eigencontact_plugins.geometries.text_table import read_table
 
 __all__ = ["Measurement", "read_measurement"]
 
-FloatArray = NDArray[np.float64]
 GALLERY = "gallery:"
 FIELD = "topography.file"
 

@@ -8,20 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Grid, Length, Lengths, hookimpl, require
+from eigencontact.plugin import FloatArray, Geometry, Grid, Length, Lengths, hookimpl, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 __all__ = ["RandomRough", "phases"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of the native grid to the shortest wave.
 _CELLS_PER_WAVE = 8
@@ -227,6 +223,6 @@ def _axis(values: FloatArray, shape: tuple[int, ...], axis: int) -> FloatArray |
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> list[type[Geometry]]:
     """Register the random surface."""
     return [RandomRough]

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Geometry, Length, Revolution, hookimpl
+from eigencontact.plugin import FloatArray, Length, Revolution, hookimpl
 from eigencontact_plugins.geometries.frame import check_center, check_length
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["RoundedPunch"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +65,6 @@ class RoundedPunch(Revolution):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Geometry]]:
+def eigencontact_register() -> list[type[Revolution]]:
     """Register the rounded punch."""
     return [RoundedPunch]

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, KinematicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, KinematicHardening, Stress, hookimpl, require
 
 __all__ = ["ArmstrongFrederick", "Prager"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +69,6 @@ class ArmstrongFrederick(KinematicHardening):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[KinematicHardening]]:
     """Register the laws of the back-stress."""
     return [Prager, ArmstrongFrederick]

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hookimpl, require
 
 __all__ = ["Perfect"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +38,6 @@ class Perfect(IsotropicHardening):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[IsotropicHardening]]:
     """Register perfect plasticity."""
     return [Perfect]

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Component, IsotropicHardening, Stress, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hookimpl, require
 
 __all__ = ["Ludwik", "Swift"]
 
-FloatArray = NDArray[np.float64]
 
 #: Plastic strain below which Ludwik's slope, infinite at zero for n < 1, is that of the chord from zero.
 _FIRST = 1e-9
@@ -96,6 +91,6 @@ class Ludwik(IsotropicHardening):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[IsotropicHardening]]:
     """Register Swift's and Ludwik's laws."""
     return [Swift, Ludwik]

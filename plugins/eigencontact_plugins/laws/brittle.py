@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     ConstitutiveLaw,
+    FloatArray,
     LawStep,
     Response,
     SceneError,
@@ -24,12 +23,8 @@ from eigencontact.plugin import (
 )
 from eigencontact_plugins.laws.principal import Damaged, principal, tangent_of
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Brittle"]
 
-FloatArray = NDArray[np.float64]
 
 #: Largest rise of damage by a mean while the strain grows by `_SHARE`. The iteration between cells converges at a tenth
 #: of that steepness (Mazars with B κ0 = 10) and stalls at a residual of 0.35 a little above it (B κ0 = 100).
@@ -159,6 +154,6 @@ class Brittle(ConstitutiveLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[ConstitutiveLaw]]:
     """Register brittle materials."""
     return [Brittle]

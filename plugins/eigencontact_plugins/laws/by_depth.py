@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     ConstitutiveLaw,
+    FloatArray,
     LawStep,
     Length,
     Response,
@@ -20,12 +20,7 @@ from eigencontact.plugin import (
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ByDepth"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,6 +120,6 @@ class ByDepth(ConstitutiveLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[ConstitutiveLaw]]:
     """Register laws by depth."""
     return [ByDepth]

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
+    FloatArray,
     LinearLaw,
     SceneError,
     Stress,
@@ -19,12 +18,7 @@ from eigencontact.plugin import (
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["Elastic"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,6 +74,6 @@ class Elastic(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[LinearLaw]]:
     """Register the elasticity of the body."""
     return [Elastic]

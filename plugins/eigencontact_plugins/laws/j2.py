@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
+from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     ConstitutiveLaw,
+    FloatArray,
     HardeningLaw,
     IsotropicHardening,
     KinematicHardening,
@@ -28,12 +27,8 @@ from eigencontact.plugin import (
 )
 from eigencontact_plugins.laws.radial_return import Drive, RadialReturn, Returned
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["J2"]
 
-FloatArray = NDArray[np.float64]
 
 _ROOT = float(np.sqrt(1.5))
 _UNIT = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
@@ -297,6 +292,6 @@ def _outer(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[ConstitutiveLaw]]:
     """Register metal plasticity."""
     return [J2]

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     ConstitutiveLaw,
     DataFile,
+    FloatArray,
     GriddedData,
     LawStep,
     LinearLaw,
@@ -25,12 +24,7 @@ from eigencontact.plugin import (
     require,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ElasticityMap"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +95,6 @@ class IsotropicPoints(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[ConstitutiveLaw]]:
     """Register the map."""
     return [ElasticityMap]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     Direction,
+    FloatArray,
     LinearLaw,
     Stress,
     checked_stiffness,
@@ -19,12 +18,7 @@ from eigencontact.plugin import (
     mandel_rotation,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["GivenStiffness"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +55,6 @@ class GivenStiffness(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[LinearLaw]]:
     """Register elasticity given as a matrix."""
     return [GivenStiffness]

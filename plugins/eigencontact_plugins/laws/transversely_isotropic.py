@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.plugin import (
-    Component,
     Direction,
+    FloatArray,
     LinearLaw,
     Stress,
     factors_of_compliance,
@@ -20,12 +19,8 @@ from eigencontact.plugin import (
     unit_vector,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["TransverselyIsotropic"]
 
-FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 
@@ -110,6 +105,6 @@ class TransverselyIsotropic(LinearLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Component]]:
+def eigencontact_register() -> list[type[LinearLaw]]:
     """Register elasticity that is isotropic across an axis."""
     return [TransverselyIsotropic]

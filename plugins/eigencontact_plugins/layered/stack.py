@@ -6,9 +6,10 @@ and across the wavevector to x and y.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from eigencontact.plugin import (
     COMPONENTS,
     SQRT2,
+    FloatArray,
     LayeredMedium,
     Length,
     Material,
@@ -26,12 +28,8 @@ from eigencontact.plugin import (
 )
 from eigencontact_plugins.layered.recursion import Slab, Waves
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 __all__ = ["BondedLayers", "Layer", "Substrate"]
 
-FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 # Stress of a uniform traction (k = 0); every other component is 0 there.
@@ -294,6 +292,6 @@ def _turned(name: str, components: Mapping[str, FloatArray], m: FloatArray, n: F
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[LayeredMedium]]:
+def eigencontact_register() -> list[type[LayeredMedium]]:
     """Register bonded elastic layers."""
     return [BondedLayers]

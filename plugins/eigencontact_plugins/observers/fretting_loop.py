@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from eigencontact.plugin import Angle, Observer, SceneError, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 __all__ = ["FrettingLoop"]
 
@@ -99,6 +97,6 @@ def _ratio(value: float, of: float) -> float:
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
+def eigencontact_register() -> list[type[Observer]]:
     """Register the fretting loop."""
     return [FrettingLoop]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from eigencontact.plugin import Observer, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = ["PlasticZone"]
 
@@ -93,6 +91,6 @@ class PlasticZone(Observer):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
+def eigencontact_register() -> list[type[Observer]]:
     """Register the observer of plastic zones."""
     return [PlasticZone]

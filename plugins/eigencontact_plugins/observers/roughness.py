@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 __all__ = ["Roughness"]
 
@@ -79,6 +77,6 @@ class Roughness(Observer):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
+def eigencontact_register() -> list[type[Observer]]:
     """Register the observer of roughness."""
     return [Roughness]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from eigencontact.plugin import Length, Observer, StepView, hookimpl, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 __all__ = ["StressProbe"]
 
@@ -65,6 +63,6 @@ class StressProbe(Observer):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[Observer]]:
+def eigencontact_register() -> list[type[Observer]]:
     """Register the stress probe."""
     return [StressProbe]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from eigencontact.plugin import (
     TEXT_FILES,
     DataFile,
+    FloatArray,
     InclusionShape,
     Length,
     SceneError,
@@ -25,7 +25,6 @@ from eigencontact.plugin import (
 
 __all__ = ["Layer"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
@@ -141,6 +140,6 @@ def _read(file: str) -> FloatArray:
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> list[type[InclusionShape]]:
     """Register the layer."""
     return [Layer]

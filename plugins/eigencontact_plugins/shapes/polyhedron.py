@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.plugin import (
     DataFile,
+    FloatArray,
     InclusionShape,
     Length,
     Place,
@@ -28,7 +28,6 @@ from eigencontact_plugins.shapes.polyhedron_volumes import volumes_in_cells
 
 __all__ = ["Polyhedron"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: Pairs of point and triangle worked on together.
@@ -131,6 +130,6 @@ class Polyhedron(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> list[type[InclusionShape]]:
     """Register the polyhedron."""
     return [Polyhedron]

@@ -12,9 +12,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.plugin import FloatArray
+
 __all__ = ["volumes_in_cells"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Polygons worked on together.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.plugin import (
+    FloatArray,
     InclusionShape,
     Length,
     Order,
@@ -23,7 +24,6 @@ from eigencontact.plugin import (
 
 __all__ = ["SphericalInclusion"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: Distance from the boundary, in radii, below which a point lies on it.
@@ -163,6 +163,6 @@ class SphericalInclusion(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> list[type[InclusionShape]]:
     """Register the sphere."""
     return [SphericalInclusion]

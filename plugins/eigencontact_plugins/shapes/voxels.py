@@ -4,19 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import DataFile, InclusionShape, Length, Place, hookimpl, read_arrays, real_points, require
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import (
+    DataFile,
+    FloatArray,
+    InclusionShape,
+    Length,
+    Place,
+    hookimpl,
+    read_arrays,
+    real_points,
+    require,
+)
 
 __all__ = ["VoxelShape"]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
@@ -109,6 +115,6 @@ class VoxelShape(InclusionShape):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[InclusionShape]]:
+def eigencontact_register() -> list[type[InclusionShape]]:
     """Register the voxels."""
     return [VoxelShape]

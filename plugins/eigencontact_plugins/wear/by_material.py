@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import SceneError, WearLaw, WearState, by_material, hookimpl
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from eigencontact.plugin import FloatArray, SceneError, WearLaw, WearState, by_material, hookimpl
 
 __all__ = ["ByMaterial"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +69,6 @@ class ByMaterial(WearLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
+def eigencontact_register() -> list[type[WearLaw]]:
     """Register wear by material."""
     return [ByMaterial]

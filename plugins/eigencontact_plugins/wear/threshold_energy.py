@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.plugin import Unit, WearLaw, WearState, hookimpl, require
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hookimpl, require
 from eigencontact_plugins.wear.dissipated_energy import VolumePerEnergy
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 __all__ = ["ThresholdEnergy"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +48,6 @@ class ThresholdEnergy(WearLaw):
 
 
 @hookimpl
-def eigencontact_register() -> Iterable[type[WearLaw]]:
+def eigencontact_register() -> list[type[WearLaw]]:
     """Register the law with a threshold."""
     return [ThresholdEnergy]
