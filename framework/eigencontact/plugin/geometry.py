@@ -17,6 +17,7 @@ class Geometry(Component, ABC):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Wedge(Geometry):
     ...     key = "wedge"
     ...     def separation(self, x, y):

@@ -16,6 +16,7 @@ class HardeningLaw(Component, ABC):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Straight(IsotropicHardening):
     ...     key = "straight"
     ...     def flow_stress(self, p):
@@ -36,6 +37,7 @@ class IsotropicHardening(HardeningLaw):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Perfect(IsotropicHardening):
     ...     key = "never-harder"
     ...     def flow_stress(self, p):
@@ -72,6 +74,7 @@ class KinematicHardening(HardeningLaw):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Fading(KinematicHardening):
     ...     key, modulus = "fading", 20e9
     ...     def recall(self, dp):

@@ -30,6 +30,7 @@ class RegionView:
 
     Examples
     --------
+    >>> import numpy as np
     >>> line = RegionView(dims=("point",), coords={"z": np.zeros(2)}, fields={"von_mises": np.array([1.0, 3.0])})
     >>> float(line.fields["von_mises"].max())
     3.0
@@ -55,6 +56,7 @@ class RememberedView:
 
     Examples
     --------
+    >>> import numpy as np
     >>> strain = RememberedView(values=np.zeros((1, 2, 1, 1)), coords={"z": np.array([0.5, 1.5])}, unit="1")
     >>> strain.values.shape
     (1, 2, 1, 1)
@@ -87,6 +89,7 @@ class StepView:
 
     Examples
     --------
+    >>> import numpy as np
     >>> grid = Grid(nx=2, ny=1, dx=1.0, dy=1.0)
     >>> step = StepView(index=1, grid=grid, fields={"pressure": np.ones((1, 2))}, scalars={"normal_load": 2.0})
     >>> float(step.fields["pressure"].sum() * step.grid.cell_area)
@@ -112,6 +115,7 @@ class Observer(Component, ABC):
 
     Examples
     --------
+    >>> import numpy as np
     >>> class Middle(Observer):
     ...     key, units = "middle", {"pressure": "Pa"}
     ...     def observe(self, step):
