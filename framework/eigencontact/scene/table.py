@@ -92,3 +92,12 @@ class ComponentTable(Table):
     def beside(self) -> list[str]:
         """Keys that are not fields of the plugin."""
         return [name for name in type(self).model_fields if name != "type"]
+
+    def check_in(self, scene: Any) -> None:
+        """Rules between the table and the rest of its scene; none by default.
+
+        Raises
+        ------
+        ValueError
+            A broken rule, as a whole sentence after ``!``.
+        """
