@@ -20,7 +20,7 @@ from eigencontact.plugin.component import Component
 from eigencontact.scene.checks import both_alike
 from eigencontact.scene.table import Also, OfKind
 
-__all__ = ["Form", "form_of", "in_words", "table_within", "unit_within"]
+__all__ = ["Form", "form_of", "in_words", "kinds_within", "table_within", "unit_within"]
 
 Form = dict[str, Any]
 _PLAIN = {bool: "boolean", int: "integer", float: "number", str: "string"}
@@ -150,6 +150,14 @@ def _walk(hint: Any) -> Iterator[Any]:
     yield from getattr(hint, "__metadata__", ())
     for part in get_args(hint):
         yield from _walk(part)
+
+
+def kinds_within(form: Form) -> list[str]:
+    """Kinds of plugin in a form and in what it is made of, each once."""
+    inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
+    inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
+    below = [kind for part in inner for kind in kinds_within(part)]
+    return list(dict.fromkeys([form["x-kind"], *below] if "x-kind" in form else below))
 
 
 def table_within(hint: Any) -> type | None:

@@ -7,7 +7,7 @@ from typing import Any
 from eigencontact.core.places import place_field
 from eigencontact.hooks.registry import Registry
 from eigencontact.reference.docstrings import summary
-from eigencontact.reference.forms import Form
+from eigencontact.reference.forms import kinds_within
 from eigencontact.reference.keys import Key, keys_of
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
@@ -56,7 +56,7 @@ class _Definitions:
 
     def _define(self, key: Key) -> None:
         """Make what a key refers to."""
-        for kind in _kinds(key.form):
+        for kind in kinds_within(key.form):
             if kind not in self.definitions:
                 self.definitions[kind] = {}  # a plugin may hold others of its kind
                 self.definitions[kind] = {"anyOf": [self._plugin(entry) for entry in self.registry.of_kind(kind)]}
@@ -82,13 +82,6 @@ class _Definitions:
     def _plugin(self, entry: Any, beside: dict[str, Any] | None = None) -> dict[str, Any]:
         named = {"type": {"const": self.registry.spelling(entry), "description": summary(entry.component)}}
         return self.table(entry.component, {**named, **(beside or {})})
-
-
-def _kinds(form: Form) -> set[str]:
-    """Kinds of plugin in a form and in what it is made of."""
-    inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
-    inner += [form[name] for name in ("items", "additionalProperties") if isinstance(form.get(name), dict)]
-    return ({form["x-kind"]} if "x-kind" in form else set()).union(*map(_kinds, inner))
 
 
 def _property(key: Key) -> dict[str, Any]:

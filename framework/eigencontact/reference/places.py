@@ -7,6 +7,7 @@ from typing import Any
 
 from eigencontact.errors import EigencontactError
 from eigencontact.hooks.registry import Registry
+from eigencontact.reference.forms import kinds_within
 from eigencontact.reference.keys import Key, keys_of
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
@@ -48,7 +49,7 @@ def key_at(registry: Registry, tables: Mapping[str, Any], place: str) -> Key | N
 
 def _classes(registry: Registry, key: Key, held: Any) -> list[type]:
     """Classes whose fields are the keys of what a key holds."""
-    kind = next((form["x-kind"] for form in (key.form, *key.form.get("anyOf", ())) if "x-kind" in form), None)
+    kind = next(iter(kinds_within(key.form)), None)
     classes = [] if key.table is None else [key.table]
     if key.table is not None and issubclass(key.table, ComponentTable):
         kind = key.table.kind

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from eigencontact.errors import SceneError, nearest
 from eigencontact.hooks.registry import Registry
 from eigencontact.reference.docstrings import summary
+from eigencontact.reference.forms import kinds_within
 from eigencontact.reference.keys import Key, keys_of
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.table import ComponentTable
@@ -67,7 +68,7 @@ def _walk(cls: type, place: str, registry: Registry, above: frozenset[type]) -> 
     yield TableReference(place, summary(cls), keys, kind, _plugins(registry, kind))
     for key in keys:
         inner = f"{place}.{key.name}".strip(".")
-        kind = next((part["x-kind"] for part in (key.form, *key.form.get("anyOf", ())) if "x-kind" in part), None)
+        kind = next(iter(kinds_within(key.form)), None)
         if kind is not None:
             yield TableReference(inner, key.meaning, (), kind, _plugins(registry, kind))
         elif key.table is not None and key.table not in above:
