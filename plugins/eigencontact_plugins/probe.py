@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Length, Observer, SceneError, StepView, hookimpl, require, unit_of
+from eigencontact.plugin import Length, Observer, SceneError, StepView, hook_for, require, unit_of
 
 __all__ = ["Probe"]
 
@@ -75,7 +75,4 @@ class Probe(Observer):
         return {f"{self.field}_{number}": float(value) for number, value in enumerate(values, start=1)}
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Observer]]:
-    """Register the probe."""
-    return [Probe]
+eigencontact_register = hook_for(Probe)

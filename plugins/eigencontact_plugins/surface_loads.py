@@ -24,7 +24,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import CornerInfluence, FloatArray, Material, SurfaceInfluence, hookimpl
+from eigencontact.plugin import CornerInfluence, FloatArray, Material, hook_for
 from eigencontact_plugins.surface_loads_corner import corner_field, surface_lift
 from eigencontact_plugins.surface_loads_far import gauss_field, is_far
 from eigencontact_plugins.surface_loads_waves import wave_response
@@ -176,7 +176,4 @@ class ShearLoadY(_UniformLoad):
     references: ClassVar[tuple[str, ...]] = ShearLoadX.references
 
 
-@hookimpl
-def eigencontact_register() -> list[type[SurfaceInfluence]]:
-    """Called once when plugins are loaded; returns the three loads of a homogeneous half-space."""
-    return [PressureLoad, ShearLoadX, ShearLoadY]
+eigencontact_register = hook_for(PressureLoad, ShearLoadX, ShearLoadY)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, PlasticDamage, hookimpl, require
+from eigencontact.plugin import FloatArray, PlasticDamage, hook_for, require
 
 __all__ = ["ExponentialDamage"]
 
@@ -45,7 +45,4 @@ class ExponentialDamage(PlasticDamage):
         return self.saturation * (1.0 - left), self.saturation / self.strain * left
 
 
-@hookimpl
-def eigencontact_register() -> list[type[PlasticDamage]]:
-    """Register the exponential law."""
-    return [ExponentialDamage]
+eigencontact_register = hook_for(ExponentialDamage)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, StrainDamage, hookimpl, require
+from eigencontact.plugin import FloatArray, StrainDamage, hook_for, require
 
 __all__ = ["MazarsDamage"]
 
@@ -62,7 +62,4 @@ class MazarsDamage(StrainDamage):
         return damage, np.where(grows, left / strain + self.B * fading, 0.0)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[StrainDamage]]:
-    """Register Mazars' law."""
-    return [MazarsDamage]
+eigencontact_register = hook_for(MazarsDamage)

@@ -13,7 +13,7 @@ from eigencontact.plugin import (
     FloatArray,
     PlasticDamage,
     StrainDamage,
-    hookimpl,
+    hook_for,
     read_columns,
     require,
 )
@@ -71,7 +71,4 @@ class TabulatedDamage(PlasticDamage, StrainDamage):
         return np.interp(driven, strain, values), slopes[np.searchsorted(strain, driven, side="right") - 1]
 
 
-@hookimpl
-def eigencontact_register() -> list[type[PlasticDamage]]:
-    """Register the measured curve."""
-    return [TabulatedDamage]
+eigencontact_register = hook_for(TabulatedDamage)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Length, TimedField, hookimpl, require
+from eigencontact.plugin import FloatArray, Length, TimedField, hook_for, require
 from eigencontact_plugins.eigenstrain_fields.values import Direction, directed
 
 __all__ = ["DepthProfile"]
@@ -60,7 +60,4 @@ class DepthProfile(TimedField):
         )
 
 
-@hookimpl
-def eigencontact_register() -> list[type[TimedField]]:
-    """Register the tabulated profile."""
-    return [DepthProfile]
+eigencontact_register = hook_for(DepthProfile)

@@ -13,7 +13,7 @@ from eigencontact.plugin import (
     FloatArray,
     GriddedData,
     TimedField,
-    hookimpl,
+    hook_for,
     read_gridded,
     to_mandel,
 )
@@ -60,7 +60,4 @@ class FromFile(TimedField):
         return self._data.at(self.variable, z, y, x, outside="zero")
 
 
-@hookimpl
-def eigencontact_register() -> list[type[TimedField]]:
-    """Register the field from a file."""
-    return [FromFile]
+eigencontact_register = hook_for(FromFile)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Length, TimedField, hookimpl, require
+from eigencontact.plugin import FloatArray, Length, TimedField, hook_for, require
 
 __all__ = ["PeenedLayer"]
 
@@ -76,7 +76,4 @@ class PeenedLayer(TimedField):
         return np.asarray(np.multiply.outer(tensor, self.peak * course))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[TimedField]]:
-    """Register the peened layer."""
-    return [PeenedLayer]
+eigencontact_register = hook_for(PeenedLayer)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Length, TimedField, Unit, hookimpl, require
+from eigencontact.plugin import FloatArray, Length, TimedField, Unit, hook_for, require
 
 __all__ = ["Thermal"]
 
@@ -67,7 +67,4 @@ class Thermal(TimedField):
         return np.asarray(np.multiply.outer(np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]), strain))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[TimedField]]:
-    """Register thermal expansion."""
-    return [Thermal]
+eigencontact_register = hook_for(Thermal)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Strain, TimedField, hookimpl, mandel_strain
+from eigencontact.plugin import FloatArray, Strain, TimedField, hook_for, mandel_strain
 
 __all__ = ["Uniform"]
 
@@ -46,7 +46,4 @@ class Uniform(TimedField):
         return mandel_strain(self.key, "value", self.value).reshape(6, *point_axes)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[TimedField]]:
-    """Register the uniform field."""
-    return [Uniform]
+eigencontact_register = hook_for(Uniform)

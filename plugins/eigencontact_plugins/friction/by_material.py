@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, SceneError, by_material, hookimpl
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, SceneError, by_material, hook_for
 from eigencontact_plugins.friction.coulomb import Coulomb, check_coefficient
 
 __all__ = ["ByMaterial"]
@@ -60,7 +60,4 @@ class ByMaterial(FrictionLaw):
         return bound
 
 
-@hookimpl
-def eigencontact_register() -> list[type[FrictionLaw]]:
-    """Register friction by material."""
-    return [ByMaterial]
+eigencontact_register = hook_for(ByMaterial)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, hookimpl, require
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, hook_for, require
 
 __all__ = ["Coulomb", "check_coefficient"]
 
@@ -41,7 +41,4 @@ class Coulomb(FrictionLaw):
         return self.coefficient * state.pressure
 
 
-@hookimpl
-def eigencontact_register() -> list[type[FrictionLaw]]:
-    """Register Coulomb friction."""
-    return [Coulomb]
+eigencontact_register = hook_for(Coulomb)

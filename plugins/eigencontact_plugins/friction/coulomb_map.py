@@ -17,7 +17,7 @@ from eigencontact.plugin import (
     FrictionState,
     Length,
     SceneError,
-    hookimpl,
+    hook_for,
     require,
 )
 from eigencontact_plugins.friction.coulomb import check_coefficient
@@ -172,7 +172,4 @@ class CoulombMap(FrictionLaw):
         return np.where(np.isnan(values), 0.0, values) * state.pressure
 
 
-@hookimpl
-def eigencontact_register() -> list[type[FrictionLaw]]:
-    """Register Coulomb friction with a map."""
-    return [CoulombMap]
+eigencontact_register = hook_for(CoulombMap)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, FrictionLaw, FrictionState, Stress, hook_for, require
 from eigencontact_plugins.friction.coulomb import check_coefficient
 
 __all__ = ["ShearCap"]
@@ -41,7 +41,4 @@ class ShearCap(FrictionLaw):
         return np.minimum(self.coefficient * state.pressure, self.cap)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[FrictionLaw]]:
-    """Register friction with a shear cap."""
-    return [ShearCap]
+eigencontact_register = hook_for(ShearCap)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Angle, FloatArray, Geometry, Length, hookimpl, require
+from eigencontact.plugin import Angle, FloatArray, Geometry, Length, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
 __all__ = ["Cylinder"]
@@ -68,7 +68,4 @@ class Cylinder(Geometry):
         return np.asarray(xi * (xi / (2.0 * self.radius)) + end)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Geometry]]:
-    """Register the cylinder."""
-    return [Cylinder]
+eigencontact_register = hook_for(Cylinder)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Angle, FloatArray, Geometry, Length, hookimpl
+from eigencontact.plugin import Angle, FloatArray, Geometry, Length, hook_for
 from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
 __all__ = ["Ellipsoid", "axis_ratio"]
@@ -98,7 +98,4 @@ def axis_ratio(radius_ratio: float) -> float:
     return float(np.exp(brentq(excess, -1.01 * np.log(radius_ratio), -0.3 * np.log(radius_ratio), xtol=1e-15)))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Geometry]]:
-    """Register the ellipsoid."""
-    return [Ellipsoid]
+eigencontact_register = hook_for(Ellipsoid)

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, GriddedData, hookimpl, read_gridded, require
+from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, GriddedData, hook_for, read_gridded, require
 
 __all__ = ["GapMap"]
 
@@ -65,7 +65,4 @@ class GapMap(Geometry):
         return self._data.values["gap"] if on_raster else self._data.at("gap", y, x)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Geometry]]:
-    """Register the given separation."""
-    return [GapMap]
+eigencontact_register = hook_for(GapMap)

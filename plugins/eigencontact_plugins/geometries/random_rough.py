@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import FloatArray, Geometry, Grid, Length, Lengths, hookimpl, require
+from eigencontact.plugin import FloatArray, Geometry, Grid, Length, Lengths, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center
 
 __all__ = ["RandomRough", "phases"]
@@ -222,7 +222,4 @@ def _axis(values: FloatArray, shape: tuple[int, ...], axis: int) -> FloatArray |
     return np.ascontiguousarray(line) if same else None
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Geometry]]:
-    """Register the random surface."""
-    return [RandomRough]
+eigencontact_register = hook_for(RandomRough)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import Angle, FloatArray, Length, Revolution, hookimpl, require
+from eigencontact.plugin import Angle, FloatArray, Length, Revolution, hook_for, require
 from eigencontact_plugins.geometries.frame import check_center, check_length
 
 __all__ = ["RoundedCone"]
@@ -72,7 +72,4 @@ class RoundedCone(Revolution):
         return np.asarray((2.0 * (t - outer) + b * np.arctan2(outer, b)) / self.tip_radius)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Revolution]]:
-    """Register the rounded cone."""
-    return [RoundedCone]
+eigencontact_register = hook_for(RoundedCone)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Length, Revolution, hookimpl
+from eigencontact.plugin import FloatArray, Length, Revolution, hook_for
 from eigencontact_plugins.geometries.frame import check_center, check_length
 
 __all__ = ["RoundedPunch"]
@@ -64,7 +64,4 @@ class RoundedPunch(Revolution):
         return np.asarray((2.0 * outer - b * np.arctan2(outer, b)) / self.edge_radius)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Revolution]]:
-    """Register the rounded punch."""
-    return [RoundedPunch]
+eigencontact_register = hook_for(RoundedPunch)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Length, Revolution, hookimpl, require
+from eigencontact.plugin import FloatArray, Length, Revolution, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
 
 __all__ = ["Sphere"]
@@ -89,7 +89,4 @@ class Sphere(Revolution):
         return np.asarray(peak * np.sqrt(np.maximum(0.0, 1.0 - (r / a) ** 2)))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Revolution]]:
-    """Register the sphere."""
-    return [Sphere]
+eigencontact_register = hook_for(Sphere)

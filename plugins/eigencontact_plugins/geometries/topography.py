@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, Length, Lengths, SceneError, hookimpl, require
+from eigencontact.plugin import DataFile, FloatArray, Geometry, Grid, Length, Lengths, SceneError, hook_for, require
 from eigencontact_plugins.geometries.frame import body_axes, check_center, check_length
 from eigencontact_plugins.geometries.measurement import Measurement, read_measurement
 from eigencontact_plugins.geometries.repair import fitted_plane, harmonic_fill
@@ -189,7 +189,4 @@ _SILENT = {
 }
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Geometry]]:
-    """Register the measured surface."""
-    return [Topography]
+eigencontact_register = hook_for(Topography)

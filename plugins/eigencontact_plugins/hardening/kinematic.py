@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, KinematicHardening, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, KinematicHardening, Stress, hook_for, require
 
 __all__ = ["ArmstrongFrederick", "Prager"]
 
@@ -68,7 +68,4 @@ class ArmstrongFrederick(KinematicHardening):
         return theta, -self.recovery * theta**2
 
 
-@hookimpl
-def eigencontact_register() -> list[type[KinematicHardening]]:
-    """Register the laws of the back-stress."""
-    return [Prager, ArmstrongFrederick]
+eigencontact_register = hook_for(Prager, ArmstrongFrederick)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Linear"]
 
@@ -67,7 +67,4 @@ class Linear(IsotropicHardening):
         return np.maximum(stress, floor), np.where(stress > floor, slope, 0.0)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[IsotropicHardening]]:
-    """Register linear hardening."""
-    return [Linear]
+eigencontact_register = hook_for(Linear)

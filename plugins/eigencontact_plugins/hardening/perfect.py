@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Perfect"]
 
@@ -37,7 +37,4 @@ class Perfect(IsotropicHardening):
         return np.full_like(p, self.yield_stress), np.zeros_like(p)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[IsotropicHardening]]:
-    """Register perfect plasticity."""
-    return [Perfect]
+eigencontact_register = hook_for(Perfect)

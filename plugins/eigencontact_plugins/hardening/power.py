@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Ludwik", "Swift"]
 
@@ -90,7 +90,4 @@ class Ludwik(IsotropicHardening):
         return self.yield_stress + grown, np.where(early, first, self.n * self.strength * later ** (self.n - 1.0))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[IsotropicHardening]]:
-    """Register Swift's and Ludwik's laws."""
-    return [Swift, Ludwik]
+eigencontact_register = hook_for(Swift, Ludwik)

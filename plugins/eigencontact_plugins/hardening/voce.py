@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hookimpl, require
+from eigencontact.plugin import FloatArray, IsotropicHardening, Stress, hook_for, require
 
 __all__ = ["Voce"]
 
@@ -47,7 +47,4 @@ class Voce(IsotropicHardening):
         return self.yield_stress + self.saturation * (1.0 - left), self.saturation * self.rate * left
 
 
-@hookimpl
-def eigencontact_register() -> list[type[IsotropicHardening]]:
-    """Register Voce's law."""
-    return [Voce]
+eigencontact_register = hook_for(Voce)

@@ -18,7 +18,7 @@ from eigencontact.plugin import (
     StrainDamage,
     Stress,
     Variable,
-    hookimpl,
+    hook_for,
     require,
 )
 from eigencontact_plugins.laws.principal import Damaged, principal, tangent_of
@@ -153,7 +153,4 @@ class Brittle(ConstitutiveLaw):
         )
 
 
-@hookimpl
-def eigencontact_register() -> list[type[ConstitutiveLaw]]:
-    """Register brittle materials."""
-    return [Brittle]
+eigencontact_register = hook_for(Brittle)

@@ -16,7 +16,7 @@ from eigencontact.plugin import (
     Length,
     Response,
     Variable,
-    hookimpl,
+    hook_for,
     require,
 )
 
@@ -119,7 +119,4 @@ class ByDepth(ConstitutiveLaw):
         return f"layers, from the surface down: {'; '.join(law.words for law in self.laws)}"
 
 
-@hookimpl
-def eigencontact_register() -> list[type[ConstitutiveLaw]]:
-    """Register laws by depth."""
-    return [ByDepth]
+eigencontact_register = hook_for(ByDepth)

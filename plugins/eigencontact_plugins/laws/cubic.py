@@ -13,7 +13,7 @@ from eigencontact.plugin import (
     LinearLaw,
     Stress,
     frame_of,
-    hookimpl,
+    hook_for,
     mandel_rotation,
     require,
 )
@@ -64,7 +64,4 @@ class Cubic(LinearLaw):
         return turn @ crystal @ turn.T
 
 
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register cubic crystals."""
-    return [Cubic]
+eigencontact_register = hook_for(Cubic)

@@ -12,7 +12,7 @@ from eigencontact.plugin import (
     LinearLaw,
     SceneError,
     Stress,
-    hookimpl,
+    hook_for,
     isotropic_factors,
     isotropic_stiffness,
     require,
@@ -36,6 +36,7 @@ class Elastic(LinearLaw):
     example: ClassVar[dict[str, Any]] = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
     references: ClassVar[tuple[str, ...]] = ("R. Hooke 1678, Lectures de potentia restitutiva",)
     isotropic: ClassVar[bool] = True
+    words: ClassVar[str] = "material as around, elastic"
 
     young_modulus: Stress | None = None
     poisson_ratio: float | None = None
@@ -67,13 +68,5 @@ class Elastic(LinearLaw):
         """See `LinearLaw.factors`."""
         return isotropic_factors(*self._constants, shear_modulus)
 
-    @property
-    def words(self) -> str:
-        """See `ConstitutiveLaw.words`."""
-        return "material as around, elastic"
 
-
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register the elasticity of the body."""
-    return [Elastic]
+eigencontact_register = hook_for(Elastic)

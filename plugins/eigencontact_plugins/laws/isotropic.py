@@ -12,7 +12,7 @@ from eigencontact.plugin import (
     LinearLaw,
     SceneError,
     Stress,
-    hookimpl,
+    hook_for,
     isotropic_factors,
     isotropic_stiffness,
     readable,
@@ -63,7 +63,4 @@ class Isotropic(LinearLaw):
         return f"E = {readable(self.young_modulus, 'Pa')}, ν = {self.poisson_ratio:g}"
 
 
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register isotropic elasticity."""
-    return [Isotropic]
+eigencontact_register = hook_for(Isotropic)

@@ -22,7 +22,7 @@ from eigencontact.plugin import (
     Stress,
     Surroundings,
     Variable,
-    hookimpl,
+    hook_for,
     require,
 )
 from eigencontact_plugins.laws.radial_return import Drive, RadialReturn, Returned
@@ -291,7 +291,4 @@ def _outer(left: FloatArray, right: FloatArray) -> FloatArray:
     return left[:, None, :] * right[None, :, :]
 
 
-@hookimpl
-def eigencontact_register() -> list[type[ConstitutiveLaw]]:
-    """Register metal plasticity."""
-    return [J2]
+eigencontact_register = hook_for(J2)

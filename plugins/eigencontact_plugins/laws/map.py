@@ -17,7 +17,7 @@ from eigencontact.plugin import (
     LawStep,
     LinearLaw,
     Response,
-    hookimpl,
+    hook_for,
     isotropic_factors,
     isotropic_stiffness,
     read_gridded,
@@ -94,7 +94,4 @@ class IsotropicPoints(LinearLaw):
         return isotropic_factors(self.young_modulus, self.poisson_ratio, shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[ConstitutiveLaw]]:
-    """Register the map."""
-    return [ElasticityMap]
+eigencontact_register = hook_for(ElasticityMap)

@@ -14,7 +14,7 @@ from eigencontact.plugin import (
     Stress,
     factors_of_compliance,
     frame_of,
-    hookimpl,
+    hook_for,
     mandel_rotation,
     require,
 )
@@ -102,7 +102,4 @@ class Orthotropic(LinearLaw):
         return factors_of_compliance(self.compliance_matrix(), shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register elasticity with three planes of symmetry."""
-    return [Orthotropic]
+eigencontact_register = hook_for(Orthotropic)

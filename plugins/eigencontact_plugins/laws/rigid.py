@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, LinearLaw, SceneError, hookimpl
+from eigencontact.plugin import FloatArray, LinearLaw, SceneError, hook_for
 
 __all__ = ["Rigid"]
 
@@ -23,6 +23,7 @@ class Rigid(LinearLaw):
     key: ClassVar[str] = "rigid"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
     isotropic: ClassVar[bool] = True
+    words: ClassVar[str] = "a rigid material"
 
     def stiffness_matrix(self) -> FloatArray:
         """Infinite; see `LinearLaw.stiffness_matrix`."""
@@ -32,13 +33,5 @@ class Rigid(LinearLaw):
         """See `LinearLaw.factors`."""
         return np.zeros((6, 6)), np.eye(6)
 
-    @property
-    def words(self) -> str:
-        """See `ConstitutiveLaw.words`."""
-        return "a rigid material"
 
-
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register the rigid material."""
-    return [Rigid]
+eigencontact_register = hook_for(Rigid)

@@ -14,7 +14,7 @@ from eigencontact.plugin import (
     Stress,
     checked_stiffness,
     frame_of,
-    hookimpl,
+    hook_for,
     mandel_rotation,
 )
 
@@ -54,7 +54,4 @@ class GivenStiffness(LinearLaw):
         return np.asarray(turn @ np.array(self.stiffness) @ turn.T)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register elasticity given as a matrix."""
-    return [GivenStiffness]
+eigencontact_register = hook_for(GivenStiffness)

@@ -13,7 +13,7 @@ from eigencontact.plugin import (
     LinearLaw,
     Stress,
     factors_of_compliance,
-    hookimpl,
+    hook_for,
     mandel_rotation,
     require,
     unit_vector,
@@ -104,7 +104,4 @@ class TransverselyIsotropic(LinearLaw):
         return factors_of_compliance(self.compliance_matrix(), shear_modulus)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register elasticity that is isotropic across an axis."""
-    return [TransverselyIsotropic]
+eigencontact_register = hook_for(TransverselyIsotropic)

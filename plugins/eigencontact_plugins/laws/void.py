@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, LinearLaw, hookimpl
+from eigencontact.plugin import FloatArray, LinearLaw, hook_for
 
 __all__ = ["Void"]
 
@@ -19,18 +19,11 @@ class Void(LinearLaw):
     key: ClassVar[str] = "void"
     references: ClassVar[tuple[str, ...]] = ("T. Mura 1987, Micromechanics of Defects in Solids, section 22",)
     isotropic: ClassVar[bool] = True
+    words: ClassVar[str] = "nothing (a void)"
 
     def stiffness_matrix(self) -> FloatArray:
         """See `LinearLaw.stiffness_matrix`."""
         return np.zeros((6, 6))
 
-    @property
-    def words(self) -> str:
-        """See `ConstitutiveLaw.words`."""
-        return "nothing (a void)"
 
-
-@hookimpl
-def eigencontact_register() -> list[type[LinearLaw]]:
-    """Register the void."""
-    return [Void]
+eigencontact_register = hook_for(Void)

@@ -23,7 +23,7 @@ from eigencontact.plugin import (
     Material,
     SceneError,
     Stress,
-    hookimpl,
+    hook_for,
     require,
 )
 from eigencontact_plugins.layered.recursion import Slab, Waves
@@ -291,7 +291,4 @@ def _turned(name: str, components: Mapping[str, FloatArray], m: FloatArray, n: F
             return component(name)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[LayeredMedium]]:
-    """Register bonded elastic layers."""
-    return [BondedLayers]
+eigencontact_register = hook_for(BondedLayers)

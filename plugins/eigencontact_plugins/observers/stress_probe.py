@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from eigencontact.plugin import Length, Observer, StepView, hookimpl, require
+from eigencontact.plugin import Length, Observer, StepView, hook_for, require
 
 __all__ = ["StressProbe"]
 
@@ -62,7 +62,4 @@ class StressProbe(Observer):
         return [f"{self.quantity}_{number}" for number in range(1, len(self.points) + 1)]
 
 
-@hookimpl
-def eigencontact_register() -> list[type[Observer]]:
-    """Register the stress probe."""
-    return [StressProbe]
+eigencontact_register = hook_for(StressProbe)

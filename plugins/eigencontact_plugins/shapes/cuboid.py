@@ -20,7 +20,7 @@ from eigencontact.plugin import (
     PointSources,
     Rotation,
     as_tuple,
-    hookimpl,
+    hook_for,
     integrated_chi,
     real_points,
     require,
@@ -303,7 +303,4 @@ def _corner_sum(
     return out
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the cuboid."""
-    return [Cuboid]
+eigencontact_register = hook_for(Cuboid)

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.plugin import FloatArray, InclusionShape, Length, Place, Row, as_tuple, hookimpl, real_points, require
+from eigencontact.plugin import FloatArray, InclusionShape, Length, Place, Row, as_tuple, hook_for, real_points, require
 
 __all__ = ["Cylinder"]
 
@@ -94,7 +94,4 @@ class Cylinder(InclusionShape):
         return np.asarray(within & (np.abs(along) <= 0.5 * self.length * (1 + SNAP)))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the cylinder."""
-    return [Cylinder]
+eigencontact_register = hook_for(Cylinder)

@@ -19,7 +19,7 @@ from eigencontact.plugin import (
     PointSources,
     Rotation,
     as_tuple,
-    hookimpl,
+    hook_for,
     integrated_chi,
     real_points,
     require,
@@ -203,7 +203,4 @@ class Ellipsoid(InclusionShape):
         return values.reshape(len(orders), *np.shape(x))
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the ellipsoid."""
-    return [Ellipsoid]
+eigencontact_register = hook_for(Ellipsoid)

@@ -17,7 +17,7 @@ from eigencontact.plugin import (
     InclusionShape,
     Length,
     SceneError,
-    hookimpl,
+    hook_for,
     read_arrays,
     real_points,
     require,
@@ -139,7 +139,4 @@ def _read(file: str) -> FloatArray:
         raise SceneError(f"{field} must be a readable map of numbers (got {file!r}); {reason}") from problem
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the layer."""
-    return [Layer]
+eigencontact_register = hook_for(Layer)

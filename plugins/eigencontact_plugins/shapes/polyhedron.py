@@ -17,7 +17,7 @@ from eigencontact.plugin import (
     Place,
     Rotation,
     as_tuple,
-    hookimpl,
+    hook_for,
     real_points,
     require,
     rotation_matrix,
@@ -129,7 +129,4 @@ class Polyhedron(InclusionShape):
         return sorted_into_bins(self.surface.vertices[self.surface.triangles])
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the polyhedron."""
-    return [Polyhedron]
+eigencontact_register = hook_for(Polyhedron)

@@ -17,7 +17,7 @@ from eigencontact.plugin import (
     Place,
     PointKernels,
     PointSources,
-    hookimpl,
+    hook_for,
     real_points,
     require,
 )
@@ -162,7 +162,4 @@ class SphericalInclusion(InclusionShape):
         return fraction
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the sphere."""
-    return [SphericalInclusion]
+eigencontact_register = hook_for(SphericalInclusion)

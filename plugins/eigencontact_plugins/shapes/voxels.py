@@ -15,7 +15,7 @@ from eigencontact.plugin import (
     InclusionShape,
     Length,
     Place,
-    hookimpl,
+    hook_for,
     read_arrays,
     real_points,
     require,
@@ -114,7 +114,4 @@ class VoxelShape(InclusionShape):
         return np.clip(np.where(np.abs(fractions - nearly) < 1e-9, nearly, fractions), 0.0, 1.0)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[InclusionShape]]:
-    """Register the voxels."""
-    return [VoxelShape]
+eigencontact_register = hook_for(VoxelShape)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hookimpl, require
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, require
 
 __all__ = ["AmplitudeScaled"]
 
@@ -46,7 +46,4 @@ class AmplitudeScaled(WearLaw):
         return self.coefficient * state.slip_amplitude * state.energy
 
 
-@hookimpl
-def eigencontact_register() -> list[type[WearLaw]]:
-    """Register the law of energy and amplitude."""
-    return [AmplitudeScaled]
+eigencontact_register = hook_for(AmplitudeScaled)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Stress, Unit, WearLaw, WearState, hookimpl, require
+from eigencontact.plugin import FloatArray, Stress, Unit, WearLaw, WearState, hook_for, require
 
 __all__ = ["Archard"]
 
@@ -43,7 +43,4 @@ class Archard(WearLaw):
         return self.coefficient / (self.hardness or 1.0) * state.pressure * state.slip
 
 
-@hookimpl
-def eigencontact_register() -> list[type[WearLaw]]:
-    """Register Archard's law."""
-    return [Archard]
+eigencontact_register = hook_for(Archard)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, SceneError, WearLaw, WearState, by_material, hookimpl
+from eigencontact.plugin import FloatArray, SceneError, WearLaw, WearState, by_material, hook_for
 
 __all__ = ["ByMaterial"]
 
@@ -68,7 +68,4 @@ class ByMaterial(WearLaw):
         return depth
 
 
-@hookimpl
-def eigencontact_register() -> list[type[WearLaw]]:
-    """Register wear by material."""
-    return [ByMaterial]
+eigencontact_register = hook_for(ByMaterial)

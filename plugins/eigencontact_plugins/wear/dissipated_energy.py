@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hookimpl, require
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, require
 
 __all__ = ["DissipatedEnergy", "VolumePerEnergy"]
 
@@ -50,7 +50,4 @@ class DissipatedEnergy(WearLaw):
         return self.coefficient
 
 
-@hookimpl
-def eigencontact_register() -> list[type[WearLaw]]:
-    """Register the law of the dissipated energy."""
-    return [DissipatedEnergy]
+eigencontact_register = hook_for(DissipatedEnergy)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hookimpl, require
+from eigencontact.plugin import FloatArray, Unit, WearLaw, WearState, hook_for, require
 from eigencontact_plugins.wear.dissipated_energy import VolumePerEnergy
 
 __all__ = ["ThresholdEnergy"]
@@ -47,7 +47,4 @@ class ThresholdEnergy(WearLaw):
         return self.coefficient * (after - before)
 
 
-@hookimpl
-def eigencontact_register() -> list[type[WearLaw]]:
-    """Register the law with a threshold."""
-    return [ThresholdEnergy]
+eigencontact_register = hook_for(ThresholdEnergy)
