@@ -274,10 +274,10 @@ class Scene(Table):
         refuse_deep(data)
         data = plain(data)
         try:
-            super().__init__(**with_tables(Scene, data))
+            super().__init__(**with_tables(type(self), data))
         except ValidationError as problem:
             with labels_in_messages(data):
-                find_unknown(data, Scene)
+                find_unknown(data, type(self))
                 errors = problem.errors()
                 more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
                 raise SceneError(explain_error(_as_written(errors[0], data), "").lstrip("!") + more) from None
@@ -288,11 +288,6 @@ class Scene(Table):
     def ramps(self) -> list[Step]:
         """Plain steps of the load history in order, those of each cycle once."""
         return ramps_of(self.steps)
-
-    @property
-    def bodies(self) -> tuple[Body, Body]:
-        """Tables of body 1 and body 2."""
-        return self.body1, self.body2
 
     @property
     def folder(self) -> Path | None:
@@ -327,6 +322,11 @@ class Scene(Table):
         """Name for folders and headings: `name`, or the title's first words."""
         words = "".join(letter.lower() if letter.isalnum() else " " for letter in self.title).split()
         return self.name or "-".join(words[:6]) or "scene"
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Tables of body 1 and body 2."""
+        return self.body1, self.body2
 
     def resolved(self) -> dict[str, Any]:
         """Return every field with its default filled in, SI units, TOML names, data files by absolute paths."""
