@@ -6,7 +6,7 @@ Beside the words of JSON Schema a form has ``x-unit``, ``x-rule``, ``x-kind`` (o
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -17,6 +17,7 @@ from pydantic.fields import FieldInfo
 
 from eigencontact.core.quantities import AlikeMark, FileMark, Unit
 from eigencontact.plugin.component import Component
+from eigencontact.scene.annotations import class_within, parts_of
 from eigencontact.scene.checks import both_alike
 from eigencontact.scene.table import Also, OfKind
 
@@ -145,13 +146,6 @@ def _toml(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else f'"{value}"' if isinstance(value, str) else str(value)
 
 
-def _walk(hint: Any) -> Iterator[Any]:
-    yield hint
-    yield from getattr(hint, "__metadata__", ())
-    for part in get_args(hint):
-        yield from _walk(part)
-
-
 def kinds_within(form: Form) -> list[str]:
     """Kinds of plugin in a form and in what it is made of, each once."""
     inner = [*form.get("anyOf", ()), *form.get("prefixItems", ())]
@@ -162,14 +156,14 @@ def kinds_within(form: Form) -> list[str]:
 
 def table_within(hint: Any) -> type | None:
     """Class of the tables that a field holds, if they are no components."""
-    for part in _walk(hint):
-        if not isinstance(part, type) or issubclass(part, Component):
-            continue
-        if issubclass(part, BaseModel) or is_dataclass(part):
-            return part
-    return None
+
+    def fits(cls: type) -> bool:
+        return not issubclass(cls, Component) and (issubclass(cls, BaseModel) or is_dataclass(cls))
+
+    table: type | None = class_within(hint, fits)
+    return table
 
 
 def unit_within(hint: Any) -> str | None:
     """SI unit of the numbers in a field."""
-    return next((part.symbol for part in _walk(hint) if isinstance(part, Unit)), None)
+    return next((part.symbol for part in parts_of(hint) if isinstance(part, Unit)), None)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import BaseModel
 
 from eigencontact.plugin.component import Component
+from eigencontact.scene.annotations import class_within
 from eigencontact.scene.plain import plain
 from eigencontact.scene.table import ComponentTable, OfKind
 
@@ -22,17 +23,13 @@ def with_tables(model: type[BaseModel], data: Mapping[str, Any]) -> dict[str, An
     """Data of a model with tables in place of components, in the fields that hold plugins."""
     out = dict(data)
     for name, field in model.model_fields.items():
-        if name in out and (any(isinstance(mark, OfKind) for mark in field.metadata) or _holds(field.annotation)):
+        if name in out and (
+            any(isinstance(mark, OfKind) for mark in field.metadata)
+            or class_within(field.annotation, lambda cls: issubclass(cls, ComponentTable))
+        ):
             value = out[name]
             out[name] = [table_of(item) for item in value] if isinstance(value, list | tuple) else table_of(value)
     return out
-
-
-def _holds(annotation: Any) -> bool:
-    """Whether an annotation is, or contains, the class of a table with the fields of a plugin."""
-    if isinstance(annotation, type) and issubclass(annotation, ComponentTable):
-        return True
-    return any(map(_holds, get_args(annotation)))
 
 
 def table_of(item: Any) -> Any:

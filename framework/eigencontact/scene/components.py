@@ -13,6 +13,7 @@ from eigencontact.errors import PluginError, SceneError, shown
 from eigencontact.hooks.guard import plugin_code, reason_of
 from eigencontact.hooks.registry import Entry, Registry
 from eigencontact.plugin.component import Component
+from eigencontact.scene.annotations import class_within
 from eigencontact.scene.checks import only_numbers
 from eigencontact.scene.messages import explain_error, refuse_unknown
 from eigencontact.scene.plain import plain
@@ -90,9 +91,8 @@ def converted(
 
 def kind_within(hint: Any) -> type[Component] | None:
     """Kind of plugin that an annotation such as ``tuple[HardeningLaw, ...]`` or ``HardeningLaw | None`` holds."""
-    if isinstance(hint, type) and issubclass(hint, Component):
-        return hint
-    return next((found for found in map(kind_within, get_args(hint)) if found is not None), None)
+    kind: type[Component] | None = class_within(hint, lambda cls: issubclass(cls, Component))
+    return kind
 
 
 def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, where: str) -> Any:
@@ -144,9 +144,8 @@ def _as_instances(hint: Any) -> Any:
 
 def _table_class(hint: Any) -> type | None:
     """Dataclass inside an annotation such as ``tuple[Region, ...]``, whose tables a field holds."""
-    if isinstance(hint, type) and is_dataclass(hint):
-        return None if issubclass(hint, Component) else hint
-    return next((found for found in map(_table_class, get_args(hint)) if found is not None), None)
+    table: type | None = class_within(hint, lambda cls: is_dataclass(cls) and not issubclass(cls, Component))
+    return table
 
 
 def _named(hint: Any, value: Any, where: str) -> Any:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import BaseModel
 
+from eigencontact.scene.annotations import class_within
 from eigencontact.scene.messages import refuse_unknown
 
 __all__ = ["find_unknown"]
@@ -21,19 +22,8 @@ def find_unknown(data: Any, model: type[BaseModel], where: str = "") -> None:
         refuse_unknown(data, model.model_fields, where, f"schema {place}".strip())
     for key, value in data.items():
         field = model.model_fields.get(key.replace("-", "_"))
-        inner = None if field is None else _model(field.annotation)
+        inner = None if field is None else class_within(field.annotation, lambda cls: issubclass(cls, BaseModel))
         if inner is not None:
             for number, item in enumerate(value if isinstance(value, list) else [value]):
                 place = f"{where}.{key}".strip(".") + (f".{number}" if isinstance(value, list) else "")
                 find_unknown(item, inner, place)
-
-
-def _model(annotation: Any) -> type[BaseModel] | None:
-    """Model class inside an annotation such as ``list[Step]``."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    for inner in get_args(annotation):
-        found = _model(inner)
-        if found is not None:
-            return found
-    return None

@@ -22,6 +22,7 @@ from eigencontact.plugin import (
 )
 from eigencontact_plugins.friction.coulomb import check_coefficient
 from eigencontact_plugins.friction.map_file import FrictionMap, read_map
+from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
 __all__ = ["CoulombMap", "Region"]
 
@@ -53,26 +54,24 @@ class Region:
     def check(self, where: str) -> None:
         """Refuse an invalid region; `where` names it."""
         check_coefficient(where, "coefficient", self.coefficient)
-        finite = len(self.center) == 2 and bool(np.isfinite(self.center).all())
-        require(finite, where, "center", self.center, "two finite lengths (x, y)")
-        require(np.isfinite(self.angle), where, "angle", self.angle, "finite [rad]")
+        check_center(where, self.center)
+        check_angle(where, self.angle)
         if (self.size is None) == (self.radius is None):
             extents = "neither" if self.size is None else "both"
             raise SceneError(f"{where} must have a size (a rectangle) or a radius (a circle) (got {extents})")
         if self.radius is not None:
-            require(0 < self.radius < np.inf, where, "radius", self.radius, "positive and finite [m]")
+            check_length(where, "radius", self.radius)
         if self.size is not None:
             good = len(self.size) == 2 and all(0 < edge < np.inf for edge in self.size)
             require(good, where, "size", self.size, "two positive and finite lengths")
 
     def contains(self, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
         """Whether points [m] that broadcast lie in the region; its edge belongs to it."""
-        dx, dy = x - self.center[0], y - self.center[1]
         if self.radius is not None:
+            dx, dy = body_axes(x, y, self.center)
             return np.asarray(dx**2 + dy**2 <= self.radius**2)
         assert self.size is not None
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
-        along, across = cos * dx + sin * dy, cos * dy - sin * dx
+        along, across = body_axes(x, y, self.center, self.angle)
         return np.asarray((np.abs(along) <= 0.5 * self.size[0]) & (np.abs(across) <= 0.5 * self.size[1]))
 
 
@@ -113,7 +112,7 @@ class CoulombMap(FrictionLaw):
     def __post_init__(self) -> None:
         if self.coefficient is not None:
             check_coefficient(self.key, "coefficient", self.coefficient)
-        require(0 < self.lateral_unit < np.inf, self.key, "lateral_unit", self.lateral_unit, "positive and finite [m]")
+        check_length(self.key, "lateral_unit", self.lateral_unit)
         choices = ("linear", "nearest")
         require(self.interpolation in choices, self.key, "interpolation", self.interpolation, "'linear' or 'nearest'")
         for number, region in enumerate(self.regions):

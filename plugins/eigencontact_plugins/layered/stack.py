@@ -46,7 +46,15 @@ SAME_DEPTH = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class _Solid:
-    """Elastic constants of a layer or of the substrate."""
+    """Elastic constants of a layer or of the substrate.
+
+    Parameters
+    ----------
+    young_modulus : float
+        E [Pa].
+    poisson_ratio : float
+        ν [-] in (-1, 0.5]; 0.5 is exact.
+    """
 
     young_modulus: Stress
     poisson_ratio: float
@@ -65,15 +73,7 @@ class _Solid:
 
 @dataclass(frozen=True, kw_only=True)
 class Substrate(_Solid):
-    """The half-space under the layers.
-
-    Parameters
-    ----------
-    young_modulus : float
-        E [Pa].
-    poisson_ratio : float
-        ν [-] in (-1, 0.5]; 0.5 is exact.
-    """
+    """The half-space under the layers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,10 +82,6 @@ class Layer(_Solid):
 
     Parameters
     ----------
-    young_modulus : float
-        E [Pa].
-    poisson_ratio : float
-        ν [-] in (-1, 0.5]; 0.5 is exact.
     thickness : float
         h [m].
     name : str, optional
