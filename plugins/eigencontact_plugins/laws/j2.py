@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
 
 from eigencontact.plugin import (
-    ConstitutiveLaw,
     FloatArray,
     HardeningLaw,
     IsotropicHardening,
@@ -18,13 +17,12 @@ from eigencontact.plugin import (
     LawStep,
     PlasticDamage,
     Response,
-    SceneError,
-    Stress,
     Surroundings,
     Variable,
     hook_for,
     require,
 )
+from eigencontact_plugins.laws.constants import BodyConstants
 from eigencontact_plugins.laws.radial_return import Drive, RadialReturn, Returned
 
 __all__ = ["J2"]
@@ -36,7 +34,7 @@ _DEVIATOR = np.eye(6) - np.outer(_UNIT, _UNIT) / 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class J2(ConstitutiveLaw):
+class J2(BodyConstants):
     """Isotropic elasticity up to the yield stress of von Mises; what is beyond flows along the deviator.
 
     The step is implicit (backward Euler): large increments, reversals and cycles are ordinary.
@@ -46,8 +44,6 @@ class J2(ConstitutiveLaw):
     hardening : HardeningLaw, or several
         One that is isotropic, which gives the yield stress, and any number of back-stresses; several of
         ``armstrong-frederick`` are Chaboche's law.
-    young_modulus, poisson_ratio : float, optional
-        E [Pa], positive and finite, and ν [-] in (-1, 0.5); those of the body where they are not given.
     damage : PlasticDamage, optional
         Loss of stiffness by plastic strain; with a length, by its mean over a neighbourhood.
     yield_on : str
@@ -67,36 +63,22 @@ class J2(ConstitutiveLaw):
         "J. Lemaitre 1985, J. Eng. Mater. Technol. 107, 83 (effective stress)",
     )
 
-    isotropic: ClassVar[bool] = True
-
     hardening: tuple[HardeningLaw, ...]
-    young_modulus: Stress | None = None
-    poisson_ratio: float | None = None
     damage: PlasticDamage | None = None
     yield_on: Literal["nominal", "effective"] = "nominal"
 
     def __post_init__(self) -> None:
-        E, nu = self.young_modulus, self.poisson_ratio
-        require(E is None or 0 < E < np.inf, self.key, "young_modulus", E, "positive and finite [Pa]")
-        require(nu is None or -1 < nu < 0.5, self.key, "poisson_ratio", nu, "in (-1, 0.5) [-]")
+        super().__post_init__()
         sizes = [law.key for law in self.hardening if isinstance(law, IsotropicHardening)]
         rule = "one that gives a yield stress (perfect, linear, swift ...), and any number of back-stresses"
         require(len(sizes) == 1, self.key, "hardening", [law.key for law in self.hardening], rule)
         good = self.damage is None or isinstance(self.damage, PlasticDamage)
         require(good, self.key, "damage", getattr(self.damage, "key", None), "a law of plastic strain")
-        if E is not None:
+        if self.young_modulus is not None:
             for law in self.hardening:
-                law.of_material(E)
+                law.of_material(self.young_modulus)
         if self.damage is not None:
             self.damage.averaged("equivalent_plastic_strain")
-
-    def of_body(self, young_modulus: float, poisson_ratio: float) -> J2:
-        """See `ConstitutiveLaw.of_body`."""
-        return replace(
-            self,
-            young_modulus=young_modulus if self.young_modulus is None else self.young_modulus,
-            poisson_ratio=poisson_ratio if self.poisson_ratio is None else self.poisson_ratio,
-        )
 
     @property
     def variables(self) -> Mapping[str, Variable]:  # type: ignore[override]
@@ -152,10 +134,7 @@ class J2(ConstitutiveLaw):
     @cached_property
     def _constants(self) -> tuple[float, float]:
         """Shear and bulk modulus [Pa]."""
-        E, nu = self.young_modulus, self.poisson_ratio
-        if E is None or nu is None:
-            name = "young-modulus" if E is None else "poisson-ratio"
-            raise SceneError(f"{self.key}.{name} must be given (got none); without it the law needs those of a body")
+        E, nu = self._young_and_poisson
         return E / (2.0 * (1.0 + nu)), E / (3.0 * (1.0 - 2.0 * nu))
 
     @cached_property
