@@ -57,8 +57,8 @@ class Component:
     def parts(self) -> list[Component]:
         """Components that the fields of this one hold, and theirs."""
         values: list[object] = [getattr(self, item.name) for item in fields(self)] if is_dataclass(self) else []
-        held = [one for value in values for one in _members(value)]
-        return [part for one in held if isinstance(one, Component) for part in (one, *one.parts)]
+        members = [member for value in values for member in _members(value)]
+        return [part for member in members if isinstance(member, Component) for part in (member, *member.parts)]
 
 
 def _members(value: object) -> Iterable[object]:

@@ -60,8 +60,8 @@ def _any_of(forms: list[Form]) -> Form:
     """One of several; constants together."""
     flat = [inner for form in forms for inner in (form["anyOf"] if set(form) == {"anyOf"} else [form])]
     constants = [value for form in flat for value in ([form["const"]] if "const" in form else form.get("enum", []))]
-    others = [form for form in flat if "const" not in form and "enum" not in form]
-    forms = ([{"enum": constants}] if constants else []) + others
+    further = [form for form in flat if "const" not in form and "enum" not in form]
+    forms = ([{"enum": constants}] if constants else []) + further
     return forms[0] if len(forms) == 1 else {"anyOf": forms}
 
 

@@ -55,11 +55,11 @@ def one_table(registry: Registry, place: str) -> TableReference:
         A scene has no such table; names the nearest.
     """
     tables = all_tables(registry)
-    wanted = place.strip("[] ").replace("_", "-")
-    if wanted not in tables:
+    name = place.strip("[] ").replace("_", "-")
+    if name not in tables:
         names = [name for name in tables if name]
-        raise SceneError(f"a scene has no table {place!r}; tables: {', '.join(names)}{nearest(wanted, names)}")
-    return tables[wanted]
+        raise SceneError(f"a scene has no table {place!r}; tables: {', '.join(names)}{nearest(name, names)}")
+    return tables[name]
 
 
 def _walk(cls: type, place: str, registry: Registry, above: frozenset[type]) -> Iterator[TableReference]:

@@ -63,17 +63,19 @@ class Body(Table):
         if self.rigid and self.law is not None:
             raise ValueError("rigid without a law, or elastic: leave out rigid or law")
         if self.medium is not None:
-            own = ("rigid", "young_modulus", "poisson_ratio", "law")
-            others = [name for name in own if getattr(self, name) not in (None, False)]
-            if others:
-                way = f"a medium alone: leave out medium or {', '.join(others)}".replace("_", "-")
+            alternatives = ("rigid", "young_modulus", "poisson_ratio", "law")
+            beside = [name for name in alternatives if getattr(self, name) not in (None, False)]
+            if beside:
+                way = f"a medium alone: leave out medium or {', '.join(beside)}".replace("_", "-")
                 if self.law is not None:
                     way += '; layers of one material that yield are law = { type = "by-depth", ... }, others inclusions'
                 raise ValueError(way)
             return self
-        given = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
-        if self.rigid and len(given) < 2:
+        missing = [name for name in ("young-modulus", "poisson-ratio") if getattr(self, name.replace("-", "_")) is None]
+        if self.rigid and len(missing) < 2:
             raise ValueError("rigid without elastic constants, or elastic: leave out rigid or young-modulus")
-        if not self.rigid and given:
-            raise ValueError(f"rigid = true, or elastic with {' and '.join(given)} given, or layered with medium given")
+        if not self.rigid and missing:
+            raise ValueError(
+                f"rigid = true, or elastic with {' and '.join(missing)} given, or layered with medium given"
+            )
         return self

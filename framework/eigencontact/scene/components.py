@@ -34,8 +34,8 @@ def build_component(
     parameters = dict(table)
     key = parameters.pop("type", None)
     if not isinstance(key, str) or not key:
-        known = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
-        raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {known}")
+        names = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
+        raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {names}")
     return instantiate(registry, registry.get(kind, key, where=where), parameters, where, beside)
 
 
@@ -65,13 +65,13 @@ def converted(
     A field whose annotation is a kind of plugin holds the table of a component of that kind.
     """
     cls = entry.component
-    known = {item.name: item for item in fields(cls)}
-    refuse_unknown(parameters, [*known, *beside], f"{where} ({entry.key})", f"plugins {registry.spelling(entry)}")
-    given = {name.replace("-", "_"): value for name, value in parameters.items()}
-    if len(given) < len(parameters):
+    names = {item.name: item for item in fields(cls)}
+    refuse_unknown(parameters, [*names, *beside], f"{where} ({entry.key})", f"plugins {registry.spelling(entry)}")
+    values = {name.replace("-", "_"): value for name, value in parameters.items()}
+    if len(values) < len(parameters):
         raise SceneError(f"{where} must give each key once (got {', '.join(parameters)}); '-' and '_' are one")
-    for name, item in known.items():
-        if name not in given and item.default is MISSING and item.default_factory is MISSING:
+    for name, item in names.items():
+        if name not in values and item.default is MISSING and item.default_factory is MISSING:
             raise SceneError(f"{where}.{name.replace('_', '-')} must be given ({entry.key} needs it)")
     try:
         adapters, hints = _adapters(cls), _hints(cls)
@@ -81,11 +81,11 @@ def converted(
             f"(got {type(problem).__name__}: {' '.join(str(problem).split())})"
         ) from problem
     out = {}
-    for name, value in given.items():
+    for name, value in values.items():
         place = f"{where}.{name.replace('_', '-')}"
         kind = kind_within(hints[name])
-        held = kind is not None and _parts(registry, kind, hints[name], value, place)
-        out[name] = _convert(adapters[name], held or _named(hints[name], plain(value, place), place), place)
+        components = kind is not None and _parts(registry, kind, hints[name], value, place)
+        out[name] = _convert(adapters[name], components or _named(hints[name], plain(value, place), place), place)
     return out
 
 
@@ -105,11 +105,11 @@ def _parts(registry: Registry, kind: type[Component], hint: Any, value: Any, whe
         return (_parts(registry, kind, kind, value, where),)
     if not isinstance(value, Mapping):
         return value
-    found = build_component(registry, kind.kind, value, where)
-    if not isinstance(found, kind):
+    component = build_component(registry, kind.kind, value, where)
+    if not isinstance(component, kind):
         fit = [repr(entry.key) for entry in registry.of_kind(kind.kind) if issubclass(entry.component, kind)]
-        raise SceneError(f"{where}.type must be one of {', '.join(fit)} (got {found.key!r})")
-    return found
+        raise SceneError(f"{where}.type must be one of {', '.join(fit)} (got {component.key!r})")
+    return component
 
 
 @cache

@@ -81,8 +81,8 @@ def _check_steps(scene: Scene) -> None:
     _check_number_of_steps(scene)
     controlled = False
     for where, step in named_ramps(scene.steps):
-        given = bool({"normal-load", "approach"} & set(step.prescribed))
-        controlled = given or (controlled and scene.friction is not None)  # with friction a step keeps what was
+        controls = bool({"normal-load", "approach"} & set(step.prescribed))
+        controlled = controls or (controlled and scene.friction is not None)  # with friction a step keeps what was
         if scene.geometry and not controlled:
             got = ", ".join(step.prescribed) or "neither"
             raise ValueError(f"!{where} must be controlled by normal-load or approach: give one of them (got {got})")

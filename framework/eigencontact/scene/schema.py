@@ -79,9 +79,9 @@ class GridSpec(Table):
 
     @model_validator(mode="after")
     def _determined(self) -> GridSpec:
-        given = [name for name in ("cells", "size", "spacing") if getattr(self, name) is not None]
-        if given and len(given) != 2:
-            raise ValueError(f"two of cells, size, spacing, or none of them for an automatic grid; given: {given}")
+        sizes = [name for name in ("cells", "size", "spacing") if getattr(self, name) is not None]
+        if sizes and len(sizes) != 2:
+            raise ValueError(f"two of cells, size, spacing, or none of them for an automatic grid; given: {sizes}")
         if self.cells is not None and min(self.cells) < 1:
             raise ValueError("of at least 1 cell each way")
         if self.cells is not None and max(self.cells) > LARGEST:

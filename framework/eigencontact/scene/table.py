@@ -79,8 +79,8 @@ class ComponentTable(Table):
         if isinstance(data, dict) and "type" not in data:
             from eigencontact.scene.installed import installed_plugins
 
-            known = " or ".join(repr(entry.key) for entry in installed_plugins().of_kind(cls.kind))
-            raise ValueError(f"given a type, {known}")
+            keys = " or ".join(repr(entry.key) for entry in installed_plugins().of_kind(cls.kind))
+            raise ValueError(f"given a type, {keys}")
         return data
 
     @property

@@ -17,11 +17,11 @@ _MODULE = ".module.py.txt"
 
 def _examples() -> dict[str, str]:
     """Kinds that have templates, and what the example in each is: the words after "The example is" in its docstring."""
-    found = {}
+    examples = {}
     for path in sorted(_FOLDER.glob(f"*{_MODULE}")):
         words = re.search(r"The example is (.+?);", path.read_text(encoding="utf-8"))
-        found[path.name.removesuffix(_MODULE)] = words[1] if words else "one of its kind"
-    return found
+        examples[path.name.removesuffix(_MODULE)] = words[1] if words else "one of its kind"
+    return examples
 
 
 #: Kinds that have a template of their own, and what the example in it is.

@@ -41,8 +41,8 @@ class ExponentialDamage(PlasticDamage):
 
     def damage(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `DamageLaw.damage`."""
-        left = np.exp(-p / self.strain)
-        return self.saturation * (1.0 - left), self.saturation / self.strain * left
+        decay = np.exp(-p / self.strain)
+        return self.saturation * (1.0 - decay), self.saturation / self.strain * decay
 
 
 eigencontact_register = hook_for(ExponentialDamage)

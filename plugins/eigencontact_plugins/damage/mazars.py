@@ -56,10 +56,11 @@ class MazarsDamage(StrainDamage):
     def damage(self, driven: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `DamageLaw.damage`."""
         strain = np.maximum(driven, self.threshold)
-        left, fading = self.threshold * (1.0 - self.A) / strain, self.A * np.exp(-self.B * (strain - self.threshold))
+        residual = self.threshold * (1.0 - self.A) / strain
+        fading = self.A * np.exp(-self.B * (strain - self.threshold))
         grows = driven > self.threshold
-        damage = np.minimum(np.where(grows, 1.0 - left - fading, 0.0), 1.0 - _LEAST)
-        return damage, np.where(grows, left / strain + self.B * fading, 0.0)
+        damage = np.minimum(np.where(grows, 1.0 - residual - fading, 0.0), 1.0 - _LEAST)
+        return damage, np.where(grows, residual / strain + self.B * fading, 0.0)
 
 
 eigencontact_register = hook_for(MazarsDamage)

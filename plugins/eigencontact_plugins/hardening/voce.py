@@ -43,8 +43,8 @@ class Voce(IsotropicHardening):
 
     def flow_stress(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `IsotropicHardening.flow_stress`."""
-        left = np.exp(-self.rate * p)
-        return self.yield_stress + self.saturation * (1.0 - left), self.saturation * self.rate * left
+        decay = np.exp(-self.rate * p)
+        return self.yield_stress + self.saturation * (1.0 - decay), self.saturation * self.rate * decay
 
 
 eigencontact_register = hook_for(Voce)

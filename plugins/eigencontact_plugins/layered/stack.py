@@ -165,12 +165,12 @@ class BondedLayers(LayeredMedium):
     def thinned(self, depth: float) -> BondedLayers | Material:
         """See `Thinning.thinned`."""
         undersides = self._undersides - depth
-        left = tuple(
+        layers = tuple(
             replace(layer, thickness=float(min(under, layer.thickness)))
             for layer, under in zip(self.layers, undersides, strict=True)
             if under >= THINNEST
         )
-        return replace(self, layers=left) if left else self.deep_material
+        return replace(self, layers=layers) if layers else self.deep_material
 
     def material_at(self, z: float, *, side: Literal["above", "below"] = "below") -> Material:
         """Material of the layer that holds the depth z; see `LayeredMedium.material_at`."""
