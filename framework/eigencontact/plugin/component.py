@@ -1,4 +1,4 @@
-"""What every plugin class has: a key, a kind, references."""
+"""Base of every plugin class: key, kind, references."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Component:
 
 
 def _members(value: object) -> Iterable[object]:
-    """What a field holds: several things in a tuple or by name, or one."""
+    """Members of a field that is a tuple or a table by name; else the value itself."""
     if isinstance(value, Mapping):
         return value.values()
     return value if isinstance(value, tuple) else (value,)

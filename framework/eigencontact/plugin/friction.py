@@ -19,7 +19,7 @@ __all__ = ["FrictionLaw", "FrictionState", "checked_shear_bound"]
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class FrictionState:
-    """What a friction law may look at. Arrays are read-only.
+    """State of the contact that a friction law reads. Arrays are read-only.
 
     Attributes
     ----------

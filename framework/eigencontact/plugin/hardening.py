@@ -12,7 +12,7 @@ __all__ = ["HardeningLaw", "IsotropicHardening", "KinematicHardening"]
 
 
 class HardeningLaw(Component, ABC):
-    """What a plastic law asks when it yields: see `IsotropicHardening` and `KinematicHardening`.
+    """Hardening of a plastic law; derive from `IsotropicHardening` or `KinematicHardening`.
 
     Examples
     --------

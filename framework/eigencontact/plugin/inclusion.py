@@ -41,7 +41,7 @@ class InclusionShape(Component, ABC):
 
     @property
     def method(self) -> str:
-        """How the potentials are found, in the words of `explain`; a class attribute will do."""
+        """Method of the potentials in the text of `explain`; a class attribute is enough."""
         return "closed form"
 
     @property

@@ -43,7 +43,7 @@ class RegionView:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RememberedView:
-    """Something that a body remembers. Arrays are read-only.
+    """Variable of the history of a body. Arrays are read-only.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class RememberedView:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StepView:
-    """What an observer sees of an accepted load step. Arrays are read-only.
+    """Results of an accepted load step for an observer. Arrays are read-only.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The kind *wear law*: the depth that sliding takes off the surfaces."""
+"""The kind *wear law*: the depth that the surfaces lose by sliding."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["WearLaw", "WearState", "checked_depth"]
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class WearState:
-    """What a wear law may look at: one load increment, or one whole cycle. Arrays are read-only.
+    """State of the contact that a wear law reads, of one load increment or one whole cycle. Arrays are read-only.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ def summary(cls: type) -> str:
 
 
 def meanings(cls: type) -> dict[str, str]:
-    """What each field means, by its name in Python; fields that a base class documents are inherited.
+    """Meaning of each field by its name in Python; fields that a base class documents are inherited.
 
     Examples
     --------

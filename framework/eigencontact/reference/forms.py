@@ -95,7 +95,7 @@ def _marked(form: Form, mark: Any) -> Form:
 
 
 def _before(form: Form, func: Any) -> Form:
-    """Form of what a converter takes beside what it makes."""
+    """Form with the values that a converter accepts in addition."""
     return {"anyOf": [form["prefixItems"][0], form]} if func is both_alike else form
 
 
@@ -131,7 +131,7 @@ def in_words(form: Mapping[str, Any]) -> str:
 
 
 def _several(forms: Sequence[Form]) -> str:
-    """What the second of two forms is, if an array of the first."""
+    """Words for the second of two forms if it is an array of the first; else empty."""
     if len(forms) == 2 and forms[1].get("items") == forms[0]:
         return "an array of them"
     inner = forms[1].get("prefixItems") if len(forms) == 2 else None

@@ -47,7 +47,7 @@ class Key:
 
     @property
     def takes(self) -> str:
-        """What the key may hold, in words."""
+        """Valid values of the key in words."""
         return in_words(self.form)
 
     def to_dict(self) -> dict[str, Any]:

@@ -38,11 +38,11 @@ def _check(rule: str, holds: Callable[[float], bool]) -> Check:
             raise ValueError(rule)
         return value
 
-    return _told(validate, rule)
+    return _with_rule(validate, rule)
 
 
-def _told(validate: Check, rule: str) -> Check:
-    """Check that tells its rule, for the reference of the scene."""
+def _with_rule(validate: Check, rule: str) -> Check:
+    """Check with its rule as an attribute, for the reference of the scene."""
     validate.rule = rule  # type: ignore[attr-defined]
     return validate
 
@@ -68,7 +68,7 @@ def _sized(unit: str, check: Check, smallest: float = SMALLEST) -> Check:
             raise ValueError(f"of a size between {smallest:g} and {LARGEST:g} [{unit}]")
         return value
 
-    return _told(validate, check.rule)  # type: ignore[attr-defined]
+    return _with_rule(validate, check.rule)  # type: ignore[attr-defined]
 
 
 def at_least(low: float) -> Callable[[Any], Any]:

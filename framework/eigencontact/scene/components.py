@@ -60,7 +60,7 @@ def _failure(entry: Entry, where: str, problem: BaseException) -> str:
 def converted(
     registry: Registry, entry: Entry, parameters: Mapping[str, Any], where: str, beside: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """Parameters with the names and types of a registered class; its own rules are not asked yet.
+    """Parameters with the names and types of a registered class, before the class checks them.
 
     A field whose annotation is a kind of plugin holds the table of a component of that kind.
     """
@@ -85,7 +85,9 @@ def converted(
         place = f"{where}.{name.replace('_', '-')}"
         kind = kind_within(hints[name])
         components = kind is not None and _parts(registry, kind, hints[name], value, place)
-        out[name] = _convert(adapters[name], components or _named(hints[name], plain(value, place), place), place)
+        out[name] = _convert(
+            adapters[name], components or _with_field_names(hints[name], plain(value, place), place), place
+        )
     return out
 
 
@@ -148,7 +150,7 @@ def _table_class(hint: Any) -> type | None:
     return table
 
 
-def _named(hint: Any, value: Any, where: str) -> Any:
+def _with_field_names(hint: Any, value: Any, where: str) -> Any:
     """Value of a field with the tables in it under the names of their class; names that it does not know are refused.
 
     A single table stands for an array of one.
@@ -161,13 +163,13 @@ def _named(hint: Any, value: Any, where: str) -> Any:
             raise SceneError(f"{where} must be {problem} (got {shown(value)})") from None
         return value
     if isinstance(value, list | tuple):
-        return [_named(cls, item, f"{where}.{number}") for number, item in enumerate(value)]
+        return [_with_field_names(cls, item, f"{where}.{number}") for number, item in enumerate(value)]
     if not isinstance(value, Mapping):
         return value
     refuse_unknown(value, [item.name for item in fields(cls)], where)
     hints = _hints(cls)
     table = {
-        field: _named(hints[field], part, f"{where}.{name.replace('_', '-')}")
+        field: _with_field_names(hints[field], part, f"{where}.{name.replace('_', '-')}")
         for name, part in value.items()
         for field in [name.replace("-", "_")]
     }

@@ -105,7 +105,7 @@ def _check_steps(scene: Scene) -> None:
 
 
 def _check_spacing(scene: Scene) -> None:
-    """Where a radius starts from follows from one control that goes on, in a cycle from its end as well."""
+    """Increments even in the radius need the same control in the step before, in a cycle from its end on as well."""
     before: str | None = ""
     for where, step in named_ramps(scene.steps, again=True):
         own = next((name for name in ("normal-load", "approach") if name in step.prescribed), None)

@@ -1,4 +1,4 @@
-"""What a step of a contact with friction prescribes, and what it keeps of the steps before."""
+"""Loads and motions of a step of a contact with friction, with those that it keeps from earlier steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What tables of a scene are called in messages: by their name where they have one, else by their number."""
+"""Labels of tables of a scene in messages: their name, or their number where they have none."""
 
 from __future__ import annotations
 

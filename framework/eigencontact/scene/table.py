@@ -1,4 +1,4 @@
-"""What all tables of a scene have in common: kebab-case names, no unknown keys, no change after validation."""
+"""Base of all tables of a scene: kebab-case names, no unknown keys, no change after validation."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ class Wear(ComponentTable):
 
     @property
     def error(self) -> float | None:
-        """Error that the jumps may make; None where the scene gives their size."""
+        """Allowed error of the jumps; None where the scene sets their size."""
         return None if self.cycles_per_update is not None else self.jump_error or 1e-2
 
     def check_in(self, scene: Any) -> None:

@@ -130,7 +130,7 @@ class CoulombMap(FrictionLaw):
 
     @cached_property
     def _last(self) -> dict[tuple[bytes, bytes], FloatArray]:
-        """Coefficients at the centres asked for last: a run asks for the same ones each time."""
+        """Coefficients at the last centres, which are the same throughout a run."""
         return {}
 
     def coefficients(self, x: FloatArray, y: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A self-affine random surface of stated spectrum: the same one on whatever points it is asked for.
+"""A self-affine random surface of stated spectrum, the same on every grid.
 
 Every wave of the period has the amplitude of the spectrum and a random phase. The phase belongs to the wave, not to a
 cell of a grid, so that a finer grid sees the same surface, and a smaller cutoff adds waves without a change of others.

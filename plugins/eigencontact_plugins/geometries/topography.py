@@ -172,7 +172,7 @@ class Topography(Geometry):
         return dx, dy, height_unit
 
     def _unit(self, name: str, file_unit: float | None, *, fixed: bool) -> float | None:
-        """Unit that the field gives, else the file."""
+        """Unit of the field, else of the file."""
         unit: float | None = getattr(self, name)
         if unit is None:
             return file_unit

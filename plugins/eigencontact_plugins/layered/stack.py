@@ -1,4 +1,4 @@
-"""Any number of bonded, isotropic, elastic layers on a half-space: exact answer to traction waves at any depth.
+"""Any number of bonded, isotropic, elastic layers on a half-space: exact field of traction waves at any depth.
 
 The recursion is in `recursion`; here are the scene table, the choice of materials and the change from the axes along
 and across the wavevector to x and y.
@@ -159,7 +159,7 @@ class BondedLayers(LayeredMedium):
 
     @property
     def layer_names(self) -> tuple[str, ...]:
-        """Names of the layers, those that the scene gives or their numbers."""
+        """Names of the layers in the scene; numbers for layers without a name."""
         return tuple(layer.name or name for layer, name in zip(self.layers, super().layer_names, strict=True))
 
     def thinned(self, depth: float) -> BondedLayers | Material:

@@ -15,7 +15,7 @@ __all__ = ["PlasticZone"]
 
 @dataclass(frozen=True, kw_only=True)
 class PlasticZone(Observer):
-    """The cells of a body that remember plastic strain.
+    """Size and place of the plastic zone of a body.
 
     Parameters
     ----------

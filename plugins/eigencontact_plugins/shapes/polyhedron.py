@@ -101,7 +101,7 @@ class Polyhedron(InclusionShape):
         return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-        """Whether points lie inside; on the surface either answer."""
+        """Whether points lie inside; on the surface either value."""
         x, y, z = real_points(self.key, x, y, z)
         points = np.broadcast_arrays(*(np.asarray(t, dtype=float) for t in (x, y, z)))
         low, high = self.bounds

@@ -1,4 +1,4 @@
-"""Wear by work of friction beyond what the surface takes unworn."""
+"""Wear by the work of friction beyond a threshold."""
 
 from __future__ import annotations
 
