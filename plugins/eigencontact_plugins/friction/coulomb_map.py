@@ -15,13 +15,14 @@ from eigencontact.plugin import (
     FloatArray,
     FrictionLaw,
     FrictionState,
+    GriddedData,
     Length,
     SceneError,
     hook_for,
     require,
 )
 from eigencontact_plugins.friction.coulomb import check_coefficient
-from eigencontact_plugins.friction.map_file import FrictionMap, read_map
+from eigencontact_plugins.friction.map_file import map_at, read_map
 from eigencontact_plugins.geometries.frame import body_axes, check_angle, check_center, check_length
 
 __all__ = ["CoulombMap", "Region"]
@@ -125,7 +126,7 @@ class CoulombMap(FrictionLaw):
         _ = self._map  # read and checked now, not in the middle of a run
 
     @cached_property
-    def _map(self) -> FrictionMap | None:
+    def _map(self) -> GriddedData | None:
         return None if self.file is None else read_map(self.key, self.file, self.lateral_unit)
 
     @cached_property
@@ -139,7 +140,7 @@ class CoulombMap(FrictionLaw):
         base = np.nan if self.coefficient is None else self.coefficient
         out = np.full(shape, base)
         if self._map is not None:
-            mapped = self._map.at(np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
+            mapped = map_at(self._map, np.asarray(x, dtype=float), np.asarray(y, dtype=float), self.interpolation)
             out = np.where(np.isnan(mapped), base, mapped)
         for region in self.regions:
             out[region.contains(np.asarray(x), np.asarray(y))] = region.coefficient
@@ -162,7 +163,7 @@ class CoulombMap(FrictionLaw):
         if lost.any():
             assert self._map is not None
             row, column = np.argwhere(lost)[0]
-            (x0, x1), (y0, y1) = self._map.x[[0, -1]], self._map.y[[0, -1]]
+            (y0, y1), (x0, x1) = (axis[[0, -1]] for axis in self._map.axes)
             raise SceneError(
                 f"{self.key}.file must cover the contact (got {self.file!r} with x from {x0:.6g} to {x1:.6g} m, y from "
                 f"{y0:.6g} to {y1:.6g} m, and contact at x = {float(state.x[0, column]):.6g} m, y = "
