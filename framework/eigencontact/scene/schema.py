@@ -30,12 +30,11 @@ from eigencontact.scene.checks import (
 from eigencontact.scene.contents import check_contents
 from eigencontact.scene.inclusions import EigenstrainPatch, Inclusion
 from eigencontact.scene.labels import labels_in_messages
-from eigencontact.scene.messages import explain_error
+from eigencontact.scene.messages import explain_error, find_unknown
 from eigencontact.scene.plain import plain
 from eigencontact.scene.regions import StressRequest
 from eigencontact.scene.steps import Impacts, Step, each_impact, ramps_of
 from eigencontact.scene.table import Also, FiniteLength, OfKind, PositiveLength, Table, Tables
-from eigencontact.scene.unknown import find_unknown
 from eigencontact.scene.wear import Wear
 
 __all__ = ["Body", "GridSpec", "Impacts", "Numerics", "Output", "Scene", "Step", "StressRequest"]

@@ -13,7 +13,7 @@ __all__ = ["map_at", "read_map"]
 
 
 def map_at(data: GriddedData, x: FloatArray, y: FloatArray, method: Literal["linear", "nearest"]) -> FloatArray:
-    """Coefficients ``(ny, nx)`` at points that broadcast; NaN further out than half a step from the outermost points."""
+    """Coefficients ``(ny, nx)`` at points that broadcast; NaN more than half a step outside the outermost points."""
     outside = _outside(data.axes[1], x) | _outside(data.axes[0], y)
     return np.where(outside, np.nan, data.at("coefficient", y, x, method=method))
 
