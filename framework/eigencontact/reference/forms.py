@@ -87,16 +87,11 @@ def _marked(form: Form, mark: Any) -> Form:
         return {**form, "x-file": True}
     elif isinstance(mark, MinLen):
         return {**form, "minItems" if "items" in form else "minLength": mark.min_length}
-    elif isinstance(mark, BeforeValidator):
-        return _before(form, mark.func)
+    elif isinstance(mark, BeforeValidator) and mark.func is both_alike:
+        return {"anyOf": [form["prefixItems"][0], form]}
     elif isinstance(mark, AfterValidator) and hasattr(mark.func, "rule"):
         return {**form, "x-rule": mark.func.rule}
     return form
-
-
-def _before(form: Form, func: Any) -> Form:
-    """Form with the values that a converter accepts in addition."""
-    return {"anyOf": [form["prefixItems"][0], form]} if func is both_alike else form
 
 
 def in_words(form: Mapping[str, Any]) -> str:

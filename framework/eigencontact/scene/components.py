@@ -44,17 +44,14 @@ def instantiate(
 ) -> Any:
     """Component of a registered class from named parameters, each converted to its annotated type."""
     values = converted(registry, entry, parameters, where, beside)
+    failed = f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with"
     try:
-        with plugin_code(lambda problem: _failure(entry, where, problem), passing=(SceneError,)):
+        with plugin_code(lambda problem: f"{failed} {reason_of(problem)}", passing=(SceneError,)):
             return entry.component(**values)
     except SceneError as problem:
         if re.search(r"\.\d+$", where) and where not in str(problem):  # a component names its key, not which of many
             raise SceneError(f"{where}: {problem}") from None
         raise
-
-
-def _failure(entry: Entry, where: str, problem: BaseException) -> str:
-    return f"{where}: {entry.kind} {entry.key!r} of {entry.origin} failed with {reason_of(problem)}"
 
 
 def converted(

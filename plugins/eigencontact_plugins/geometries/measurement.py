@@ -70,10 +70,6 @@ def _refusal(rule: str, file: str, reason: str) -> SceneError:
     return SceneError(f"{FIELD} must be {rule} (got {file!r}); {reason}")
 
 
-def _first_line(problem: BaseException) -> str:
-    return (str(problem).strip().splitlines() or [type(problem).__name__])[0]
-
-
 def _locate(file: str) -> Path:
     if file.startswith(GALLERY):
         folder, name = Path(str(files("eigencontact"))) / "gallery", file.removeprefix(GALLERY)
@@ -201,7 +197,8 @@ def _read_instrument(path: Path, file: str) -> Measurement:
             heights: FloatArray = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
             steps = [float(size / number) for size, number in zip(topography.physical_sizes, points, strict=True)]
     except Exception as problem:  # each of its readers raises errors of its own
-        raise _refusal("a format that SurfaceTopography reads", file, _first_line(problem)) from problem
+        reason = (str(problem).strip().splitlines() or [type(problem).__name__])[0]
+        raise _refusal("a format that SurfaceTopography reads", file, reason) from problem
     spacing, unit = (steps[0], steps[-1]) if extent else None, 1.0 if in_metres else None
     heights = np.ascontiguousarray(heights.T)
     return Measurement(heights=heights, spacing=spacing, height_unit=unit, lateral_unit=unit)
