@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from eigencontact.core.units import LARGEST, number_and_unit, parse_quantity
 from eigencontact.errors import PluginError, SceneError
 
-__all__ = ["is_real", "is_whole", "real_answer", "real_array", "real_points", "whole_array"]
+__all__ = ["FloatArray", "is_real", "is_whole", "real_answer", "real_array", "real_points", "whole_array"]
 
+#: Annotation of an array of 64-bit floats.
 FloatArray = NDArray[np.float64]
 
 

@@ -269,12 +269,12 @@ def named_ramps(steps: Sequence[Step], *, again: bool = False) -> list[tuple[str
 
 def segments_of(steps: Sequence[Step]) -> list[Segment]:
     """Plain steps, and cycles, by their place among the ramps of `ramps_of`."""
-    found, first = list[Segment](), 0
+    segments, first = list[Segment](), 0
     for step in steps:
         count = 1 if step.cycle is None else len(step.cycle)
-        found.append(Segment(first, count, step.repeat, step.cycle is not None))
+        segments.append(Segment(first, count, step.repeat, step.cycle is not None))
         first += count
-    return found
+    return segments
 
 
 def spaced_by_radius(steps: Sequence[Step], *, friction: bool) -> tuple[frozenset[int], frozenset[int]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, model_validator
 
@@ -88,5 +88,20 @@ class Wear(ComponentTable):
 
     @property
     def error(self) -> float | None:
-        """Error that the jumps may make; None where the scene gives their size."""
+        """Allowed error of the jumps; None where the scene sets their size."""
         return None if self.cycles_per_update is not None else self.jump_error or 1e-2
+
+    def check_in(self, scene: Any) -> None:
+        """Wear needs a contact that slides; see `ComponentTable.check_in`."""
+        if not scene.geometry:
+            raise ValueError("!wear must not be given without a geometry (got no contact that wears); add [geometry]")
+        if scene.friction is None and not any(ramp.slides for ramp in scene.ramps):
+            raise ValueError(
+                "!wear must be of surfaces that slide (got a contact without friction, and no step that slides); give "
+                "a step sliding-distance or travel-x, or add [friction] and move the bodies by shift-x"
+            )
+        if self.update == "cycle" and any(ramp.travels for step in scene.steps for ramp in step.cycle or ()):
+            raise ValueError(
+                "!wear.update must be 'increment' where a cycle moves the geometry, by travel-x, travel-y or impacts "
+                "(got 'cycle'); set update = \"increment\""
+            )
