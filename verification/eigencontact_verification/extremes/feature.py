@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
-__all__ = ["Corner", "Feature", "refusal"]
+__all__ = ["Corner", "Feature", "family", "refusal"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +36,43 @@ class Corner:
     reason: str
     quick: bool = False
     refused: str = ""
+
+
+def family(
+    name: str, error: Callable[..., float], values: Iterable[Any] | Mapping[Any, Any], *,
+    bound: float | Callable[..., float], reason: str, quick: bool | Collection[Any] = (),
+) -> list[Corner]:  # fmt: skip
+    """Corners of one error at several values.
+
+    Parameters
+    ----------
+    name : str
+        Format of the names.
+    error : callable
+        Error of the values; see `Corner`.
+    values : iterable or mapping
+        Arguments of `error`, a tuple or a single one; a mapping has them by the values of the name.
+    bound : float or callable
+        Bound of all, or bound of the arguments.
+    reason : str
+        See `Corner`.
+    quick : bool or collection
+        Whether all are quick, or the arguments of those that are.
+    """
+    pairs = values.items() if isinstance(values, Mapping) else ((value, value) for value in values)
+    corners = []
+    for words, given in pairs:
+        several = given if isinstance(given, tuple) else (given,)
+        corners.append(
+            Corner(
+                name=name.format(*(words if isinstance(words, tuple) else (words,))),
+                error=partial(error, *several),
+                bound=bound(*several) if callable(bound) else bound,
+                reason=reason,
+                quick=quick if isinstance(quick, bool) else given in quick,
+            )
+        )
+    return corners
 
 
 def refusal(name: str, call: Callable[[], object], words: str, *, quick: bool = False) -> Corner:
