@@ -1,6 +1,7 @@
 """The benchmarks: the outside measure, the fresh processes, what is said of codes left out, the table."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -23,14 +24,12 @@ from eigencontact_verification.benchmarks import (
     wear,
 )
 from eigencontact_verification.benchmarks.__main__ import main, parser
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Task, Trial
 from eigencontact_verification.benchmarks.campaign import run_campaign
 from eigencontact_verification.benchmarks.codes import CODES, PEERS, find_code
 from eigencontact_verification.benchmarks.measure import Convolution, HertzProblem, judge, love_influence
-from eigencontact_verification.benchmarks.process import run_fresh
+from eigencontact_verification.benchmarks.process import perform, run_fresh
 from eigencontact_verification.benchmarks.stress import axis_error, axis_stress, depths_of
-from eigencontact_verification.benchmarks.task import Task
-from eigencontact_verification.benchmarks.worker import perform
 from eigencontact_verification.reporting.memory import PeakMemory
 from eigencontact_verification.reporting.table import replace_section
 
@@ -75,7 +74,7 @@ def fake(tmp_path, monkeypatch):
     """A module of pretended codes that child processes find too; its name."""
     name = "pretended_codes"
     (tmp_path / f"{name}.py").write_text(FAKE)
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, name, raising=False)
     return name
@@ -509,7 +508,7 @@ def test_a_command_is_timed_in_turn_with_bare_imports():
 def test_a_command_that_fails_is_no_measurement(monkeypatch):
     monkeypatch.setitem(start._COMMANDS, "help", ("no-such-command",))
     with pytest.raises(subprocess.CalledProcessError):
-        start.measure(start._CODE, Task(benchmark="start", code="eigencontact", n=1, case="help"))
+        start.measure(start.METHODS["eigencontact"], Task(benchmark="start", code="eigencontact", n=1, case="help"))
 
 
 def test_the_largest_contact_of_a_memory_fits_in_it_and_the_next_does_not():

@@ -11,7 +11,7 @@ from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
+    from eigencontact_verification.benchmarks.benchmark import Sample, Task
     from eigencontact_verification.reporting.table import Row
 
 __all__ = ["Campaign", "run_campaign"]
@@ -19,24 +19,12 @@ __all__ = ["Campaign", "run_campaign"]
 
 @dataclass(kw_only=True, slots=True)
 class Campaign:
-    """What came out.
+    """Measurements of one benchmark."""
 
-    Attributes
-    ----------
-    rows : list of dict
-        One per code and size, for the table.
-    samples : list of dict
-        One per process, raw.
-    notes : list of str
-        What was skipped, and why.
-    settings : dict of str to str
-        Version and settings of each code that ran.
-    """
-
-    rows: list[Row] = field(default_factory=list)
-    samples: list[Sample] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    settings: dict[str, str] = field(default_factory=dict)
+    rows: list[Row] = field(default_factory=list)  #: one per code and size, for the table
+    samples: list[Sample] = field(default_factory=list)  #: one per process, raw
+    notes: list[str] = field(default_factory=list)  #: skipped codes and sizes, with the reason
+    settings: dict[str, str] = field(default_factory=dict)  #: version and settings of each code that ran
 
 
 def run_campaign(

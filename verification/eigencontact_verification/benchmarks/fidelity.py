@@ -15,14 +15,13 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "BUILDERS", "CASES", "DEPTHS", "ERRORS", "METHODS", "Case", "Problem", "measure", "reference"]
 
@@ -193,12 +192,7 @@ _SETTINGS = {
 _WAVES = f"PeriodicHalfSpace, {2 * ALIASES + 1} x {2 * ALIASES + 1} waves for each of the grid"
 #: Ways of computing, by their names in the table.
 METHODS = {
-    name: Code(
-        name=name,
-        distribution="eigencontact",
-        modules=_MODULES,
-        settings=_SETTINGS.get(name, _WAVES),
-    )
+    name: Code(name=name, distribution="eigencontact", modules=_MODULES, settings=_SETTINGS.get(name, _WAVES))
     for name in BUILDERS
 }
 
@@ -242,7 +236,6 @@ def reference(case: Case, quantity: Literal["displacement", "stress"], depth: fl
 
 def measure(code: Code, task: Task) -> Sample:
     """Time set-up and application for stress in the volume, then judge stress and surface displacement."""
-    code.load()
     case, build = CASES[task.case], BUILDERS[code.name]
     problem = Problem(case=case, n=task.n, threads=task.threads)
     eigenstrain = DIRECTION[:, None, None, None] * case.amplitude(task.n)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.reporting.table import Column
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "LAYOUTS", "fields_of", "measure", "write"]
 
@@ -120,7 +119,6 @@ def _stored(folder: Path, n: int, steps: list[Mapping[str, NDArray[np.float64]]]
 
 def measure(code: Code, task: Task) -> Sample:
     """Measure one way of storing in this process, which is a fresh one."""
-    code.load()
     n, count = _CASES[task.case]
     steps: list[Any] = [fields_of(n, step, friction=count > 1) for step in range(1, count + 1)]
     with TemporaryDirectory() as folder:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks import fidelity
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
 from eigencontact_verification.reporting.table import Column, Row
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "METHODS", "MODELS", "POINTWISE", "draw", "measure", "points", "truth"]
 
@@ -136,7 +135,6 @@ def _way(name: str) -> Callable[[Task], tuple[FloatArray, int]]:
 
 def measure(code: Code, task: Task) -> Sample:
     """Solve once in a fresh process, set-up included, and judge."""
-    code.load()
 
     def judge(answer: tuple[FloatArray, int]) -> dict[str, Any]:
         (found, unknowns), wanted = answer, truth()

@@ -12,28 +12,21 @@ from __future__ import annotations
 
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from eigencontact_verification.benchmarks.benchmark import Benchmark, Trial
-from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
+from eigencontact_verification.benchmarks.codes import Code, ours
 from eigencontact_verification.reporting.table import Column
-
-if TYPE_CHECKING:
-    from eigencontact_verification.benchmarks.task import Sample, Task
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "measure"]
 
 CASES = ("gross sliding", "partial slip")
-METHODS = {
-    "eigencontact": Code(
-        name="eigencontact",
-        distribution="eigencontact",
-        modules=("pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.execution.wear.surface"),
-        settings="tolerance 1e-6, double precision, coupling none",
-    )
-}
+METHODS = ours(
+    "tolerance 1e-6, double precision, coupling none",
+    "pyfftw", "scipy.fft", "eigencontact.app", "eigencontact.execution.wear.surface",
+)  # fmt: skip
 _RADIUS, _LOAD, _CONTACT = 200e-6, 12.307, 20e-6
 _CYCLES = 5000
 
@@ -92,9 +85,8 @@ class _Watched:
         setattr(owner, method, timed)
 
 
-def measure(code: Code, task: Task) -> Sample:
+def measure(_: Code, task: Task) -> Sample:
     """Measure one case in this process, which is a fresh one."""
-    code.load()
     import eigencontact as ec
     from eigencontact.execution.mechanics.mechanics import RunningMechanics
     from eigencontact.execution.wear.surface import WornSurface
