@@ -39,21 +39,11 @@ ALIASES = 2
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """Where the eigenstrain is.
+    """Cells that have eigenstrain."""
 
-    Parameters
-    ----------
-    name : str
-        For the table.
-    cells : (int, int)
-        Cells along x and y, and along z.
-    top : float
-        Depth of the uppermost face [h].
-    """
-
-    name: str
-    cells: tuple[int, int]
-    top: float
+    name: str  #: name in the table
+    cells: tuple[int, int]  #: cells along x and y, and along z
+    top: float  #: depth of the uppermost face [h]
 
     def amplitude(self, n: int) -> FloatArray:
         """Factor on the eigenstrain in each cell, ``(layers, n, n)``: a bump as wide as the zone, 1 in a lone cell."""

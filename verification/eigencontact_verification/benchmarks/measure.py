@@ -30,11 +30,6 @@ FloatArray = NDArray[np.float64]
 class HertzProblem:
     """Rigid paraboloid on an elastic half-space, `n` x `n` square cells on a window of side 4 a.
 
-    Parameters
-    ----------
-    n : int
-        Cells along each side.
-
     Examples
     --------
     >>> problem = HertzProblem(n=8)
@@ -42,7 +37,7 @@ class HertzProblem:
     (0.5, (8, 8), [-1.75, 1.75])
     """
 
-    n: int
+    n: int  #: cells along each side
     side: float = 4.0  #: side of the window [a]
     load: float = 4.0 / 3.0  #: normal load [E* a^2]
     approach: float = 1.0  #: rigid-body approach by Hertz [a]
@@ -139,26 +134,14 @@ class Convolution:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Judgement:
-    """What the outside measure says about one pressure field; all relative [-].
+    """Outside measure of one pressure field; all relative [-]."""
 
-    Attributes
-    ----------
-    gap : float
-        Largest of the absolute gap in loaded cells and the penetration of unloaded ones, over the approach.
-    tension : float
-        Largest negative pressure over p0; 0 where there is none.
-    load_error, peak_error, radius_error : float
-        Load, peak pressure and contact radius (of the circle of the loaded area) against Hertz, minus 1.
-    pressure_error : float
-        L2 norm of the pressure minus Hertz, over the norm of Hertz.
-    """
-
-    gap: float
-    tension: float
-    load_error: float
-    peak_error: float
-    radius_error: float
-    pressure_error: float
+    gap: float  #: largest of the absolute gap in loaded cells and the penetration of unloaded ones, over the approach
+    tension: float  #: largest negative pressure over p0; 0 where there is none
+    load_error: float  #: load against Hertz, minus 1, as the next two
+    peak_error: float  #: peak pressure
+    radius_error: float  #: contact radius, of the circle of the loaded area
+    pressure_error: float  #: L2 norm of the pressure minus Hertz, over the norm of Hertz
 
 
 def judge(problem: HertzProblem, pressure: FloatArray) -> Judgement:

@@ -37,17 +37,10 @@ class SlidingProblem:
     """A rigid paraboloid pressed by Hertz's load, then sheared along x by half of what friction can carry.
 
     Normal displacement by shear and tangential displacement by pressure are left out, as between like bodies.
-
-    Parameters
-    ----------
-    n : int
-        Cells along each side of a window of four contact radii.
-    poisson_ratio : float
-        Of the elastic body.
     """
 
-    n: int
-    poisson_ratio: float
+    n: int  #: cells along each side of a window of four contact radii
+    poisson_ratio: float  #: Poisson's ratio of the elastic body
     friction: float = 0.5
     share: float = 0.5  #: tangential load over friction times normal load
     hertz: HertzProblem = field(init=False)
@@ -113,26 +106,15 @@ def _corners(function: object, x: FloatArray, y: FloatArray, half: float) -> Flo
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SlidingJudgement:
-    """What the outside measure says about one answer; all relative [-].
+    """Outside measure of one answer; all relative [-]."""
 
-    Attributes
-    ----------
-    residual : float
-        Largest difference between the shear and what friction makes of it: ``q - P(q - k slip)`` with P the shortening
-        to the bound, over the largest bound; k is the largest bound over the largest displacement. In stick this is
-        the slip, in slip its part across the shear, and shear beyond its bound counts as such.
-    load_error : float
-        Tangential load against the prescribed one, minus 1.
-    shear_error : float
-        L2 norm of q_x minus the closed form, over the norm of that.
-    stick_radius : float
-        Radius of the circle of the sticking area over that of the contact area.
-    """
-
+    #: Largest difference between the shear and what friction makes of it: ``q - P(q - k slip)`` with P the shortening
+    #: to the bound, over the largest bound; k is the largest bound over the largest displacement. In stick this is the
+    #: slip, in slip its part across the shear, and shear beyond its bound counts as such.
     residual: float
-    load_error: float
-    shear_error: float
-    stick_radius: float
+    load_error: float  #: tangential load against the prescribed one, minus 1
+    shear_error: float  #: L2 norm of q_x minus the closed form, over the norm of that
+    stick_radius: float  #: radius of the circle of the sticking area over that of the contact area
 
 
 def judge_sliding(problem: SlidingProblem, pressure: FloatArray, shear: FloatArray) -> SlidingJudgement:

@@ -47,22 +47,12 @@ _TRADE_METHOD = (
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MapReport:
-    """What a campaign found.
-
-    Attributes
-    ----------
-    campaign : Campaign
-    found : tuple of Judged
-    coarse : bool
-        Whether it was a first look.
-    seconds : float
-        Wall time.
-    """
+    """Points and verdicts of a campaign."""
 
     campaign: Campaign
     found: tuple[Judged, ...]
-    coarse: bool = False
-    seconds: float = 0.0
+    coarse: bool = False  #: whether it was a first look
+    seconds: float = 0.0  #: wall time [s]
 
     @property
     def exit_code(self) -> int:

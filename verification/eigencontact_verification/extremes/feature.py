@@ -1,4 +1,4 @@
-"""What a feature declares: corners of the parameter space, each with an error against a reference and its bound."""
+"""Features and their corners of the parameter space, each with an error against a reference and its bound."""
 
 from __future__ import annotations
 
@@ -12,30 +12,15 @@ __all__ = ["Corner", "Feature", "family", "refusal"]
 
 @dataclass(frozen=True, kw_only=True)
 class Corner:
-    """One point of the parameter space.
+    """One point of the parameter space."""
 
-    Parameters
-    ----------
-    name : str
-        The parameter and its value: ``"ν = 1/2"``.
-    error : callable
-        Computes the answer there and its largest error against the reference, as a part of the answer's own size [-].
-    bound : float
-        Largest error that is right.
-    reason : str
-        Why the bound is what it is.
-    quick : bool
-        Whether the quick campaign has it; such a corner takes a tenth of a second or so.
-    refused : str
-        Words of the refusal that is the right answer there; empty where an answer is due.
-    """
-
-    name: str
+    name: str  #: the parameter and its value: ``"ν = 1/2"``
+    #: Computes the answer there and returns its largest error against the reference, relative to the answer's size [-].
     error: Callable[[], float]
-    bound: float
-    reason: str
-    quick: bool = False
-    refused: str = ""
+    bound: float  #: largest error that holds
+    reason: str  #: origin of the bound
+    quick: bool = False  #: whether the quick campaign has it; such a corner takes a tenth of a second or so
+    refused: str = ""  #: words of the refusal that is the right answer there; empty where an answer is due
 
 
 def family(
@@ -88,20 +73,9 @@ def refusal(name: str, call: Callable[[], object], words: str, *, quick: bool = 
 
 @dataclass(frozen=True, kw_only=True)
 class Feature:
-    """Corners of one kind.
+    """Corners of one kind."""
 
-    Parameters
-    ----------
-    key : str
-        Name on the command line.
-    title : str
-        What is taken to its extremes.
-    reference : str
-        What the answers are compared with, in a sentence.
-    corners : tuple of Corner
-    """
-
-    key: str
-    title: str
-    reference: str
+    key: str  #: name on the command line
+    title: str  #: the parameters
+    reference: str  #: closed forms, methods or invariants that the answers are compared with
     corners: tuple[Corner, ...]

@@ -18,30 +18,18 @@ _LONGEST = 400
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """What one corner gave.
-
-    Attributes
-    ----------
-    corner : Corner
-    word : "holds", "refused" or "fails"
-    error : float or None
-        Largest error; None where there was no answer.
-    message : str
-        Of a refusal, or why the corner fails.
-    seconds : float
-        Wall time.
-    """
+    """Verdict on one corner."""
 
     corner: Corner
-    word: str
-    error: float | None
-    message: str
-    seconds: float
+    word: str  #: "holds", "refused" or "fails"
+    error: float | None  #: largest error; None where there was no answer
+    message: str  #: text of a refusal, or reason of a failure
+    seconds: float  #: wall time [s]
 
 
 @dataclass(frozen=True, kw_only=True)
 class FoundFeature:
-    """What the corners of one feature gave."""
+    """Verdicts on the corners of one feature."""
 
     feature: Feature
     corners: tuple[Found, ...]

@@ -30,17 +30,10 @@ _CORNER_HEAD = ("corner", "error", "bound", "why this bound", "verdict")
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What a campaign found.
-
-    Attributes
-    ----------
-    features : tuple of FoundFeature
-    quick : bool
-        Whether only quick corners were computed.
-    """
+    """Verdicts on all features."""
 
     features: tuple[FoundFeature, ...]
-    quick: bool = False
+    quick: bool = False  #: whether only quick corners were computed
 
     @property
     def faults(self) -> tuple[tuple[str, Found], ...]:

@@ -135,18 +135,10 @@ def _middle_plane(value: xr.DataArray) -> xr.DataArray:
 
 @dataclass(frozen=True)
 class Context:
-    """What the names of a formula stand for.
+    """Meaning of the names in a formula."""
 
-    Attributes
-    ----------
-    names : mapping
-        Constants, parameters and readings.
-    dataset : xarray.Dataset, optional
-        Results of a variant; a bare name is the value at the end.
-    """
-
-    names: Mapping[str, Value]
-    dataset: xr.Dataset | None = None
+    names: Mapping[str, Value]  #: constants, parameters and readings
+    dataset: xr.Dataset | None = None  #: results of a variant; a bare name is the value at the end
     at: Any = field(default=-1)
 
 

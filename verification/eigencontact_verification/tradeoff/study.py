@@ -55,22 +55,12 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Rows of a study; the first one is the reference.
+    """Rows of a study; the first one is the reference."""
 
-    Attributes
-    ----------
-    name : str
-        Of the scene.
-    headline : str
-        Which error the rows are compared by.
-    note : str
-        What a reader must know: the reference could not be solved and another stands in for it.
-    """
-
-    name: str
-    headline: str
+    name: str  #: name of the scene
+    headline: str  #: name of the error by which the rows are compared
     rows: tuple[Row, ...]
-    note: str = ""
+    note: str = ""  #: says where the reference could not be solved and another row stands in for it
 
 
 def predict(resolved: Mapping[str, Any], variants: Sequence[Variant]) -> list[Prediction]:
