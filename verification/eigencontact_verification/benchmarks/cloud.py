@@ -13,15 +13,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.reporting.table import Column
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "POINTS", "lattice", "measure"]
-
-FloatArray = NDArray[np.float64]
 
 #: Shapes of the inclusions.
 CASES = ("spheres", "ellipsoids")

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,8 +23,6 @@ __all__ = [
     "ASPHER", "CODES", "CONTACTMECHANICS", "KERNELS", "NORMAL", "PEERS", "TAMAAS", "Code", "Solution", "find_code",
     "ours", "press_contactmechanics", "press_eigencontact", "press_tamaas",
 ]  # fmt: skip
-
-FloatArray = NDArray[np.float64]
 
 #: pressure (n, n) [E*], iterations, convolutions; None where the code does not report a number
 Solution = tuple[FloatArray, int | None, int | None]

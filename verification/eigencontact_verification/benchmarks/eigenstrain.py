@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, once, one_and_all
 from eigencontact_verification.benchmarks.codes import Code, ours
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "bare_transforms", "measure", "scaling"]
-
-FloatArray = NDArray[np.float64]
 
 #: What is computed, by its name in the table.
 CASES = {"stress": "stress in the volume", "displacement": "displacement of the surface"}

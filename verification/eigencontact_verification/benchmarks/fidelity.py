@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 
 __all__ = ["BENCHMARK", "BUILDERS", "CASES", "DEPTHS", "ERRORS", "METHODS", "Case", "Problem", "measure", "reference"]
-
-FloatArray = NDArray[np.float64]
 
 LAYERS = 16
 #: Planes of cell centres on which the stress is judged [h].

@@ -114,15 +114,8 @@ def _ratio(task: Task, ratio: float) -> Sample:
 
     @cache
     def system() -> InhomogeneousCells:
-        operator = MeanVolumeField(
-            cell,
-            cells,
-            cells,
-            poisson_ratio=matrix.poisson_ratio,
-            shear_modulus=matrix.shear_modulus,
-            threads=task.threads,
-            applications=100,
-        )
+        constants: dict[str, Any] = {"poisson_ratio": matrix.poisson_ratio, "shear_modulus": matrix.shear_modulus}
+        operator = MeanVolumeField(cell, cells, cells, **constants, threads=task.threads, applications=100)
         return InhomogeneousCells(operator, matrix, [Isotropic(young_modulus=ratio, poisson_ratio=0.3)], inside)
 
     load = np.zeros((6, *_BOX))
@@ -155,14 +148,8 @@ def _balls() -> Any:
         return np.abs(at[:, None] - centres).min(axis=1)
 
     deep = away(z, _DEEP, _RADIUS + 0.5 * _SPACING * (_DEEP - 1))
-    return (
-        (
-            deep[:, None, None] ** 2
-            + away(y, _ALONG, 0.5 * ny)[None, :, None] ** 2
-            + away(x, _ALONG, 0.5 * nx)[None, None, :] ** 2
-        )
-        <= _RADIUS**2
-    ).astype(int)
+    squared = deep[:, None, None] ** 2 + away(y, _ALONG, 0.5 * ny)[None, :, None] ** 2
+    return (squared + away(x, _ALONG, 0.5 * nx)[None, None, :] ** 2 <= _RADIUS**2).astype(int)
 
 
 BENCHMARK = Benchmark(

@@ -21,7 +21,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-__all__ = ["Convolution", "HertzProblem", "Judgement", "judge", "love_influence"]
+__all__ = ["Convolution", "FloatArray", "HertzProblem", "Judgement", "judge", "love_influence"]
 
 FloatArray = NDArray[np.float64]
 

@@ -13,17 +13,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks import codes
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.benchmarks.roughness import RoughProblem, residual
 from eigencontact_verification.reporting.table import Column, Row
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "RoughCode", "measure", "ratios"]
-
-FloatArray = NDArray[np.float64]
 
 #: Boundary, and share of the area in contact that the load is chosen for.
 CASES = {

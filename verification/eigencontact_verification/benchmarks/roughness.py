@@ -18,14 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 from scipy.special import erfinv
 
-from eigencontact_verification.benchmarks.measure import love_influence
+from eigencontact_verification.benchmarks.measure import FloatArray, love_influence
 
 __all__ = ["RoughProblem", "displacement", "residual"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -18,13 +18,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem
 
 __all__ = ["ShearConvolution", "SlidingJudgement", "SlidingProblem", "judge_sliding"]
-
-FloatArray = NDArray[np.float64]
 
 #: A cell slips where its shear is this close to its bound, relative.
 _AT_BOUND = 1e-4

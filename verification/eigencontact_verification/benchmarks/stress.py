@@ -10,18 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, once, one_and_all
-from eigencontact_verification.benchmarks.measure import HertzProblem
+from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem
 from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.codes import Code
 
 __all__ = ["BENCHMARK", "POISSON_RATIO", "axis_error", "axis_stress", "bare_transforms", "depths_of", "measure"]
-
-FloatArray = NDArray[np.float64]
 
 POISSON_RATIO = 0.3
 

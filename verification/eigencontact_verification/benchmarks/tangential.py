@@ -14,16 +14,14 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial, repeated, timed
 from eigencontact_verification.benchmarks.codes import ASPHER, KERNELS, TAMAAS, Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.benchmarks.sliding import ShearConvolution, SlidingProblem, judge_sliding
 from eigencontact_verification.reporting.table import Column, Row
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "PEERS", "ShearCode", "Sheared", "growth", "measure"]
-
-FloatArray = NDArray[np.float64]
 
 #: Poisson's ratio of each case.
 CASES = {"nu-0.3": 0.3, "nu-0.5": 0.5}

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from eigencontact_verification.benchmarks import fidelity
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
+from eigencontact_verification.benchmarks.measure import FloatArray
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 
 
 __all__ = ["BENCHMARK", "METHODS", "MODELS", "POINTWISE", "draw", "measure", "points", "truth"]
-
-FloatArray = NDArray[np.float64]
 
 DEPTH = 1.5
 #: Cells along an edge, and points along each side of the quadrant.

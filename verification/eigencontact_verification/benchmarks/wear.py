@@ -64,25 +64,23 @@ def _scene(task: Task) -> dict[str, Any]:
     }
 
 
-class _Watched:
-    """Wall time spent in some methods of classes, from the outside."""
+def _watch(**methods: tuple[type, str]) -> dict[str, float]:
+    """Wall times [s] spent in methods of classes from now on, by name."""
+    spent = dict.fromkeys(methods, 0.0)
 
-    def __init__(self, **methods: tuple[type, str]) -> None:
-        self.spent = dict.fromkeys(methods, 0.0)
-        for name, (owner, method) in methods.items():
-            self._watch(name, owner, method)
-
-    def _watch(self, name: str, owner: type, method: str) -> None:
-        known = getattr(owner, method)
-
-        def timed(*args: Any, **kwargs: Any) -> Any:
+    def watched(name: str, method: Any) -> Any:
+        def call(*args: Any, **kwargs: Any) -> Any:
             began = perf_counter()
             try:
-                return known(*args, **kwargs)
+                return method(*args, **kwargs)
             finally:
-                self.spent[name] += perf_counter() - began
+                spent[name] += perf_counter() - began
 
-        setattr(owner, method, timed)
+        return call
+
+    for name, (owner, method) in methods.items():
+        setattr(owner, method, watched(name, getattr(owner, method)))
+    return spent
 
 
 def measure(_: Code, task: Task) -> Sample:
@@ -92,7 +90,7 @@ def measure(_: Code, task: Task) -> Sample:
     from eigencontact.execution.wear.surface import WornSurface
     from eigencontact.results.store import ResultStore
 
-    watched = _Watched(
+    spent = _watch(
         solve=(RunningMechanics, "advance"),
         skip=(WornSurface, "begin"),
         update=(WornSurface, "advance"),
@@ -106,7 +104,7 @@ def measure(_: Code, task: Task) -> Sample:
             return ec.run(scene, f"{folder}/run")
 
     def judge(result: Any) -> dict[str, Any]:
-        numbers, spent = result.summary, watched.spent
+        numbers = result.summary
         return {
             "run_s": result.seconds,
             "solve_s": spent["solve"],

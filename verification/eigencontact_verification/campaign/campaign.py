@@ -79,14 +79,7 @@ class Campaign:
 
 
 def read_campaign(path: Path, text: str | None = None) -> Campaign:
-    """Read the campaign of a TOML file.
-
-    Parameters
-    ----------
-    path : Path
-        Its file; the name of the campaign is that of the file.
-    text : str, optional
-        Its contents, where they have been read.
+    """Read the campaign of a TOML file, or of its text; its name is that of the file.
 
     Raises
     ------

@@ -28,32 +28,37 @@ if TYPE_CHECKING:
     from eigencontact_verification.crosscheck.case import Case, Gap, Profile
     from eigencontact_verification.crosscheck.run import Executor, Progress
 
-__all__ = ["CasesOf", "cases_for", "executor_of", "judge_by_elements"]
+__all__ = ["CasesOf", "cases_for", "executor_for", "judge_by_elements", "plugins_of"]
 
 #: Cases of a folder of results, and what cannot be judged of it.
 CasesOf = Callable[[Path], "tuple[Sequence[Case], Sequence[Gap]]"]
 
 
 def cases_for(campaign: Campaign, *, coarse: bool) -> CasesOf:
-    """What makes the cases of a run for the judge of a campaign."""
+    """Return the function that makes the cases of a run for the judge of a campaign."""
     quick = coarse or not campaign.full_meshes
     from eigencontact_verification.audit import cases_of, contact_cases_of
 
     return partial(contact_cases_of if campaign.judge == "contact" else cases_of, quick=quick)
 
 
-def executor_of(
-    points: Sequence[Point], *, workers: int = 1, cluster: Cluster | None = None, memory: float | None = None
+def executor_for(
+    plugins: Iterable[str], *, workers: int = 1, cluster: Cluster | None = None, memory: float | None = None
 ) -> Executor:
-    """Who performs the solutions: processes within limits, or a cluster; both get plugin files of the scenes."""
-    scenes = [point.model.variant.scene for point in points]
-    plugins = dict.fromkeys(str(path.resolve()) for scene in scenes if scene is not None for path in scene.plugin_files)
+    """Processes within limits of memory [byte], or a cluster, for the solutions; both load the plugin files."""
     if cluster is None:
         limits = Limits() if memory is None else Limits(memory=memory)
         return partial(in_processes, workers=workers, limits=limits, plugins=tuple(plugins))
     from eigencontact_verification.crosscheck.cluster import on_cluster
 
     return partial(on_cluster, engine=cluster, plugins=tuple(plugins))
+
+
+def plugins_of(points: Sequence[Point]) -> list[str]:
+    """Plugin files of the scenes of points."""
+    scenes = [point.model.variant.scene for point in points]
+    files = (str(path.resolve()) for scene in scenes if scene is not None for path in scene.plugin_files)
+    return list(dict.fromkeys(files))
 
 
 @dataclass(kw_only=True, eq=False)
@@ -70,22 +75,9 @@ def judge_by_elements(
     campaign: Campaign, points: Sequence[Point], folder: Path, *, cases_of: CasesOf, executor: Executor,
     progress: Progress | None = None,
 ) -> list[Judged]:  # fmt: skip
-    """Verdicts of points.
+    """Verdicts of points from the runs in the folder ``runs``; solutions are stored in the folder ``solutions``.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Its tolerance and claim.
-    points : sequence of Point
-        With what came of their runs.
-    folder : Path
-        With ``runs``; solutions go to ``solutions``.
-    cases_of : callable
-        See `cases_for`.
-    executor : callable
-        See `executor_of`.
-    progress : Progress, optional
-        Told of the solutions.
+    See `cases_for` and `executor_for`; `progress` learns of the solutions.
     """
     asked: list[_Asked] = []
     cases: list[Case] = []

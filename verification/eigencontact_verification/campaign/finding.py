@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eigencontact_verification.campaign.runs import Point
-from eigencontact_verification.reporting.verdict import Finding, largest, worst
+from eigencontact_verification.reporting.verdict import Finding, largest, percent, worst
 
 __all__ = ["Judged", "MapFinding"]
 
@@ -19,6 +19,11 @@ class MapFinding(Finding):
     error: float | None = None  #: largest |model - reference|, as `uncertainty` a part of the scale
     value: float | None = None  #: number of the model, where the quantity is a single number
     reference: float | None = None  #: number of the reference likewise
+
+    @property
+    def numbers(self) -> str:
+        """Error and uncertainty in per cent."""
+        return f"{percent(self.error)} ± {percent(self.uncertainty)}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

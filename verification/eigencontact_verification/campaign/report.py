@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from eigencontact.core.units import time_in_words
 from eigencontact_verification.campaign.answer import answers, totals
-from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_of, levels_of, quantities_of
+from eigencontact_verification.campaign.figure import axes_of_map, draw_map, label_in, levels_in, quantities_of
 from eigencontact_verification.campaign.tables import csv_table, latex_table
 from eigencontact_verification.reporting.files import report_names, write_report_files, write_text
 from eigencontact_verification.reporting.page import (
@@ -119,15 +119,15 @@ def _maps(report: MapReport) -> list[str]:
     x, y, others = axes_of_map(report.campaign, report.found)
     if y is None or others:
         return []
-    across, up = levels_of(report.found, x), levels_of(report.found, y)
-    rows_and_columns = f"Rows are {label_of(report.campaign, y)}, columns {label_of(report.campaign, x)}"
+    across, up = levels_in(report.found, x), levels_in(report.found, y)
+    rows_and_columns = f"Rows are {label_in(report.campaign, y)}, columns {label_in(report.campaign, x)}"
     parts = [f"{rows_and_columns}; what stands in parentheses is not claimed."]
     for name in quantities_of(report.campaign, report.found):
         cells = {}
         for one in report.found:
             for finding in one.findings:
                 if finding.quantity == name:
-                    words = f"{MARKS[finding.word]} {percent(finding.error)} ± {percent(finding.uncertainty)}"
+                    words = f"{MARKS[finding.word]} {finding.numbers}"
                     key = one.point.values[y], one.point.values[x]
                     cells[key] = words if finding.claimed else f"({words})"
         rows = [[plain(row), *(cells.get((row, column), "–") for column in across)] for row in reversed(up)]

@@ -111,22 +111,18 @@ def perform_runs(
     alone: bool = False,
     told: Callable[[str], None] | None = None,
 ) -> list[Point]:
-    """Points with what came of their runs; finished runs are read again, not run again.
+    """Points with the outcome of their runs; finished runs are read again, not run again.
 
     Parameters
     ----------
-    points : sequence of Point
-        See `points_of`.
     folder : Path
-        Each run has a folder in it.
-    workers : int
-        Processes that share the runs.
-    cluster : Cluster, optional
-        Who runs them instead.
+        Has a folder of each run.
+    workers, cluster : int, Cluster
+        Number of processes at a time, or the cluster that performs the runs instead.
     alone : bool
         Whether each run has a process of its own, one at a time, so that memory and time are its own.
     told : callable, optional
-        Told of each run as it ends.
+        Called for each run as it ends.
     """
     from eigencontact.engines.engine import Processes
     from eigencontact.sweeps.runner import outcomes

@@ -25,19 +25,7 @@ __all__ = ["judge_by_scene"]
 
 
 def judge_by_scene(campaign: Campaign, point: Point, folder: Path, *, ratio: float) -> Judged:
-    """Verdicts of a point.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Its quantities.
-    point : Point
-        With what came of its runs.
-    folder : Path
-        Of the runs.
-    ratio : float
-        Of the refinements of the reference.
-    """
+    """Verdicts of a point from the folder of its runs; `ratio` is that of the refinements of the reference."""
     runs = (point.model, *point.reference)
     missing = "; ".join(f"{run.variant.label}: {run.failed}" for run in runs if run.failed)
     findings = []

@@ -131,14 +131,14 @@ def _report(report: MapReport) -> None:
     from eigencontact.core.text_table import print_table
     from eigencontact_verification.campaign.answer import answers, totals
     from eigencontact_verification.campaign.figure import quantities_of
-    from eigencontact_verification.reporting.verdict import MARKS, percent
+    from eigencontact_verification.reporting.verdict import MARKS
 
     campaign, found = report.campaign, report.found
     typer.echo(campaign.title)
     names = quantities_of(campaign, found)
     table = Table("point", "claimed", *names, box=None, pad_edge=False)
     for one in found:
-        cells = {f.quantity: f"{MARKS[f.word]} {percent(f.error)} ± {percent(f.uncertainty)}" for f in one.findings}
+        cells = {finding.quantity: f"{MARKS[finding.word]} {finding.numbers}" for finding in one.findings}
         count = sum(finding.claimed for finding in one.findings)
         claimed = "no" if not count else "yes" if count == len(one.findings) else "in part"
         style = "bold red" if one.breaks_claim else None

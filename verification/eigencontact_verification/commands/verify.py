@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from eigencontact_verification.crosscheck.case import Case, Gap
     from eigencontact_verification.crosscheck.report import Report
-    from eigencontact_verification.crosscheck.run import Executor
 
 __all__ = ["CaseList", "verify"]
 
@@ -157,6 +156,7 @@ def verify(
     try:
         from eigencontact_verification.audit.command import audit_results, is_results
         from eigencontact_verification.audit.stored import plugin_files
+        from eigencontact_verification.campaign.elements import executor_for
         from eigencontact_verification.crosscheck import cases
         from eigencontact_verification.crosscheck.whole import crosscheck
 
@@ -165,9 +165,12 @@ def verify(
         if not (names or laws):
             names, laws = own_shapes, own_laws
         needed = [*files_given, *(file for run in runs for file in plugin_files(run))]
-        executor = _executor(workers, (cluster, memory, threads), list(dict.fromkeys(needed)))
-        options: dict[str, Any] = {"executor": executor, "limit": limit, "quick": quick, "pictures": pictures}
-        options["show"] = not (quiet or as_json)
+        engine = cluster_or_none(workers, cluster, None if cluster is None else memory, threads)
+        options: dict[str, Any] = {"limit": limit, "quick": quick, "pictures": pictures, "show": not (quiet or as_json)}
+        options["executor"] = executor_for(
+            dict.fromkeys(needed), workers=workers or _cores(), cluster=engine,
+            memory=None if memory is None else 1e9 * memory,
+        )  # fmt: skip
         chosen: tuple[Case, ...] = ()
         _refuse_together(runs, names, laws, figure, step, contact=contact, refine=refine)
         if runs:
@@ -248,18 +251,6 @@ def _of_files(files: Sequence[str]) -> tuple[list[str], list[str]]:
             "`eigencontact check` asks the conformance kit about other kinds"
         )
     return shapes, laws
-
-
-def _executor(workers: int | None, on: tuple[str | None, float | None, int | None], plugins: Sequence[str]) -> Executor:
-    from eigencontact_verification.crosscheck.cluster import on_cluster
-    from eigencontact_verification.crosscheck.run import Limits, in_processes
-
-    address, memory, threads = on
-    engine = cluster_or_none(workers, address, None if address is None else memory, threads)
-    if engine is not None:
-        return partial(on_cluster, engine=engine, plugins=plugins)
-    limits = Limits() if memory is None else Limits(memory=memory * 1e9)
-    return partial(in_processes, workers=workers or _cores(), limits=limits, plugins=plugins)
 
 
 def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:

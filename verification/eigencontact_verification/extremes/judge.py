@@ -96,13 +96,9 @@ def _answered(corner: Corner, error: float) -> tuple[str, str]:
 
 
 def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[tuple[Feature, Found | FoundFeature]]:
-    """Judge all corners; yields each as it is found, and each feature after its corners.
+    """Judge all corners, or only quick ones; yields each verdict, and each feature after its corners.
 
-    Parameters
-    ----------
-    features : sequence of Feature
-    quick : bool
-        Only quick corners; a feature without any is left out.
+    A feature without quick corners is left out of the quick run.
     """
     for feature in features:
         corners = [corner for corner in feature.corners if corner.quick or not quick]

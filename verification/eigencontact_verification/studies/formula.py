@@ -143,21 +143,12 @@ class Context:
 
 
 def evaluate(text: str, context: Context, told: str = "formula") -> Value:
-    """Value of a formula.
-
-    Parameters
-    ----------
-    text : str
-        The formula.
-    context : Context
-        Its names.
-    told : str
-        Where it stands, for messages.
+    """Value of a formula; `told` is its place, for messages.
 
     Raises
     ------
     SceneError
-        A formula that cannot be read, or a name that stands for nothing; with the nearest.
+        A formula that cannot be read, or an unknown name, with the nearest.
 
     Examples
     --------

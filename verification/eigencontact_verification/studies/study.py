@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -22,7 +22,18 @@ if TYPE_CHECKING:
 
     from eigencontact.scene.schema import Scene
 
-__all__ = ["Finished", "Parameter", "Study", "formatted", "number_of", "plain", "read_study", "study_of"]
+__all__ = [
+    "Finished",
+    "Parameter",
+    "Study",
+    "formatted",
+    "label_of",
+    "levels_of",
+    "number_of",
+    "plain",
+    "read_study",
+    "study_of",
+]
 
 Values = Mapping[str, Any]
 
@@ -118,19 +129,12 @@ class Finished:
 
 
 def read_study(path: Path, text: str | None = None) -> Study:
-    """Study of a TOML file.
-
-    Parameters
-    ----------
-    path : Path
-        Its file; the name of the study is that of the file.
-    text : str, optional
-        Its contents, where they have been read.
+    """Read the study of a TOML file, or of its text; its name is that of the file.
 
     Raises
     ------
     SceneError
-        What is wrong with it, by key.
+        A faulty key, with its rule.
     """
     given = read_toml(path, text, "study")
     return study_of(given, path.stem, path.parent, path.resolve().parent if path.is_file() else None)
@@ -141,19 +145,15 @@ def study_of(given: Mapping[str, Any], name: str, beside: Path, folder: Path | N
 
     Parameters
     ----------
-    given : mapping
-        The tables.
-    name : str
-        Of the study.
     beside : Path
         Folder of scenes that it names.
     folder : Path, optional
-        Where the files that the scene names lie.
+        Folder of the files that the scene names.
 
     Raises
     ------
     SceneError
-        What is wrong with it, by key.
+        A faulty key, with its rule.
     """
     table = checked(given, "study", f"study {name}", needs=("title", "scene", "vary"))
     coarse = checked(table.get("coarse", {}), "coarse", "coarse")
@@ -252,6 +252,18 @@ def _figure(table: Mapping[str, Any]) -> dict[str, Any]:
         panels.append(panel)
     one_of(figure.get("legend", "right"), ("right", "above", "none"), "figure.legend")
     return {**figure, "panel": panels}
+
+
+def label_of(parameters: Iterable[Parameter], name: str) -> str:
+    """Label of a parameter, or the name where there is no such parameter."""
+    return next((parameter.label for parameter in parameters if parameter.name == name), name)
+
+
+def levels_of(rows: Iterable[Values], name: str) -> list[Any]:
+    """Values of a parameter in several rows, each once; sorted where all are numbers."""
+    levels = list(dict.fromkeys(row[name] for row in rows if name in row))
+    numbers = all(isinstance(number_of(level), int | float) for level in levels)
+    return sorted(levels, key=number_of) if numbers else levels
 
 
 def formatted(label: str, values: Values) -> str:

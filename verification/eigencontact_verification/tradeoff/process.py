@@ -38,15 +38,7 @@ class Solved:
 
 
 def solve_fresh(tables: Mapping[str, Any], limit: float) -> Solved:
-    """Solve the tables of a scene; never raises for what the child does.
-
-    Parameters
-    ----------
-    tables : mapping
-        Scene, plain data.
-    limit : float
-        Wall time after which the process is ended [s].
-    """
+    """Solve the tables of a scene within a wall time [s]; never raises for a failure of the child."""
     with TemporaryDirectory() as folder:
         task, answer, fields = (Path(folder) / name for name in ("scene.json", "answer.json", "fields.npz"))
         task.write_text(json.dumps(tables), encoding="utf-8")

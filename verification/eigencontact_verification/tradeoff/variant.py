@@ -59,17 +59,7 @@ def keys_of(plan: Plan) -> tuple[str, ...]:
 
 
 def variants(plan: Plan, fidelities: Fidelities, only: Sequence[str] = ()) -> tuple[Variant, ...]:
-    """Reference, scene as it stands (at the factor `base`), then one change at a time.
-
-    Parameters
-    ----------
-    plan : Plan
-        Of the scene as it stands.
-    fidelities : Fidelities
-        How far to vary.
-    only : sequence of str
-        Keys to vary, of `keys_of`; by default all.
-    """
+    """Reference, scene as it stands (at the factor `base`), then one change at a time, of all keys or only of some."""
     base_grid, base_words = _grid(plan, fidelities.base)
     fine_grid, fine_words = _grid(plan, fidelities.reference)
     found = _grids(plan, fidelities) if not only or "grid" in only else []

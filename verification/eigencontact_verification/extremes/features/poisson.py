@@ -49,7 +49,7 @@ def shear_of_pressure(nu: float) -> float:
 
 def dilated_ball(nu: float, quantity: str) -> float:
     """Dilatation of a ball below the surface: inside, outside and in the surface, beside Davies's closed form."""
-    points = [[0, 0, 0], [0.4, 0.2, 0.9], [1.9, -0.3, 1.2], [0.1, 0.2, 4.0], [3.0, 1.0, 0.0]]
+    points: list[list[float]] = [[0, 0, 0], [0.4, 0.2, 0.9], [1.9, -0.3, 1.2], [0.1, 0.2, 4.0], [3.0, 1.0, 0.0]]
     return apart(*hot_ball(1.2, points, nu, quantity))
 
 
