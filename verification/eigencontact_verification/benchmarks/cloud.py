@@ -16,7 +16,7 @@ import numpy as np
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.measure import FloatArray
+from eigencontact_verification.benchmarks.measure import FloatArray, largest_error
 from eigencontact_verification.reporting.table import Column
 
 __all__ = ["BENCHMARK", "CASES", "METHODS", "POINTS", "lattice", "measure"]
@@ -82,7 +82,7 @@ def measure(code: Code, task: Task, points: tuple[int, int, int] = POINTS) -> Sa
         wanted = np.zeros((chosen.size, 3, 3))
         for shape, strain in zip(shapes, strains, strict=True):
             wanted += inclusion_field(shape, strain, at[chosen], quantity="stress", **MATERIAL)
-        return {"points": len(at), "error": float(np.abs(found[chosen] - wanted).max() / np.abs(wanted).max())}
+        return {"points": len(at), "error": largest_error(found[chosen], wanted)}
 
     tolerance = 0.0 if code.name == "one-by-one" else 1e-6
     call = partial(inclusion_field, shapes, strains, at, quantity="stress", tolerance=tolerance, **MATERIAL)

@@ -16,7 +16,7 @@ import scipy.fft
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.measure import FloatArray
+from eigencontact_verification.benchmarks.measure import FloatArray, largest_error
 from eigencontact_verification.reporting.table import Column
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def periodic(problem: Problem, quantity: str, padding: float) -> Callable[[Float
     return lambda eigenstrain: unit * space.apply(eigenstrain, quantity, depths=depths)
 
 
-#: What makes a function from eigenstrain to field, by name of the way.
+#: Builders of a function from eigenstrain to field, by name of the treatment.
 BUILDERS: dict[str, Callable[[Problem, str], Callable[[FloatArray], FloatArray]]] = {
     "exact": exact,
     "exact, single": exact_single,
@@ -231,22 +231,16 @@ def measure(code: Code, task: Task) -> Sample:
 
     def judge(stress: FloatArray) -> dict[str, Any]:
         errors = {
-            f"stress_{depth:g}": _error(stress[:, int(depth - 0.5)], reference(case, "stress", depth, task.n))
+            f"stress_{depth:g}": largest_error(stress[:, int(depth - 0.5)], reference(case, "stress", depth, task.n))
             for depth in DEPTHS
         }
         wanted = reference(case, "displacement", 0.0, task.n)[2]
         found = build(problem, "displacement")(eigenstrain)[2, 0]
-        errors["u_z"] = _error(found, wanted)
+        errors["u_z"] = largest_error(found, wanted)
         errors["u_z_shape"] = float(np.abs(found - found.mean() - wanted + wanted.mean()).max() / np.abs(wanted).max())
         return errors
 
     return Trial(call=lambda: apply()(eigenstrain), judge=judge).run(task)
-
-
-def _error(found: FloatArray, wanted: FloatArray) -> float:
-    if found.shape != wanted.shape or not np.isfinite(found).all():
-        raise ValueError(f"field must be finite and of shape {wanted.shape} (got shape {found.shape})")
-    return float(np.abs(found - wanted).max() / np.abs(wanted).max())
 
 
 #: Values of a sample that are errors.

@@ -1,7 +1,7 @@
-"""What a sweep on a cluster costs beyond its runs: variants refused before they run, on workers of this machine.
+"""Costs of a sweep on a cluster beyond its runs: variants refused before they run, on workers of this machine.
 
 ``python -m eigencontact_verification.benchmarks.handing_out [--variants 2000 20000] [--workers 2] [--markdown FILE]``
-prints the costs at two numbers of variants, and what the straight line through both says of 10⁵.
+prints the costs at two numbers of variants, and the extrapolation to 10⁵ by the straight line through both.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _SMALL = ["stress=[]", "grid.cells=32", 'grid.size="30 um"', "output.pictures=fa
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """Cost of a number of variants: what is measured, in which unit, and how much of it."""
+    """One measured cost, with its unit and its value by number of variants."""
 
     what: str
     unit: str

@@ -1,4 +1,4 @@
-"""Frictionless Hertz contact: a whole solve against one bare convolution, and what it is worth.
+"""Frictionless Hertz contact: a whole solve against one bare convolution, and its error.
 
 Rigid paraboloid, load control, exact Love kernel, window of four contact radii. The time that counts is that of the
 **first call in a fresh process**, imports excluded: it includes kernel, operator and FFT plans, as a user's call does.

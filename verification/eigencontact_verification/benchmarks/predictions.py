@@ -1,7 +1,7 @@
-"""What `explain` predicts of every bundled scene, against what the scene then takes: time, and time of each block.
+"""Time that `explain` predicts for every bundled scene and its blocks, against the time that they take.
 
 Each scene is planned and run in a process of its own, in memory, without pictures. A prediction times a few
-convolutions and kernels where it is made and counts them: on a busy machine neither side is worth much.
+convolutions and kernels where it is made and counts them: on a busy machine neither side is reliable.
 """
 
 from __future__ import annotations

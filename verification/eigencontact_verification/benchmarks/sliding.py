@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy.fft
 
-from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem
+from eigencontact_verification.benchmarks.measure import FloatArray, HertzProblem, corners, wrapped_lags
 
 __all__ = ["ShearConvolution", "SlidingJudgement", "SlidingProblem", "judge_sliding"]
 
@@ -73,11 +73,11 @@ class ShearConvolution:
     def __init__(self, problem: SlidingProblem) -> None:
         n, cell, nu = problem.n, problem.hertz.cell, problem.poisson_ratio
         self.n = n
-        lags = np.roll(np.arange(-n, n, dtype=np.float64), n) * cell
+        lags = wrapped_lags(n, cell)
         x, y, half = lags[None, :], lags[:, None], 0.5 * cell
-        straight = _corners(lambda s, t: s * np.arcsinh(t / np.abs(s)), x, y, half)
-        turned = _corners(lambda s, t: t * np.arcsinh(s / np.abs(t)), x, y, half)
-        crossed = _corners(np.hypot, x, y, half)
+        straight = corners(lambda s, t: s * np.arcsinh(t / np.abs(s)), x, y, half)
+        turned = corners(lambda s, t: t * np.arcsinh(s / np.abs(t)), x, y, half)
+        crossed = corners(np.hypot, x, y, half)
         kernels = {
             (0, 0): straight + turned / (1.0 - nu),
             (1, 1): turned + straight / (1.0 - nu),
@@ -92,13 +92,6 @@ class ShearConvolution:
         waves = scipy.fft.rfft2(shear, s=shape, workers=workers)
         waves = np.stack([row[0] * waves[0] + row[1] * waves[1] for row in self.spectra])
         return np.asarray(scipy.fft.irfft2(waves, s=shape, workers=workers)[:, : self.n, : self.n])
-
-
-def _corners(function: object, x: FloatArray, y: FloatArray, half: float) -> FloatArray:
-    """Sum of a potential over the corners of a square, signed; ``function(s, t)`` of the offsets of a corner."""
-    assert callable(function)
-    left, right, low, high = x - half, x + half, y - half, y + half
-    return np.asarray(function(right, high) - function(right, low) - function(left, high) + function(left, low))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,4 +1,4 @@
-"""What a user waits for around a solution: whole processes of the command line, against the imports alone.
+"""Time around a solution: whole processes of the command line, against the imports alone.
 
 The imports are those that any program would make that reads and draws such results. They are timed in turn with the
 commands, in processes of their own; the first process of each, which may find nothing compiled and no file in the

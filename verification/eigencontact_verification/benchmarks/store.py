@@ -1,7 +1,7 @@
 """Storing: what a step costs, and layouts of the results file against that which is used.
 
-The fields are closed forms: three of a contact without friction, eleven of one with partial slip. ``used`` is what the
-package writes, at each step and at the end. The other ways write the same arrays with h5py alone, all at the end:
+The fields are closed forms: three of a contact without friction, eleven of one with partial slip. ``used`` is the
+writer of the package, at each step and at the end. The other ways write the same arrays with h5py alone, at the end:
 ``whole`` as one piece each, ``bands`` of rows of 1 MB without those that are zero, ``squares`` of 256 x 256 cells
 likewise, ``lzf`` and ``gzip`` bands compressed after a byte shuffle. Each ends with the file on the disk, as far as the
 system tells.
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BENCHMARK", "LAYOUTS", "fields_of", "measure", "write"]
 
-#: What h5py is asked for, by name: cells along the sides of a chunk, and how it is compressed.
+#: Layouts by name: cells along the sides of a chunk, and its compression by h5py.
 LAYOUTS: dict[str, dict[str, Any]] = {
     "whole": {},
     "bands": {"band": 2**17},

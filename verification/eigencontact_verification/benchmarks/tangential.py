@@ -1,4 +1,4 @@
-"""Cattaneo-Mindlin contact: the tangential solve against the bare FFTs of one application, and what it is worth.
+"""Cattaneo-Mindlin contact: the tangential solve against the bare FFTs of one application, and its error.
 
 The set-up (normal contact, coefficients known before the tangential load comes) is timed apart from the tangential
 solve, where a code can do that; the first solve in a fresh process includes the coefficients and FFT plans of shear.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from eigencontact_verification.benchmarks import fidelity
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task, Trial
 from eigencontact_verification.benchmarks.codes import Code
-from eigencontact_verification.benchmarks.measure import FloatArray
+from eigencontact_verification.benchmarks.measure import FloatArray, largest_error
 from eigencontact_verification.reporting.table import Column, Row
 
 if TYPE_CHECKING:
@@ -136,10 +136,8 @@ def measure(code: Code, task: Task) -> Sample:
     """Solve once in a fresh process, set-up included, and judge."""
 
     def judge(answer: tuple[FloatArray, int]) -> dict[str, Any]:
-        (found, unknowns), wanted = answer, truth()
-        if found.shape != wanted.shape or not np.isfinite(found).all():
-            raise ValueError(f"field must be finite and of shape {wanted.shape} (got shape {found.shape})")
-        return {"unknowns": unknowns, "error": float(np.abs(found - wanted).max() / np.abs(wanted).max())}
+        displacement, unknowns = answer
+        return {"unknowns": unknowns, "error": largest_error(displacement, truth())}
 
     return Trial(call=lambda: _way(code.name)(task), judge=judge).run(task, warm=0)
 

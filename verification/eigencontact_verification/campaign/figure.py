@@ -157,7 +157,7 @@ def _curve(axes: Axes, chosen: Sequence[Judged], name: str, x: str, levels: Sequ
 
 
 def _key(figure: Figure, found: Sequence[Judged], *, cells: bool) -> None:
-    """What tints, marks and lines mean."""
+    """Draw the legend of tints, marks and lines."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

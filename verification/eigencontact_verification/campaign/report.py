@@ -1,4 +1,4 @@
-"""Report of a campaign: the map, every verdict, and what both sides cost; JSON, Markdown and one HTML page."""
+"""Report of a campaign: the map, every verdict, and the costs of both sides; JSON, Markdown and one HTML page."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def _maps(report: MapReport) -> list[str]:
 
 
 def _gaps(report: MapReport) -> list[str]:
-    """What cannot be judged, each reason once, with the number of points that have it."""
+    """Fields that cannot be judged, each reason once, with the number of points that have it."""
     told = [gap for one in report.found for gap in dict.fromkeys(one.gaps)]
     return [f"{gap} ({told.count(gap)} of {len(report.found)} points)" for gap in dict.fromkeys(told)]
 
@@ -151,7 +151,7 @@ def _told(report: MapReport) -> list[str]:
 
 
 def as_section(report: MapReport, *, trade: bool = False) -> str:
-    """Markdown between the markers of a page: sentences, what agrees from where on, one table; not the whole report."""
+    """Markdown between the markers of a page: sentences, ranges of agreement, one table; not the whole report."""
     campaign = report.campaign
     parts = [f"**{campaign.title}** {campaign.words[:1].upper()}{campaign.words[1:]}, judged by {campaign.reference}."]
     parts += _told(report)

@@ -49,7 +49,7 @@ def campaign(
         ),
     ] = None,
     trade: Annotated[
-        bool, typer.Option("--trade", help="Write what both sides cost there instead: error, time, memory.")
+        bool, typer.Option("--trade", help="Write the costs of both sides there instead: error, time, memory.")
     ] = False,
     as_json: AsJson = False,
     form: Form = False,
@@ -59,8 +59,8 @@ def campaign(
 
     Re-running resumes; finished runs and solutions are reused.
 
-    A campaign is a TOML file: scenes, what is varied, who judges (another model, finite elements under the tractions of
-    each run, a contact by finite elements), the tolerance, and where agreement is claimed. `--form` tells its keys.
+    A campaign is a TOML file: scenes, parameters that vary, a judge (another model, finite elements under the tractions
+    of each run, a contact by finite elements), the tolerance, and the claim of agreement. `--form` lists its keys.
 
     Exit codes: 0 nothing disagrees where agreement is claimed, 1 something does or could not be solved, 2 wrong input,
     130 interrupted.

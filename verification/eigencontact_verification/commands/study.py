@@ -49,8 +49,8 @@ def study(
 
     Re-running resumes; finished variants are reused.
 
-    A study is a TOML file: a scene, what is varied, what is read and drawn, and where the trend was published. `--form`
-    tells its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
+    A study is a TOML file: a scene, varying parameters, numbers and panels, and the publication of the trend. `--form`
+    lists its keys. Example: `eigencontact study spence-radius --show > my.toml`, then `eigencontact study my.toml`.
     """
     with with_clear_errors():
         from eigencontact_verification.studies.catalogue import STUDIES

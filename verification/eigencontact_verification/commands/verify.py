@@ -30,7 +30,7 @@ __all__ = ["CaseList", "verify"]
 
 
 class CaseList(Protocol):
-    """What the module with the cases offers."""
+    """Interface of the module with the cases."""
 
     def kernels(self) -> tuple[str, ...]:
         """Keys that can be verified."""
@@ -39,7 +39,7 @@ class CaseList(Protocol):
         """Cases of one key."""
 
     def gaps(self) -> tuple[Gap, ...]:
-        """What no case covers."""
+        """Quantities without a case, with the reasons."""
 
     def why_not(self, kernel: str) -> str:
         """Why something that is installed, or should be, cannot be verified; empty if there is no such thing."""
@@ -49,7 +49,7 @@ def verify(
     kernels: Annotated[
         list[str] | None,
         typer.Argument(
-            help="What to verify: kernels, or runs to audit (folders or their results.nc); by default all kernels.",
+            help="Kernels, or runs to audit (folders or their results.nc); by default all kernels.",
             metavar="[KERNEL|RESULTS]...",
         ),
     ] = None,
@@ -68,7 +68,7 @@ def verify(
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements ask as well; repeatable."),
+        typer.Option("--law", metavar="KEY", help="A law of a material, which the elements use as well; repeatable."),
     ] = None,
     plugin: Annotated[
         list[str] | None,
@@ -132,15 +132,15 @@ def verify(
 ) -> None:
     """Cross-check kernels, laws, or one stored run against finite elements with an error estimate.
 
-    Of a run the stored tractions of a step load the elements, which have its layers, inclusions, and what its bodies
-    remember as their own; compared are displacement of the surface and stored stress.
+    For a run, the stored tractions of a step load the elements, which have its layers, inclusions and the history
+    variables of its bodies. Displacement of the surface and stored stress are compared.
 
     Finished solutions are kept in the folder: an interrupted cross-check continues, a repeated one only judges again.
 
     Exit codes: 0 nothing disagrees (read what is inconclusive), 1 something disagrees or could not be solved,
     2 wrong input, 130 interrupted.
 
-    With --law the finite elements ask the law itself in their integration points: what is judged is all around it.
+    With --law the finite elements use the law itself in their integration points: the case judges everything around it.
 
     Examples: `eigencontact verify --quick --kernel cuboid`, `eigencontact verify --quick ./hertz`
     """
@@ -276,7 +276,7 @@ def _chosen(cases: CaseList, names: Sequence[str], *, quick: bool) -> tuple[Case
 
 
 def _cost(cases: Sequence[Case]) -> str:
-    """What cases cost, in words; meshes without a symmetry of revolution are what takes memory."""
+    """Cost of cases in words; meshes without a symmetry of revolution take the most memory."""
     from eigencontact_verification.crosscheck.run import tasks_of
 
     solves = sum(task.level is not None for case in cases for task in tasks_of(case))
@@ -306,7 +306,7 @@ def _copies(chosen: Sequence[Case], figures: Sequence[str]) -> dict[str, Path]:
 def _written(
     report: Report, files: dict[str, Path], markdown: Path | None, section: str, copies: dict[str, Path]
 ) -> str:
-    """Write what is wanted outside the folder of the report; the first problem in words, or nothing."""
+    """Write the files outside the folder of the report; return the first problem in words, or an empty text."""
     from eigencontact_verification.crosscheck.brief import brief
     from eigencontact_verification.reporting.table import replace_section
 

@@ -10,14 +10,14 @@ from time import perf_counter
 from eigencontact.errors import EigencontactError
 from eigencontact_verification.extremes.feature import Corner, Feature
 
-__all__ = ["Found", "FoundFeature", "judge", "run"]
+__all__ = ["CornerVerdict", "FeatureVerdict", "Verdict", "judge", "run"]
 
 # A refusal longer than this is no clear message [characters].
 _LONGEST = 400
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class CornerVerdict:
     """Verdict on one corner."""
 
     corner: Corner
@@ -28,11 +28,11 @@ class Found:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FoundFeature:
+class FeatureVerdict:
     """Verdicts on the corners of one feature."""
 
     feature: Feature
-    corners: tuple[Found, ...]
+    corners: tuple[CornerVerdict, ...]
 
     @property
     def word(self) -> str:
@@ -40,7 +40,7 @@ class FoundFeature:
         return "fails" if any(found.word == "fails" for found in self.corners) else "holds"
 
     @property
-    def worst(self) -> Found | None:
+    def worst(self) -> CornerVerdict | None:
         """Corner whose error is the largest part of its bound; None where no corner answered."""
         answered = [found for found in self.corners if found.error is not None and not found.corner.refused]
         return max(answered, key=_share, default=None)
@@ -51,12 +51,12 @@ class FoundFeature:
         return sum(found.seconds for found in self.corners)
 
 
-def _share(found: Found) -> float:
+def _share(found: CornerVerdict) -> float:
     error = float("inf") if found.error is None or not isfinite(found.error) else found.error
     return error / found.corner.bound
 
 
-def judge(corner: Corner) -> Found:
+def judge(corner: Corner) -> CornerVerdict:
     """Compute one corner.
 
     Any exception that is not one of eigencontact's own is a fault, and so is a refusal that was not declared, a message
@@ -72,7 +72,7 @@ def judge(corner: Corner) -> Found:
         word, message = "fails", f"{type(problem).__name__}: {problem}"
     else:
         word, message = _answered(corner, error)
-    return Found(corner=corner, word=word, error=error, message=message, seconds=perf_counter() - began)
+    return CornerVerdict(corner=corner, word=word, error=error, message=message, seconds=perf_counter() - began)
 
 
 def _refused(corner: Corner, message: str) -> tuple[str, str]:
@@ -95,7 +95,11 @@ def _answered(corner: Corner, error: float) -> tuple[str, str]:
     return "holds", ""
 
 
-def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[tuple[Feature, Found | FoundFeature]]:
+#: A feature with the verdict on one of its corners, or on all of them.
+Verdict = tuple[Feature, CornerVerdict | FeatureVerdict]
+
+
+def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[Verdict]:
     """Judge all corners, or only quick ones; yields each verdict, and each feature after its corners.
 
     A feature without quick corners is left out of the quick run.
@@ -104,8 +108,8 @@ def run(features: Sequence[Feature], *, quick: bool = False) -> Iterator[tuple[F
         corners = [corner for corner in feature.corners if corner.quick or not quick]
         if not corners:
             continue
-        found = []
+        verdicts = []
         for corner in corners:
-            found.append(judge(corner))
-            yield feature, found[-1]
-        yield feature, FoundFeature(feature=feature, corners=tuple(found))
+            verdicts.append(judge(corner))
+            yield feature, verdicts[-1]
+        yield feature, FeatureVerdict(feature=feature, corners=tuple(verdicts))

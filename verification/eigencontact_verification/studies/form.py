@@ -1,4 +1,4 @@
-"""What the file of a study may hold, key by key, and the refusal of everything else."""
+"""Keys of the file of a study, and the refusal of all others."""
 
 from __future__ import annotations
 

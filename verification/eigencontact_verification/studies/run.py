@@ -1,4 +1,4 @@
-"""Running a study by the machinery of sweeps: what is finished is kept, what fails is told and stops nothing."""
+"""Runs of a study by the machinery of sweeps: finished variants are kept, a failure stops no other variant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A study: a scene and what is varied of it, what is read off each variant, a figure, and where it was published."""
+"""A study: a scene, parameters that vary, numbers of each variant, a figure, and the publication of the trend."""
 
 from __future__ import annotations
 

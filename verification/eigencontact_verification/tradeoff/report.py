@@ -90,7 +90,7 @@ def as_data(study: Study, machine: dict[str, Any]) -> dict[str, Any]:
 
 
 def plan_table(predictions: Sequence[Prediction]) -> Table:
-    """What would be solved, with the planner's time and memory."""
+    """Variants with the planner's time and memory."""
     from rich.markup import escape
     from rich.table import Table
 

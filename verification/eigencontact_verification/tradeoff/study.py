@@ -20,7 +20,7 @@ _SAME = 1.02
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
-    """What the planner says of a variant; ``reason`` is why it refuses it."""
+    """Prediction of the planner for a variant; ``reason`` is that of its refusal."""
 
     variant: Variant
     cells: tuple[int, int] | None = None
@@ -49,7 +49,7 @@ class Row:
 
     @property
     def variant(self) -> Variant:
-        """What was solved."""
+        """The variant."""
         return self.prediction.variant
 
 
@@ -147,7 +147,7 @@ def study(
 
 
 def standing(study: Study) -> list[str]:
-    """Where the scene as it stands is on each front, or what is as accurate at a lower price."""
+    """Place of the scene as it stands on each front, or the variant that is as accurate at a lower price."""
     scene = next((row for row in study.rows if row.variant.key == "scene" and row.error is not None), None)
     if scene is None:
         return []

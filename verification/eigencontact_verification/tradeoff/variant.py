@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KEYS", "Fidelities", "Variant", "keys_of", "tables_of", "variants"]
 
-#: What can be varied, in the order of the table.
+#: Keys of all variations, in the order of the table.
 KEYS = ("grid", *(one.key for one in FIDELITIES))
 
 
@@ -54,7 +54,7 @@ def tables_of(resolved: Mapping[str, Any], variant: Variant) -> dict[str, Any]:
 
 
 def keys_of(plan: Plan) -> tuple[str, ...]:
-    """What can be varied in a scene."""
+    """Keys that can vary in a scene."""
     return ("grid", *(one.key for one in FIDELITIES if one.has(plan)))
 
 

@@ -65,7 +65,7 @@ def same_material(cells: int) -> float:
 
 
 def rigid_limit() -> float:
-    """A ball of 1e6 times the stiffness beside one of 1e4: what is left falls with 1/ratio."""
+    """A ball of 1e6 times the stiffness beside one of 1e4: the difference falls with 1/ratio."""
 
     def pressure(ratio: float) -> Any:
         material = {"young-modulus": ratio * MODULUS * (1 - NU**2), "poisson-ratio": NU}
