@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eigencontact_verification.benchmarks.benchmark import Benchmark, Sample, Task
-from eigencontact_verification.benchmarks.campaign import Campaign, run_campaign
 from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 from eigencontact_verification.benchmarks.codes import CODES
+from eigencontact_verification.benchmarks.measurements import Measurements, measure_all
 from eigencontact_verification.benchmarks.process import run_fresh
 from eigencontact_verification.reporting.machine import describe, facts
 from eigencontact_verification.reporting.table import replace_section, table
@@ -90,7 +90,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _report(out: Campaign, benchmark: Benchmark, machine: str, *, brief: bool) -> str:
+def _report(out: Measurements, benchmark: Benchmark, machine: str, *, brief: bool) -> str:
     """Table, notes, settings and machine, as Markdown."""
     columns = [column for column in benchmark.columns if column.brief or not brief]
     parts = [table(out.rows, columns)] if out.rows else []
@@ -122,9 +122,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warm=options.warm,
         depths=chosen.get("depths", 0),
     )
-    out = Campaign()
+    out = Measurements()
     for case in chosen.get("cases", benchmark.cases):
-        found = run_campaign(
+        found = measure_all(
             replace(template, case=case),
             codes=codes,
             sizes=sizes,

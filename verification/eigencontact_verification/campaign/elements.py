@@ -63,10 +63,10 @@ def plugins_of(points: Sequence[Point]) -> list[str]:
 
 @dataclass(kw_only=True, eq=False)
 class _Asked:
-    """A point with the names of its cases, or why it has none."""
+    """A point with its cases, or the reason where it has none."""
 
     point: Point
-    keys: list[str] = field(default_factory=list)
+    cases: list[Case] = field(default_factory=list)
     gaps: list[str] = field(default_factory=list)
     failed: str = ""
 
@@ -79,27 +79,26 @@ def judge_by_elements(
 
     See `cases_for` and `executor_for`; `progress` learns of the solutions.
     """
-    asked: list[_Asked] = []
-    cases: list[Case] = []
-    for point in points:
-        one = _Asked(point=point, failed=point.model.failed)
-        asked.append(one)
-        if one.failed:
-            continue
-        try:
-            made, gaps = cases_of(folder / "runs" / point.model.variant.label)
-        except (EigencontactError, ValueError, OSError) as problem:
-            one.failed = " ".join(str(problem).split())
-            continue
-        one.gaps = [f"{gap.what}: {gap.reason}" for gap in gaps]
-        named = [replace(case, name=f"{point.model.variant.label}_{case.name}") for case in made]
-        one.keys = [case.key for case in named]
-        cases += named
-        if not named:
-            one.failed = f"nothing of it can be judged: {'; '.join(one.gaps) or 'no reason is given'}"
+    asked = [_asked(point, folder / "runs", cases_of) for point in points]
+    cases = [case for one in asked for case in one.cases]
     solved = run_cases(cases, Store(folder / "solutions"), executor=executor, progress=progress)
-    by_key = {one.case.key: judge(one) for one in solved}
-    return [_judged(campaign, one, [by_key[key] for key in one.keys]) for one in asked]
+    by_key = {outcome.case.key: judge(outcome) for outcome in solved}
+    return [_judged(campaign, one, [by_key[case.key] for case in one.cases]) for one in asked]
+
+
+def _asked(point: Point, runs: Path, cases_of: CasesOf) -> _Asked:
+    """Cases of a point, named after it."""
+    if point.model.failed:
+        return _Asked(point=point, failed=point.model.failed)
+    label = point.model.variant.label
+    try:
+        made, gaps = cases_of(runs / label)
+    except (EigencontactError, ValueError, OSError) as problem:
+        return _Asked(point=point, failed=" ".join(str(problem).split()))
+    reasons = [f"{gap.what}: {gap.reason}" for gap in gaps]
+    failed = "" if made else f"nothing of it can be judged: {'; '.join(reasons) or 'no reason is given'}"
+    cases = [replace(case, name=f"{label}_{case.name}") for case in made]
+    return _Asked(point=point, cases=cases, gaps=reasons, failed=failed)
 
 
 def _judged(campaign: Campaign, asked: _Asked, cases: Sequence[JudgedCase]) -> Judged:

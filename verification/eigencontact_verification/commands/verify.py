@@ -6,7 +6,7 @@ import os
 import shutil
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
@@ -151,7 +151,7 @@ def verify(
     files_given = [*(plugin or []), *(name for name in names if name.endswith(".py"))]
     names = [name for name in names if name not in files_given]
     if not 0.0 < limit < 1.0:
-        _refuse(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field")
+        leave(f"--limit must be between 0 and 1 (got {limit}); 0.02 is two per cent of the field", 2)
     solve: Callable[[], tuple[Report, dict[str, Path]]]
     try:
         from eigencontact_verification.audit.command import audit_results, is_results
@@ -184,14 +184,14 @@ def verify(
         if markdown is not None:
             check_section(markdown, section, family="verify")
     except (EigencontactError, ValueError, ImportError, OSError) as problem:
-        _refuse(str(problem))
+        leave(str(problem), 2)
     try:
         with with_clear_errors("finished solutions are kept, run the same again to continue"):
             report, files = solve()
     except ValueError as problem:
         if not runs:
             raise
-        _refuse(str(problem))
+        leave(str(problem), 2)
     trouble = _written(report, files, markdown, section, copies)
     if as_json:
         typer.echo(files["json"].read_text(encoding="utf-8"), nl=False)
@@ -200,12 +200,8 @@ def verify(
 
         print_report(report, files)
     if trouble:
-        _refuse(trouble)
+        leave(trouble, 2)
     raise typer.Exit(report.exit_code)
-
-
-def _refuse(problem: str) -> NoReturn:
-    leave(problem, 2)
 
 
 def _refuse_together(

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from eigencontact_verification.benchmarks.benchmark import Sample, Task
     from eigencontact_verification.reporting.table import Row
 
-__all__ = ["Campaign", "run_campaign"]
+__all__ = ["Measurements", "measure_all"]
 
 
 @dataclass(kw_only=True, slots=True)
-class Campaign:
+class Measurements:
     """Measurements of one benchmark."""
 
     rows: list[Row] = field(default_factory=list)  #: one per code and size, for the table
@@ -27,7 +27,7 @@ class Campaign:
     settings: dict[str, str] = field(default_factory=dict)  #: version and settings of each code that ran
 
 
-def run_campaign(
+def measure_all(
     template: Task,
     *,
     codes: Sequence[str],
@@ -36,7 +36,7 @@ def run_campaign(
     limit: float,
     run: Callable[[Task, float], Sample],
     say: Callable[[str], None] = lambda _: None,
-) -> Campaign:
+) -> Measurements:
     """Measure every code at every size, smallest first.
 
     Parameters
@@ -54,7 +54,7 @@ def run_campaign(
     say : callable
         Told what happens next.
     """
-    out, stopped = Campaign(), set[str]()
+    out, stopped = Measurements(), set[str]()
     summarise = BENCHMARKS[template.benchmark].summarise
     for n in sorted(sizes):
         running = [code for code in codes if code not in stopped]
@@ -86,7 +86,7 @@ def run_campaign(
     return out
 
 
-def _stop(out: Campaign, stopped: set[str], code: str, n: int, sample: Sample, has_row: bool) -> None:  # noqa: FBT001
+def _stop(out: Measurements, stopped: set[str], code: str, n: int, sample: Sample, has_row: bool) -> None:  # noqa: FBT001
     """Run `code` no more, and say why."""
     stopped.add(code)
     where = f"after the first processes at N = {n}" if has_row else f"from N = {n} on"
