@@ -18,7 +18,7 @@ from eigencontact.engines.cluster import Cluster
 from eigencontact.errors import SceneError
 from eigencontact.results.ownership import is_ours
 from eigencontact_verification.campaign.answer import answers, totals
-from eigencontact_verification.campaign.campaign import find, names, read_campaign
+from eigencontact_verification.campaign.campaign import CAMPAIGNS, read_campaign
 from eigencontact_verification.campaign.elements import judge_by_elements
 from eigencontact_verification.campaign.figure import axes_of_map, draw_map
 from eigencontact_verification.campaign.finding import Judged, MapFinding
@@ -280,7 +280,6 @@ def test_exit_codes_of_the_command(toy, done, tmp_path):
     page = tmp_path / "page.md"
     page.write_text("<!-- campaign:toy -->\n<!-- /campaign:toy -->\n", encoding="utf-8")
     toy.write_text(TOY.replace('expect = "softer <= 0.01"', ""), encoding="utf-8")
-    find.cache_clear()
     options = ["--coarse", "-o", str(done[0]), "--markdown", str(page)]
     claimed = run(app, [str(toy), *options])
     assert claimed.exit_code == 1
@@ -296,9 +295,9 @@ def test_exit_codes_of_the_command(toy, done, tmp_path):
 
 
 def test_bundled_campaigns_make_scenes():
-    assert {"coatings", "inclusions-by-depth", "plastic-indentation", "voids", "whole-scenes"} == set(names())
-    for name in names():
-        item = find(name)
+    assert {"coatings", "inclusions-by-depth", "plastic-indentation", "voids", "whole-scenes"} == set(CAMPAIGNS.names())
+    for name in CAMPAIGNS.names():
+        item = CAMPAIGNS.find(name)
         coarse, fine = points_of(item, coarse=True), points_of(item)
         assert 1 < len(coarse) <= len(fine)
         assert [one.label for one in (*coarse, *fine) if one.model.variant.refused] == []

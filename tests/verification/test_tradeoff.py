@@ -16,11 +16,10 @@ from eigencontact.results.ownership import is_ours
 from eigencontact_verification.tradeoff.errors import errors, field_error
 from eigencontact_verification.tradeoff.fidelity import FIDELITIES
 from eigencontact_verification.tradeoff.figure import picture
-from eigencontact_verification.tradeoff.process import Solved, solve_fresh
+from eigencontact_verification.tradeoff.process import Solved, solve, solve_fresh
 from eigencontact_verification.tradeoff.report import as_markdown
 from eigencontact_verification.tradeoff.study import Prediction, Row, Study, fronts, predict, standing, study
 from eigencontact_verification.tradeoff.variant import KEYS, Fidelities, Variant, keys_of, tables_of, variants
-from eigencontact_verification.tradeoff.worker import solve
 
 SMALL = ["stress=[]", "grid.cells-per-contact-radius=8", "numerics.threads=1"]
 COARSE = [*SMALL[:1], "grid.cells-per-contact-radius=4", "numerics.inclusion-pitch=4 um", "observers=[]"]

@@ -1,4 +1,4 @@
-"""What a scene can be solved more cheaply by: one entry for each fidelity, with everything that is known of it."""
+"""Fidelities: settings of a scene that trade accuracy for time or memory, one entry each."""
 
 from __future__ import annotations
 
@@ -17,38 +17,19 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fidelity:
-    """One setting that costs accuracy or time.
+    """One setting that costs accuracy or time."""
 
-    Attributes
-    ----------
-    key : str
-        What it goes by; that of the scene where it is a setting of one table.
-    has : callable
-        Whether it makes a difference in the scene of a plan.
-    others : callable
-        Values worth comparing with that of the scene.
-    finest : callable
-        Value of the reference; None where the scene has it.
-    table : str
-        Table of the scene that the setting stands in.
-    unit : str
-        Of its value.
-    changes : callable, optional
-        Changes of the scene by a value, where it is not one setting.
-    seen : callable, optional
-        What of a plan it changes: where this is as in the scene there is nothing to solve.
-    keeps_window : bool
-        Whether the window must be that of the scene, as an automatic one would follow the change.
-    """
-
-    key: str
-    has: Callable[[Plan], bool]
-    others: Callable[[Plan], Sequence[Any]]
-    finest: Callable[[Plan], Any]
-    table: str = "numerics"
-    unit: str = ""
+    key: str  #: its name; the key of the scene where it is one setting
+    has: Callable[[Plan], bool]  #: whether it makes a difference in the scene of a plan
+    others: Callable[[Plan], Sequence[Any]]  #: values to compare with that of the scene
+    finest: Callable[[Plan], Any]  #: value of the reference; None where the scene has it
+    table: str = "numerics"  #: table of the scene that the setting stands in
+    unit: str = ""  #: unit of its value
+    #: Changes of the scene by a value, where it is not one setting.
     changes: Callable[[Plan, Any], Changes] | None = None
+    #: Part of a plan that it changes: where this is as in the scene there is nothing to solve.
     seen: Callable[[Plan], object] | None = None
+    #: Whether the window must be that of the scene, as an automatic one would follow the change.
     keeps_window: bool = False
 
     def of(self, plan: Plan, value: Any) -> Changes:

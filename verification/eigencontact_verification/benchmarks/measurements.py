@@ -11,35 +11,23 @@ from eigencontact_verification.benchmarks.catalogue import BENCHMARKS
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from eigencontact_verification.benchmarks.task import Sample, Task
+    from eigencontact_verification.benchmarks.benchmark import Sample, Task
     from eigencontact_verification.reporting.table import Row
 
-__all__ = ["Campaign", "run_campaign"]
+__all__ = ["Measurements", "measure_all"]
 
 
 @dataclass(kw_only=True, slots=True)
-class Campaign:
-    """What came out.
+class Measurements:
+    """Measurements of one benchmark."""
 
-    Attributes
-    ----------
-    rows : list of dict
-        One per code and size, for the table.
-    samples : list of dict
-        One per process, raw.
-    notes : list of str
-        What was skipped, and why.
-    settings : dict of str to str
-        Version and settings of each code that ran.
-    """
-
-    rows: list[Row] = field(default_factory=list)
-    samples: list[Sample] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    settings: dict[str, str] = field(default_factory=dict)
+    rows: list[Row] = field(default_factory=list)  #: one per code and size, for the table
+    samples: list[Sample] = field(default_factory=list)  #: one per process, raw
+    notes: list[str] = field(default_factory=list)  #: skipped codes and sizes, with the reason
+    settings: dict[str, str] = field(default_factory=dict)  #: version and settings of each code that ran
 
 
-def run_campaign(
+def measure_all(
     template: Task,
     *,
     codes: Sequence[str],
@@ -48,7 +36,7 @@ def run_campaign(
     limit: float,
     run: Callable[[Task, float], Sample],
     say: Callable[[str], None] = lambda _: None,
-) -> Campaign:
+) -> Measurements:
     """Measure every code at every size, smallest first.
 
     Parameters
@@ -66,7 +54,7 @@ def run_campaign(
     say : callable
         Told what happens next.
     """
-    out, stopped = Campaign(), set[str]()
+    out, stopped = Measurements(), set[str]()
     summarise = BENCHMARKS[template.benchmark].summarise
     for n in sorted(sizes):
         running = [code for code in codes if code not in stopped]
@@ -98,7 +86,7 @@ def run_campaign(
     return out
 
 
-def _stop(out: Campaign, stopped: set[str], code: str, n: int, sample: Sample, has_row: bool) -> None:  # noqa: FBT001
+def _stop(out: Measurements, stopped: set[str], code: str, n: int, sample: Sample, has_row: bool) -> None:  # noqa: FBT001
     """Run `code` no more, and say why."""
     stopped.add(code)
     where = f"after the first processes at N = {n}" if has_row else f"from N = {n} on"
