@@ -86,6 +86,24 @@ def only_process(lock):
         yield
 
 
+@pytest.fixture(scope="module")
+def small_pictures():
+    """Store small empty pictures from here on to the end of the test file, where their contents do not matter."""
+    from eigencontact.viz import figures, style
+
+    store = style.save
+
+    def save(_figure, path, _dpi=None, caption=""):
+        figure = style.new_figure(1.0, 1.0)
+        figure.add_subplot().set_axis_off()
+        store(figure, path, 20, caption)
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (style, figures):
+            patch.setattr(module, "save", save)
+        yield
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What a command returned and printed."""

@@ -151,6 +151,7 @@ def test_a_changed_window_is_noticed(history, tmp_path, monkeypatch):
         ec.region(history["last"], PLANE)
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_the_command_draws_and_stores_the_region_and_nothing_else(history, tmp_path):
     before = sorted(path.name for path in history["last"].iterdir())
     words = ["plot", str(history["last"]), "--region", '{name = "cut", shape = "plane", depth-max = "9 um"}']
