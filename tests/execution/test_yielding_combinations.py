@@ -84,7 +84,7 @@ def test_a_layer_that_holds_all_of_the_plastic_zone_is_the_whole_body(plain):
         (None, [layer(perfect(), "24 um")]),
         (perfect(), [layer(perfect())]),
         (perfect(), [{**BALL, "center": [0, 0, "36 um"], "material": ELASTIC}]),
-        (perfect("6.5 GPa"), [layer(perfect(), "24 um")]),
+        pytest.param(perfect("6.5 GPa"), [layer(perfect(), "24 um")], marks=pytest.mark.slow),
     ],
     ids=["coating alone", "coating and ground", "elastic ball below", "coating on a ground that never gets there"],
 )
@@ -120,7 +120,9 @@ def test_a_hard_coating_that_yields_on_a_ground_that_yields():
     assert np.all(parts[1:8] > 0.9)
 
 
-@pytest.mark.parametrize("law", [None, perfect("6 GPa")], ids=["elastic around", "yields around"])
+@pytest.mark.parametrize(
+    "law", [pytest.param(None, marks=pytest.mark.slow), perfect("6 GPa")], ids=["elastic around", "yields around"]
+)
 def test_an_inclusion_that_yields(law):
     """Soft limit in a ball: it flows and stays at its limit; around it the stress goes beyond that."""
     ball = {**BALL, "material": perfect("2 GPa", **HARD)}
