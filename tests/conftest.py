@@ -41,6 +41,16 @@ def pytest_runtest_setup(item):
 _searched = []
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give all tests of a file to one process, which makes once what they share, unless the call says otherwise."""
+    if config.getoption("dist") != "load":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log)
+
+
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory):
     """Run each scene once for all tests and test processes: ``finished(scene, *changes)`` gives its `RunResult`.
