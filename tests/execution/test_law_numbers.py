@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import pressed
 from close import close
 
 LOADS = [{"normal_load": "0.65 N", "increments": 8}, {"normal_load": "0 N", "increments": 8}]
@@ -13,13 +14,7 @@ BOTH = [{"type": "linear", "yield-stress": "2 GPa", "modulus": "20 GPa"}, {"type
 
 
 def scene(hardening, steps=LOADS, **more):
-    return ec.Scene(
-        body1={"young_modulus": "210 GPa", "poisson_ratio": 0.3, "law": {"type": "j2", "hardening": hardening, **more}},
-        geometry={"type": "sphere", "radius": "105 um"},
-        grid={"cells": [12, 12], "size": ["22 um", "22 um"]},
-        steps=steps,
-        output={"pictures": False},
-    )
+    return ec.Scene(**pressed({"type": "j2", "hardening": hardening, **more}, steps, 12))
 
 
 @pytest.fixture(scope="module", params=[PERFECT, BOTH], ids=["perfect", "both kinds"])

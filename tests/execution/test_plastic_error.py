@@ -6,22 +6,14 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL, SWIFT, perfect, pressed
 
-STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
-SWIFT = {"type": "j2", "hardening": {"type": "swift", "B": "1240 MPa", "C": 30, "n": 0.085}}
 LOAD, UNLOAD = {"normal_load": "0.65 N"}, {"normal_load": "0 N"}
 
 
 def run(steps, error=None, law=SWIFT, cells=8):
-    scene = ec.Scene(
-        body1={**STEEL, "law": law},
-        geometry={"type": "sphere", "radius": "105 um"},
-        grid={"cells": [cells, cells], "size": ["22 um", "22 um"]},
-        steps=list(steps),
-        numerics={"inclusion_pitch": "2 um", **({"plastic_error": error} if error else {})},
-        output={"pictures": False},
-    )
-    return ec.run(scene).dataset
+    numerics = {"inclusion_pitch": "2 um", **({"plastic_error": error} if error else {})}
+    return ec.run(ec.Scene(**pressed(law, steps, cells, numerics=numerics))).dataset
 
 
 def strain(data):
@@ -67,8 +59,7 @@ def test_what_is_tried_counts_as_work(coarse, within):
 
 
 def test_elastic_steps_cost_nothing():
-    hard = {"type": "j2", "hardening": {"type": "perfect", "yield-stress": "5.45 GPa"}}
-    plain, asked = (run([LOAD, UNLOAD], error, hard) for error in (None, 1e-3))
+    plain, asked = (run([LOAD, UNLOAD], error, perfect("5.45 GPa")) for error in (None, 1e-3))
     for name in ("pressure", "inclusion_iterations", "substeps", "convolutions"):
         np.testing.assert_array_equal(asked[name], plain[name])
 

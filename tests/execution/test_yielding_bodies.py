@@ -4,32 +4,19 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL, SWIFT, perfect, pressed
 from close import close
 from eigencontact.errors import SceneError
 from stopping import Stop, Stopper
 
-STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
-SWIFT = {"type": "j2", "hardening": {"type": "swift", "B": "1240 MPa", "C": 30, "n": 0.085}}
 LOAD, UNLOAD = {"normal_load": "0.65 N"}, {"normal_load": "0 N"}
-
-
-def perfect(stress, **more):
-    return {"type": "j2", "hardening": {"type": "perfect", "yield-stress": stress}, **more}
 
 
 def scene(law=None, law2=None, steps=(LOAD,), cells=16, **more):
     """Sphere on a plane, HZ-1; a body without law is rigid if the other has one."""
-    body1 = {**STEEL, **({"law": law} if law else {})} if law or not law2 else {"rigid": True}
-    body2 = {**STEEL, "law": law2} if law2 else {"rigid": True}
-    return ec.Scene(
-        body1=body1,
-        body2=body2,
-        geometry={"type": "sphere", "radius": "105 um"},
-        grid={"cells": [cells, cells], "size": ["22 um", "22 um"]},
-        steps=list(steps),
-        output={"pictures": False},
-        **more,
-    )
+    rigid = {"rigid": True}
+    bodies = {"body2": {**STEEL, "law": law2} if law2 else rigid} | ({"body1": rigid} if law2 and not law else {})
+    return ec.Scene(**pressed(law, steps, cells, **more) | bodies)
 
 
 @pytest.fixture(scope="module")

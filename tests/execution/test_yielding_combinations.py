@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import eigencontact as ec
+from bodies import STEEL, perfect
 from close import close
 
-STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3}
 ELASTIC = {"type": "elastic"}
 #: Hertz, HZ-2 of the case catalogue: load [N], contact radius [m], peak pressure [Pa].
 LOAD, A, P0 = 12.307, 20e-6, 14.691e9
@@ -18,10 +18,6 @@ HARD = {"young-modulus": "420 GPa", "poisson-ratio": 0.3}
 
 #: Middles of cells beside the axis: laws hold for means over cells, which differ the more at corners.
 CENTRES = {"name": "cut", "shape": "points", "points": [[2.5e-6, 2.5e-6, z * 1e-6] for z in range(2, 42, 4)]}
-
-
-def perfect(stress="7344 MPa", **more):
-    return {"type": "j2", "hardening": {"type": "perfect", "yield-stress": stress}, **more}
 
 
 def by_depth(*laws, interfaces=("20 um",)):
