@@ -8,6 +8,7 @@ import shutil
 import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from textwrap import dedent
@@ -101,17 +102,19 @@ def small_pictures():
     """Store small empty pictures from here on to the end of the test file, where their contents do not matter."""
     from eigencontact.viz import figures, style
 
-    store = style.save
-
-    def save(_figure, path, _dpi=None, caption=""):
-        figure = style.new_figure(1.0, 1.0)
-        figure.add_subplot().set_axis_off()
-        store(figure, path, 20, caption)
-
     with pytest.MonkeyPatch.context() as patch:
-        for module in (style, figures):
-            patch.setattr(module, "save", save)
+        patch.setattr(style, "save", partial(save_small, save=style.save))
+        patch.setattr(figures, "save", style.save)
         yield
+
+
+def save_small(_figure, path, _dpi=None, caption="", *, save):
+    """Store an empty picture as `save` stores a figure."""
+    from eigencontact.viz.style import new_figure
+
+    figure = new_figure(1.0, 1.0)
+    figure.add_subplot().set_axis_off()
+    save(figure, path, 20, caption)
 
 
 @dataclass(frozen=True)

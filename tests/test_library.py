@@ -256,6 +256,7 @@ def test_a_run_in_memory_leaves_nothing(tmp_path, monkeypatch):
     assert result.seconds > 0
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_a_run_in_a_folder_can_be_opened_again(tmp_path):
     result = ec.run(ec.load_scene("hertz", [*QUICK, "output.vtk=false"]), tmp_path / "out")
     result.dataset.close()
