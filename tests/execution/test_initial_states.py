@@ -63,7 +63,7 @@ def test_a_resumed_run_knows_its_beginning(earlier, tmp_path):
     np.testing.assert_array_equal(continued["residual_displacement_z"], whole["residual_displacement_z"][2:])
 
 
-@pytest.mark.parametrize("coupling", ["none", "full"])
+@pytest.mark.parametrize("coupling", [pytest.param("none", marks=pytest.mark.slow), "full"])
 def test_friction_does_not_feel_what_was_before(earlier, coupling):
     """The surface is already displaced along itself when contact begins: nothing slips by that."""
     folder, whole = earlier

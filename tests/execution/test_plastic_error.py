@@ -37,7 +37,7 @@ def within():
     return cache(lambda error: run([LOAD, UNLOAD], error))
 
 
-@pytest.mark.parametrize("error", [0.03, 0.005])
+@pytest.mark.parametrize("error", [0.03, pytest.param(0.005, marks=pytest.mark.slow)])
 def test_one_step_is_halved_until_its_error_is_small_enough(coarse, fine, within, error):
     """The error that is told is that which is left, within a factor; the print comes nearer as it falls."""
     found = within(error)

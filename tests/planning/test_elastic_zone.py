@@ -80,7 +80,11 @@ def test_a_body_pressed_far_above_its_yield_stress_is_refused_after_bounded_work
     ("law", "ratio"),
     [
         (yields_at("200 MPa"), "13 times"),
-        ({"type": "brittle", "damage": {"type": "mazars", "threshold": 1e-4, "A": 0.9, "B": 8e3}}, "50 times"),
+        pytest.param(
+            {"type": "brittle", "damage": {"type": "mazars", "threshold": 1e-4, "A": 0.9, "B": 8e3}},
+            "50 times",
+            marks=pytest.mark.slow,
+        ),
         (
             {
                 "type": "by-depth",
