@@ -1,7 +1,5 @@
 """Plans of contacts with friction: which kernels each coupling builds, what it leaves out and says so, the price."""
 
-import subprocess
-import sys
 from collections import Counter
 
 import numpy as np
@@ -156,19 +154,6 @@ def test_only_what_is_planned_is_sampled(monkeypatch):
     asked.clear()
     ec.run(scene(coupling="one-way", steps={"normal_load": 1.0}))
     assert set(asked) == {(j, i) for i, j in NORMAL | ALONG | ACROSS | BY_PRESSURE}
-
-
-def test_a_frictionless_run_loads_no_friction_solver():
-    program = """
-import sys
-import eigencontact as ec
-ec.run(ec.load_scene("hertz", ["stress=[]", "grid.cells-per-contact-radius=8"]))
-loaded = [name for name in sys.modules if name.startswith("eigencontact.")]
-friction = ("tangential.newton", "tangential.contact", "execution.mechanics.friction_contact")
-print([name for name in loaded if name.endswith(friction)])
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
-    assert done.stdout.strip() == "[]"
 
 
 def test_eigenstrain_under_friction_drags_the_surface_along():

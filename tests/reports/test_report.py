@@ -17,6 +17,8 @@ from eigencontact.reference.numbers import known_numbers
 from eigencontact.reports.answer import answer, cards
 from eigencontact.reports.columns import Column
 
+pytestmark = pytest.mark.usefixtures("small_pictures")
+
 SECTIONS = (
     *("top", "pictures", "surface", "numbers", "certificates", "scene"),
     *("model", "left-out", "times", "provenance", "references"),
@@ -81,7 +83,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def fretting(tmp_path_factory):
+def fretting(tmp_path_factory, small_pictures):
     """A run with friction in two steps, whose texts are hostile, and its report."""
     folder = tmp_path_factory.mktemp("fretting")
     ec.run(ec.load_scene("fretting-mode-1", FRETTING), folder)
@@ -89,7 +91,7 @@ def fretting(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def hertz(tmp_path_factory):
+def hertz(tmp_path_factory, small_pictures):
     """A run of one step that drew nothing, and its report."""
     folder = tmp_path_factory.mktemp("hertz")
     ec.run(ec.load_scene("hertz", QUICK), folder)

@@ -14,9 +14,7 @@ from close import close
 from eigencontact.model.model import build_model
 from eigencontact.model.outlines import outlines
 from eigencontact.model.regions import region_lattice
-from eigencontact.results.reader import open_results
 from eigencontact.results.records import HistoryRecord
-from eigencontact.results.store import ResultStore
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.schema import Scene
 from eigencontact.viz.coverage import coverage_map, impacts, strikes, struck
@@ -42,10 +40,8 @@ def ball():
 
 
 @pytest.fixture(scope="module")
-def yielded(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("yielded")
+def yielded():
     info = synthetic.info(steps=len(LOADS), nx=8, ny=8)
-    store = ResultStore.create(folder, info)
     strain, coords = ball()
     tensor = np.zeros((6, *strain.shape))
     tensor[2], tensor[4] = strain, np.sqrt(2) * strain
@@ -54,17 +50,14 @@ def yielded(tmp_path_factory):
         "plastic_strain_1": (tensor, "plastic strain"),
         "damage_1": (20.0 * strain[None], "part of the stiffness that is lost"),
     }
-    for number, load in enumerate(LOADS, 1):
-        record = synthetic.step(info, number, load, ("plane", "volume"))
+    records = [synthetic.step(info, number, load, ("plane", "volume")) for number, load in enumerate(LOADS, 1)]
+    for number, record in enumerate(records, 1):
         record.observed.update({"plastic_zone_max_strain": 0.01 * number, "plastic_zone_volume": 1e-16 * number})
         for name, (values, meaning) in kept.items():
             record.history[name] = HistoryRecord(
                 name=name, body=1, values=values, coords=coords, unit="1", meaning=meaning
             )
-        store.write_step(record)
-    store.finish()
-    with open_results(folder) as dataset:
-        yield dataset
+    return synthetic.opened(info, records)
 
 
 def test_strain_is_known_after_the_steps_whose_history_was_kept(yielded):

@@ -66,12 +66,14 @@ def audit_results(
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.audit.stored import read_step
     from eigencontact_verification.crosscheck.whole import crosscheck
+    from eigencontact_verification.reporting.files import open_folder
 
     runs = [read_step(path, step) for path in paths]
     names = [run.name for run in runs]
     if len(set(names)) != len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise ValueError(f"RESULTS must be of scenes of different names (got {twice!r} twice); audit one at a time")
+    open_folder(output, ())  # references take seconds: a folder that cannot be written is refused before
     found: list[tuple[Sequence[Case], Sequence[Gap]]] = [cases_of_step(run, quick=quick) for run in runs]
     found += [contact_cases_of(path, quick=quick) for path in paths] if contact else []
     return crosscheck(
