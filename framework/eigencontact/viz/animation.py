@@ -68,13 +68,7 @@ class Subject:
 
 
 def subject_of(dataset: Results) -> Subject | None:
-    """Pictures for the frames of a history; None for a single step and for results without a picture.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    """
+    """Pictures for the frames of a history; None for a single step and for results without a picture."""
     if dataset.sizes["step"] < 2:
         return None
     regions = json.loads(dataset.attrs["regions"])
@@ -135,8 +129,6 @@ def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     subject : Subject
         What the frames show.
     """
@@ -189,8 +181,6 @@ def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = 
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     folder : Path
         Existing folder.
     kind : str or bool

@@ -40,14 +40,10 @@ def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     body : int
         1 or 2.
     numbers : Shown
         Numbers (nz, ny, nx) in the cells of that body.
-    step : int
-        Position along ``step`` that they belong to.
     view : View
         Part of the section, and colours, where they are chosen.
     """

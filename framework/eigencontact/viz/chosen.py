@@ -79,15 +79,11 @@ def chosen_picture(
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     field : str or None
         Its name, or that of a standard picture, ``"worn-profiles"``; by default the pressure, or the equivalent stress
         of a region.
     component : str, optional
         Of a vector or tensor.
-    step : int
-        Position along ``step``.
     region : str, optional
         Name of a stored region, ``"surface"``, or ``"along-x"`` or ``"along-y"`` for a profile on the surface through
         the middle of the contact; by default the surface, or the first region that holds the field.

@@ -60,16 +60,8 @@ def _smooth_strikes(dataset: Results, view: Box) -> NDArray[np.intp]:
 def coverage_map(dataset: Results) -> Figure:
     """Map of the number of impacts at each place, with the covered share of a square in the middle.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run in which `struck` holds.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Dots are the middles of the impacts. The square reaches to the outermost of them. Borders of prints are smooth;
-        the share counts whole cells.
+    Dots are the middles of the impacts. The square reaches to the outermost of them. Borders of prints are smooth; the
+    share counts whole cells.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm

@@ -27,15 +27,7 @@ def several_exposed(dataset: Results, step: int = -1) -> bool:
 
 
 def exposed_map(dataset: Results, step: int = -1) -> Figure:
-    """Materials at the surface that the contact of a step met, by name, and the outline of that contact.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results that have ``exposed_material``.
-    step : int
-        Position along ``step``.
-    """
+    """Materials at the surface that the contact of a step met, by name, and the outline of that contact."""
     from matplotlib.colors import ListedColormap, to_rgb
     from matplotlib.patches import Patch
 

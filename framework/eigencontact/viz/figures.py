@@ -95,17 +95,7 @@ def draw_all(
 
 
 def standard_pictures(dataset: Results, step: int | None = None, *, solid: bool = False) -> list[Picture]:
-    """File name, sentence and function of each picture that `draw_all` draws.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int, optional
-        See `draw_all`.
-    solid : bool
-        See `draw_all`.
-    """
+    """File name, sentence and function of each picture that `draw_all` draws."""
     loaded, given_step = step, step
     if step is None:
         stays = yields(dataset) or "worn_depth" in dataset

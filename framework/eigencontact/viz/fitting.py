@@ -45,13 +45,7 @@ def finish(figure: Figure) -> None:
 
 
 def fit_titles(figure: Figure) -> bool:
-    """Break titles that reach beyond the figure, once its layout is known; whether one was broken.
-
-    Parameters
-    ----------
-    figure : Figure
-        Whose layout has been found.
-    """
+    """Break titles that reach beyond the figure, once its layout is known; whether one was broken."""
     renderer = _renderer(figure)
     panels = [axes for axes in figure.axes if axes.get_title()]
     titles: list[tuple[Text, float, float]] = [(axes.title, *_room_for(axes, panels)) for axes in panels]

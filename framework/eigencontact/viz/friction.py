@@ -49,20 +49,13 @@ _NEGLIGIBLE = 0.05
 def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Shear traction on body 1 as arrows over the map of stick and slip.
 
+    Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell. Where
+    the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run with friction.
-    step : int
-        Position along ``step``.
     on : Frame, optional
         Frame of an animation to draw in; its arrows are of one scale in all frames.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell.
-        Where the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
     """
     from matplotlib.patches import Patch
 
@@ -161,13 +154,6 @@ def dissipation_map(dataset: Results, step: int = -1) -> Figure:
     """Work of friction for each area up to a step, with the outline of the contact of that step.
 
     Where cycles are skipped the map is that of the solved increments, as its title says, beside the work in all.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction.
-    step : int
-        Position along ``step``.
     """
     density = _field(dataset, "dissipated_energy_density", step)
     density = np.where(density > 1e-6 * density.max(), density, 0.0)  # what the solver's error leaves is not work
@@ -197,18 +183,13 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
     The lines pass through the middle of the contact; where it is in patches, through the cell of largest pressure.
     Faint lines are the ends of the contact. Components that are small on both lines are left out.
 
+    One panel along x, one along y; the stick zone on the line is tinted.
+
     Parameters
     ----------
     dataset : Results
         Results of a run with friction; ``shear_bound`` and the closed form ``reference_shear_x``,
         ``reference_shear_y`` are drawn where they are stored.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel along x, one along y; the stick zone on the line is tinted.
     """
     pressure, zone = (_field(dataset, name, step) for name in ("pressure", "contact_zone"))
     bound = _optional(dataset, "shear_bound", step)

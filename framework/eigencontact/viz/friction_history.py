@@ -51,21 +51,9 @@ def is_a_loop(dataset: Results) -> bool:
 def fretting_loops(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Tangential load over shift, torsion moment over twist, through all steps; cycles in the colours of their numbers.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction and a load along or about the surface (`driven`).
-    step : int
-        Position along ``step`` up to which a frame draws the loops.
-    on : Frame, optional
-        Frame of an animation to draw in; without one all steps are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel for each loop. The last closed cycle is tinted; the title has its work of friction, and says where
-        the increments are too coarse for the area of the drawn loop to be that work. An open circle marks the first
-        step that is dark: of long histories that is the last cycle, else all.
+    One panel for each loop. The last closed cycle is tinted; the title has its work of friction, and says where the
+    increments are too coarse for the area of the drawn loop to be that work. An open circle marks the first step that
+    is dark: of long histories that is the last cycle, else all.
     """
     modes = driven(dataset)
     with paper_style():
@@ -149,17 +137,8 @@ def _spent_words(dataset: Results, step: int) -> str:
 def zone_strip(dataset: Results) -> Figure:
     """Stick and slip on one line through the contact, step by step, under the course of the loads.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run with friction and several steps.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Below the zones on the line along x through the middle of the contact, or through most of it where it is in
-        patches (along y where only that direction is loaded or has cells); above it the loads, each relative to its
-        largest size.
+    Below the zones on the line along x through the middle of the contact, or through most of it where it is in patches
+    (along y where only that direction is loaded or has cells); above it the loads, each relative to its largest size.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch

@@ -88,11 +88,6 @@ def history_panels(dataset: Results) -> list[Panel]:
     Normal load over approach, and contact area over load; where the load is constant and a moment or a tilt changes,
     moment over tilt, and contact area over moment. A load under a constant approach is drawn over the cycles, the path
     of sliding or the steps. The contact area is left out where its change may be that of a few cells.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
     """
     if dataset.sizes["step"] < 2 or not {"normal_load", "approach", "contact_area"} <= set(dataset.data_vars):
         return []
@@ -126,19 +121,7 @@ def history_panels(dataset: Results) -> list[Panel]:
 def load_history(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Draw the curves of `history_panels`, through all steps.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that has such curves.
-    step : int
-        Position along ``step`` up to which a frame draws the curves.
-    on : Frame, optional
-        Frame of an animation to draw in; without one all steps are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One or two panels; an open circle marks the first point, which tells loading and unloading apart.
+    One or two panels; an open circle marks the first point, which tells loading and unloading apart.
     """
     panels = history_panels(dataset)
     with paper_style():

@@ -45,8 +45,6 @@ def inclusion_segments(dataset: Results, body: int, normal: str, at: float, numb
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     body : int
         1 or 2.
     normal, at : str, float

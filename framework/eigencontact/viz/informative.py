@@ -70,8 +70,6 @@ def zones_change(dataset: Results, zones: NDArray[np.intp]) -> bool:
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run with friction.
     zones : (steps, ...) int
         2 where the surfaces stick, 1 where they slip; in a step without motion all sticks, which tells nothing.
     """

@@ -25,19 +25,12 @@ PERCENT = 100.0
 def plastic_surfaces(dataset: Results, field: CellField, step: int = -1) -> Figure:
     """Surfaces of equal equivalent plastic strain, cut open at the plane through the largest strain.
 
+    The half behind that plane, normal to y, z downwards, equal scales.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     field : CellField
         The strain of one body.
-    step : int
-        Position along ``step`` that it belongs to.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The half behind that plane, normal to y, z downwards, equal scales.
     """
     from matplotlib import colormaps
     from matplotlib.colors import LightSource

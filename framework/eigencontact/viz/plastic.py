@@ -68,20 +68,8 @@ def unloads(dataset: Results) -> bool:
 def load_depth(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Normal load over approach from the first touch; loading, unloading and a load that is held told apart.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step`` up to which a frame draws the curve.
-    on : Frame, optional
-        Frame of an animation to draw in; without one all steps are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The title gives the largest approach, and that of the last step where it has no load. Faint dots join the two
-        ends of an unloading in one increment, between which nothing was computed.
+    The title gives the largest approach, and that of the last step where it has no load. Faint dots join the two ends
+    of an unloading in one increment, between which nothing was computed.
     """
     loads, depths = (np.asarray(dataset[name].values, dtype=float) for name in ("normal_load", "approach"))
     last = len(loads) - 1 if on is None else step % len(loads)
@@ -131,21 +119,14 @@ def plastic_section(
 ) -> Figure:
     """Plastic strain or damage on the section normal to y through its largest value, with the line around its zone.
 
+    Filled contours between the middles of cells, equal scales, z downwards.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     field : CellField
         The number of one body.
-    step : int
-        Position along ``step`` that it belongs to.
     labels : (str, str)
         What the number is called in the title, and beside its colours; it is given in per cent.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Filled contours between the middles of cells, equal scales, z downwards.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -205,8 +186,6 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run with an observer of the plastic zone.
     prefix : str
         Of the numbers of that observer.
     """

@@ -97,19 +97,12 @@ class Line:
 def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
     """Stresses of one step along a line: depth downwards, or across over what varies more than depth.
 
+    Equivalent stresses that were stored, and the components of more than 1 % of the largest.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     region : str
         A region of shape line.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Equivalent stresses that were stored, and the components of more than 1 % of the largest.
     """
     line = Line(dataset, region, step)
     curves = {
@@ -149,12 +142,8 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     region : str
         A region of shape volume with its stress.
-    step : int
-        Position along ``step``.
     """
     stress = np.asarray(dataset[f"{region}_stress"][step].values, dtype=float)
     z = np.asarray(dataset[f"{region}_z"].values, dtype=float)
@@ -183,14 +172,10 @@ def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view:
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     region : str
         A region of shape line.
     numbers : Shown
         Numbers at its points.
-    step : int
-        Position along ``step``.
     view : View
         ``vertical`` is the part of the line that is seen where it is deep, else ``horizontal``.
     """

@@ -47,17 +47,7 @@ def cause(dataset: Results) -> str:
 def uplift_map(dataset: Results, step: int = -1) -> Figure:
     """Uplift of the surface by eigenstrain or inclusions, out of the body, with their outlines from above.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The whole window; a cross at the largest value (in magnitude).
+    The whole window; a cross at the largest value (in magnitude).
     """
     uplift, x, y = _uplift(dataset, step)
     dx, dy = (float(edge) for edge in np.atleast_1d(dataset.attrs["cell_size"]))
@@ -105,17 +95,7 @@ def displacement_profiles(dataset: Results, step: int = -1) -> Figure:
     patches, they pass through the largest uplift (in magnitude), or through the middle of the window when the uplift is
     symmetric about it.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel along x, one along y; only one where the other direction has a single cell.
+    One panel along x, one along y; only one where the other direction has a single cell.
     """
     uplift, x, y = _uplift(dataset, step)
     pressure = np.asarray(dataset["pressure"][step].values) if "pressure" in dataset else np.zeros_like(uplift)

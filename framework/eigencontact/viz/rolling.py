@@ -33,16 +33,8 @@ def passing_history(dataset: Results) -> Figure:
 
     Where the geometry moves along x and y, the position is the length of its path.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run in which `rolls` holds.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel, in which each pass has the colour of its number, and a second one where there are such points, at
-        most six of which are drawn.
+    One panel, in which each pass has the colour of its number, and a second one where there are such points, at most
+    six of which are drawn.
     """
     place, label_of_place = _place(dataset)
     length = scale_for(place, "m")

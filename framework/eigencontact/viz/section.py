@@ -65,28 +65,19 @@ def stress_section(
 ) -> Figure:
     """One number of one step on a section, z downwards where the section contains it, equal scales.
 
+    Filled contours that cross no interface and no border of an inclusion (`eigencontact.viz.sides`); a cross at the
+    largest value (in magnitude) of trusted points, unless it is that of a plateau; a bar above the contact; a line
+    around what has yielded. A value that stands out at few points, as at an edge or beside a void, does not set the
+    colours: it is written beside their end.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     region : str
         A region of shape plane or volume. A volume is cut normal to y through its largest value.
-    step : int
-        Position along ``step``.
-    on : Frame, optional
-        Frame of an animation to draw in.
     numbers : Shown, optional
         What is drawn; by default the first equivalent stress that is stored.
     view : View
         Part of the section, and colours, where they are chosen.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Filled contours that cross no interface and no border of an inclusion (`eigencontact.viz.sides`); a cross at the
-        largest value (in magnitude) of trusted points, unless it is that of a plateau; a bar above the contact; a line
-        around what has yielded. A value that stands out at few points, as at an edge or beside a void, does not set the
-        colours: it is written beside their end.
     """
     described = json.loads(dataset.attrs["regions"])[region]
     numbers = numbers or default_field(dataset, region, step)

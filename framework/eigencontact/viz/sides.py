@@ -141,14 +141,10 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     plane : Plane
         Its points.
     segments : (n, 2, 2)
         Borders of inclusions in it [m], as results store them: (horizontal, vertical).
-    step : int
-        Position along ``step``.
     """
     layer = np.zeros((plane.v.size, plane.h.size), dtype=int)
     cuts: tuple[float, ...] = ()

@@ -228,8 +228,6 @@ def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") 
 
     Parameters
     ----------
-    figure : Figure
-        Of `new_figure`.
     path : Path
         File with the ending ``.png``, ``.pdf`` or ``.svg``.
     dpi : int, optional

@@ -29,20 +29,8 @@ MARKERS = 64
 def pressure_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
     """Contact pressure of one step as a map, cut to the contact and some room around it.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step``.
-    on : Frame, optional
-        Frame of an animation to draw in.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, those of inclusions
-        below it are dashed.
+    Cells without pressure are grey; the outline of the contact is drawn where it is not ragged, those of inclusions
+    below it are dashed.
     """
     pressure, _, _ = _surface(dataset, step)
     window = contact_window(dataset, pressure != 0 if on is None else on.film.touched("pressure"))
@@ -69,17 +57,7 @@ def pressure_profiles(dataset: Results, step: int = -1) -> Figure:
     The lines pass through the middle of the contact; where it is in patches, through the cell of largest pressure.
     Markers are computed cells; faint lines are the ends of the contact.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel along x, one along y; only one where the other direction has a single cell.
+    One panel along x, one along y; only one where the other direction has a single cell.
     """
     pressure, x, y = _surface(dataset, step)
     reference = None

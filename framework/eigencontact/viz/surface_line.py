@@ -32,14 +32,10 @@ def surface_line(dataset: Results, along: str, numbers: Shown, step: int, view: 
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run.
     along : {"x", "y"}
         Direction of the line.
     numbers : Shown
         Values (ny, nx) of the field.
-    step : int
-        Position along ``step``.
     view : View
         ``horizontal`` is the part of the line that is seen.
     """

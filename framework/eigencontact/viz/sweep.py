@@ -35,15 +35,9 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of a sweep.
     name : str
         Variable to draw: against the one parameter, as a map over two numbers of five values and more each, else in
         curves against the first parameter.
-
-    Returns
-    -------
-    Figure
     """
     values = dataset[name]
     with paper_style():
@@ -62,19 +56,7 @@ def draw_sweep(dataset: xarray.Dataset, name: str) -> Figure:
 
 
 def draw_profiles(dataset: xarray.Dataset, name: str) -> Figure:
-    """Figure of a surface field of all variants along x, through the middle of the window.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a sweep with this field.
-    name : str
-        Field to draw.
-
-    Returns
-    -------
-    Figure
-    """
+    """Figure of a surface field of all variants along x, through the middle of the window."""
     middle = int(np.argmin(np.abs(dataset["y"].values - dataset["y"].values.mean())))
     values = dataset[name].isel(y=middle)
     dims = [str(dim) for dim in values.dims if dim != "x"]

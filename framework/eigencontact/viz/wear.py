@@ -53,15 +53,7 @@ ROOM = 0.12
 
 
 def worn_map(dataset: Results, step: int = -1) -> Figure:
-    """Depth that both bodies together have lost, with the outline of the contact of that step.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that wears.
-    step : int
-        Position along ``step``.
-    """
+    """Depth that both bodies together have lost, with the outline of the contact of that step."""
     depth = np.asarray(dataset["worn_depth"][step].values, dtype=float)
     shown = np.where(depth > SHARE * depth.max(initial=0.0), depth, 0.0)
     contact = np.asarray(dataset["pressure"][step].values) != 0
@@ -92,19 +84,12 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
     The lines pass through the middle where the worn depth is symmetric about it, else through its largest value. Body 1
     is drawn flat: body 2 has all of the separation that they had at first.
 
+    z points into body 1, downwards, and has a scale of its own.
+
     Parameters
     ----------
-    dataset : Results
-        Results of a run that wears.
-    step : int
-        Position along ``step``.
     on : Frame, optional
         Frame of an animation to draw in: one line alone.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        z points into body 1, downwards, and has a scale of its own.
     """
     section = _Section(dataset, step, on)
     lines = section.lines if on is None else section.lines[:1]
@@ -130,17 +115,7 @@ def worn_profiles(dataset: Results, step: int = -1, on: Frame | None = None) -> 
 def worn_coating(dataset: Results, step: int = -1) -> Figure:
     """Worn surfaces over the interfaces of layers and coatings, which stay where they were, along x and along y.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that wears, one body of which has layers, or inclusions at the surface.
-    step : int
-        Position along ``step``.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        z points into body 1, downwards, and has a scale of its own.
+    z points into body 1, downwards, and has a scale of its own.
     """
     section = _Section(dataset, step, None, coatings(dataset))
     with paper_style():
@@ -332,13 +307,7 @@ def loop_cycles(dataset: Results) -> list[SolvedCycle]:
 
 
 def worn_loops(dataset: Results) -> Figure:
-    """Loops of chosen cycles over each other, coloured by how many cycles were done.
-
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run that wears and has `loop_cycles`.
-    """
+    """Loops of chosen cycles over each other, coloured by how many cycles were done."""
     mode = driven(dataset)[0]
     load, way, units, words = MODES[mode]
     forces, ways = (np.asarray(dataset[name].values, dtype=float) for name in (load, way))

@@ -149,8 +149,6 @@ def masked_map(
 
     Parameters
     ----------
-    window : Window
-        Cells to show.
     field : (ny, nx) array
         In SI units, on all cells; zeros are grey.
     unit, label, title : str
@@ -161,8 +159,6 @@ def masked_map(
         What is said in the picture where the field is zero everywhere.
     limits : (2,) array, optional
         Smallest and largest value that the colours are for; by default of the cells shown.
-    on : Frame, optional
-        Frame of an animation to draw in.
     cmap : str, optional
         Colour map; by default one that suits the signs.
     masked : bool
