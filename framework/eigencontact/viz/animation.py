@@ -12,9 +12,8 @@ import numpy as np
 from eigencontact.core.names import ANIMATION
 from eigencontact.errors import SceneError
 from eigencontact.viz.frame import Film, Frame
-from eigencontact.viz.friction import shear_map
+from eigencontact.viz.friction import driven, shear_map
 from eigencontact.viz.friction_history import fretting_loops
-from eigencontact.viz.friction_words import driven
 from eigencontact.viz.history import history_panels, load_history
 from eigencontact.viz.movie import write_movie
 from eigencontact.viz.plastic import load_depth

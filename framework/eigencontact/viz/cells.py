@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.contact_edge import contact_runs, draw_contact_above
 from eigencontact.viz.cut import Shown, View
-from eigencontact.viz.inclusions import inclusion_segments
-from eigencontact.viz.outline import draw_segments
+from eigencontact.viz.lines import contact_runs, draw_contact_above
+from eigencontact.viz.outline import draw_segments, inclusion_segments
 from eigencontact.viz.remembered import CellField
 from eigencontact.viz.style import (
-    box_size,
+    colour_bar,
     colour_range,
+    draw_cross,
     heading,
     label_plane,
-    new_figure,
     paper_style,
     place,
+    plane_figure,
     scale_for,
 )
 
@@ -62,11 +62,8 @@ def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View
     horizontal, vertical = horizontal or (edges[1][0], edges[1][-1]), vertical or (edges[0][0], edges[0][-1])
     length, unit = scale_for([*horizontal, *vertical], "m"), scale_for(values, numbers.unit)
     colours, low, high = colour_range(values)
-    width, height = box_size(horizontal[1] - horizontal[0], vertical[1] - vertical[0], (4.4, 3.4))
     with paper_style():
-        wide = width > 2.2 * height
-        figure = new_figure(width + (0.8 if wide else 1.6), height + (1.5 if wide else 0.7))
-        axes = figure.add_subplot()
+        figure, axes, wide = plane_figure(horizontal[1] - horizontal[0], vertical[1] - vertical[0])
         mesh = axes.pcolormesh(
             length(edges[1]), length(edges[0]), unit(values), cmap=view.cmap or colours,
             vmin=low * unit.factor, vmax=high * unit.factor or 1.0,
@@ -79,13 +76,8 @@ def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View
         label_plane(axes, f"x [{length.unit}]", f"z [{length.unit}]")
         title = f"{heading(dataset, step, f'{numbers.words} in body {body}')}, {place('y', at['y'])}"
         if values.any():
-            bar = figure.colorbar(
-                mesh, ax=axes, location="bottom" if wide else "right", shrink=0.7 if wide else 1.0,
-                aspect=30 if wide else 22, pad=0.03,
-            )  # fmt: skip
-            bar.set_label(f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words)
-            for colour, size, thick in (("black", 9, 2.6), ("white", 8, 1.2)):
-                axes.plot(length(at["x"]), length(at["z"]), "+", color=colour, markersize=size, markeredgewidth=thick)
+            colour_bar(figure, axes, mesh, unit.label(numbers.words), wide=wide, shrink=0.7)
+            draw_cross(axes, (length(at["x"]), length(at["z"])))
             row, column = (int(np.abs(middles[axis] - at[axis]).argmin()) for axis in "zx")
             where = ", ".join(place(axis, at[axis]) for axis in "xz")
             title += f"\n{unit.text(values[row, column])} at {where} (cross)"

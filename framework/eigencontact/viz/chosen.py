@@ -26,12 +26,12 @@ from eigencontact.viz.choices import (
     surface_numbers,
 )
 from eigencontact.viz.cut import View
-from eigencontact.viz.exposed import exposed_map
-from eigencontact.viz.friction_words import ZONE_COLOURS, ZONES
+from eigencontact.viz.friction import ZONE_COLOURS, ZONES
+from eigencontact.viz.lines import SURFACE_LINES, surface_line
 from eigencontact.viz.profile import line_profile
 from eigencontact.viz.section import equivalent_of, stress_section
-from eigencontact.viz.style import heading
-from eigencontact.viz.surface_line import SURFACE_LINES, surface_line
+from eigencontact.viz.style import colour_range, heading, lift_colours
+from eigencontact.viz.surface import exposed_map
 from eigencontact.viz.window import Window, masked_map, view_of, zone_map
 
 if TYPE_CHECKING:
@@ -201,6 +201,10 @@ def _surface(dataset: Results, field: Field, component: str, step: int, view: Vi
     window = Window(dataset, _zoomed(dataset, box, view))
     if field.name == "contact_zone":
         return zone_map(window, values, heading(dataset, step, "Stick and slip"), ZONES, ZONE_COLOURS)
+    colours = None
+    if field.name == "uplift" or numbers.variable == "residual_displacement_z":
+        _, low, high = colour_range(values[window.view.slices])
+        colours = lift_colours(low, high, 1 if field.name == "uplift" else -1)
     return masked_map(
         window,
         values,
@@ -211,7 +215,7 @@ def _surface(dataset: Results, field: Field, component: str, step: int, view: Vi
         empty="no contact" if field.name == "pressure" else "zero everywhere",
         cmap=view.cmap,
         masked=local,
-        lifted=1 if field.name == "uplift" else -1 if numbers.variable == "residual_displacement_z" else 0,
+        colours=colours,
     )
 
 

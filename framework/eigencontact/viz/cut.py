@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.contact_edge import contact_runs
+from eigencontact.viz.lines import contact_runs
 from eigencontact.viz.sides import Plane, sides_of
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ import numpy as np
 from eigencontact.core.grid import Box
 from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
-from eigencontact.viz.friction_words import MODES, ZONE_COLOURS, ZONES, driven, history_of
+from eigencontact.viz.friction import MODES, ZONE_COLOURS, ZONES, driven, history_of
 from eigencontact.viz.informative import varies
 from eigencontact.viz.strands import Strand, draw_strands
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
-from eigencontact.viz.window import cell_edges, is_ragged, view_of
+from eigencontact.viz.window import cell_edges, class_patches, is_ragged, view_of
 from eigencontact.viz.worn import solved_cycles
 
 if TYPE_CHECKING:
@@ -141,7 +141,6 @@ def zone_strip(dataset: Results) -> Figure:
     (along y where only that direction is loaded or has cells); above it the loads, each relative to its largest size.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
     from matplotlib.ticker import MaxNLocator
 
     strip, edges, along, at = zones_of_line(dataset)
@@ -160,10 +159,7 @@ def zone_strip(dataset: Results) -> Figure:
         _courses(above, dataset, steps)
         above.set_title(f"Stick and slip along {along} at {place(across, float(dataset[across][at]))}")
         present = [value for value in (2, 1, 0) if np.any(strip == value)]
-        patches = [
-            Patch(facecolor=ZONE_COLOURS[value], edgecolor="0.4", linewidth=0.5, label=ZONES[value])
-            for value in present
-        ]
+        patches = class_patches((ZONE_COLOURS[value], ZONES[value]) for value in present)
         handles, _ = above.get_legend_handles_labels()
         figure.legend(handles=[*handles, *patches], loc="outside lower center", ncols=len(patches) + len(handles))
     return figure

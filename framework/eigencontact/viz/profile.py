@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.tensors import COMPONENTS
-from eigencontact.viz.line_sides import line_sides
 from eigencontact.viz.section import EQUIVALENT
+from eigencontact.viz.sides import line_sides
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, scale_for
 
 if TYPE_CHECKING:

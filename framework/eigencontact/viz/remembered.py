@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.viz.contours import contour_lines
-from eigencontact.viz.inclusions import inclusion_segments
+from eigencontact.viz.outline import inclusion_segments
 from eigencontact.viz.sides import Plane, sides_of
 
 if TYPE_CHECKING:

@@ -7,16 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eigencontact.viz.contact_edge import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.contours import colour_ends, contours_by_side, grows, name_largest
 from eigencontact.viz.cut import WHOLE, Cut, Seen, Shown, View
+from eigencontact.viz.lines import contact_runs, draw_contact_above, draw_contact_from_above
 from eigencontact.viz.outline import draw_interfaces, draw_outline
 from eigencontact.viz.remembered import draw_zone, plastic_strains
 from eigencontact.viz.sides import SAME, interface_depths
-from eigencontact.viz.style import box_size, heading, label_plane, new_figure, paper_style, place, scale_for
+from eigencontact.viz.style import (
+    colour_bar,
+    draw_cross,
+    heading,
+    label_plane,
+    paper_style,
+    place,
+    plane_figure,
+    scale_for,
+)
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -92,11 +100,8 @@ def stress_section(
     limits = trusted if on is None else on.film.limits(numbers.variable)
     colours = colour_ends(trusted) if on is None else tuple(on.film.limits(numbers.variable, colour_ends))
     unit = scale_for(limits, numbers.unit)
-    width, height = box_size(*visible.size, (4.4, 3.4))
     with paper_style():
-        wide = width > 2.2 * height
-        figure = new_figure(max(width + (0.8 if wide else 1.6), NARROWEST), height + (1.5 if wide else 0.7), on)
-        axes = figure.add_subplot()
+        figure, axes, wide = plane_figure(*visible.size, on=on, narrowest=NARROWEST)
         axes.set_aspect("equal")
         axes.set_xlim(length(visible.horizontal))
         axes.set_ylim(length(visible.vertical[::-1] if vertical == "z" else visible.vertical))
@@ -124,17 +129,9 @@ def stress_section(
         if filled is None:
             axes.text(0.5, 0.5, numbers.nothing, transform=axes.transAxes, ha="center", va="center", color="0.4")
         else:
-            bar = figure.colorbar(
-                filled,
-                ax=axes,
-                location="bottom" if wide else "right",
-                shrink=0.7 if wide else 1.0,
-                aspect=30 if wide else 22,
-                pad=0.03,
-            )
-            label = f"{numbers.words} [{unit.unit}]" if unit.unit else numbers.words
-            label = f"{label} (nonlinear scale)" if grows(filled) else label
-            bar.set_label(f"{label}, scale of this side" if INTERFACE in cut else label)
+            label = unit.label(numbers.words) + (" (nonlinear scale)" if grows(filled) else "")
+            label += ", scale of this side" if INTERFACE in cut else ""
+            bar = colour_bar(figure, axes, filled, label, wide=wide, shrink=0.7)
             row, column = section.largest(visible.points)
             largest = float(values[row, column])
             name_largest(bar, filled, float(unit(largest)), f"{unit(largest):.3g}")
@@ -146,7 +143,7 @@ def stress_section(
                 where = f"plateau at {unit.text(largest)}"
             else:
                 where = f"{unit.text(largest)} at {coordinates} (cross)"
-                _mark(axes, (float(length(h[column])), float(length(v[row]))))
+                draw_cross(axes, (length(h[column]), length(v[row])), zorder=8, clip_on=False)
         axes.set_title("\n".join(filter(None, [title, where])))
     return figure
 
@@ -179,9 +176,3 @@ def _cut_words(dataset: Results, cut: Cut, body: int, step: int) -> str:
         else:
             places.append(f"at {place(axis, at)}")
     return ", ".join(places)
-
-
-def _mark(axes: Axes, at: tuple[float, float]) -> None:
-    """Draw a cross at a point, visible on all colours; the title names it."""
-    axes.plot(*at, "+", color="black", markersize=9, markeredgewidth=2.6, zorder=8, clip_on=False)
-    axes.plot(*at, "+", color="white", markersize=8, markeredgewidth=1.2, zorder=9, clip_on=False)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["Plane", "Side", "Sides", "interface_depths", "sides_of"]
+__all__ = ["LineSides", "Plane", "Side", "Sides", "interface_depths", "line_sides", "sides_of"]
 
 #: A depth this close to an interface, in parts of its depth, is on it; the lower layer has it, as in the kernels.
 SAME = 1e-12
@@ -283,3 +283,39 @@ def _cells_cut(path: FloatArray, edges: list[float], starts: list[float]) -> set
     places = (points[:, ::-1] - np.array(starts)) / np.array(edges)
     inner = (np.abs(places - np.round(places)) > ON_A_FACE).all(axis=1)
     return {(int(row), int(column)) for row, column in np.floor(places[inner])}
+
+
+@dataclass(frozen=True)
+class LineSides:
+    """Sides of the points of a line.
+
+    Attributes
+    ----------
+    number : (n,) int
+        Side of each point; neighbours of different numbers have a jump between them.
+    shares : (m,)
+        Where each jump lies, as a part of the way from one point to the next.
+    whole : (n,) bool
+        Points that lie on no border, and in no cell which a border cuts; stress in those is that of neither side.
+    """
+
+    number: NDArray[np.intp]
+    shares: FloatArray
+    whole: NDArray[np.bool_]
+
+
+def line_sides(dataset: Results, region: str, body: int, z: FloatArray, step: int) -> LineSides:
+    """Sides of the points of a line region in a body at depths z (n,) [m]."""
+    depths = np.array(interface_depths(dataset, body, step))
+    number = np.searchsorted(depths * (1.0 - SAME), z, side="right")
+    border, whole = np.full(z.size, np.nan), np.ones(z.size, dtype=bool)
+    if f"{region}_inclusion" in dataset:
+        inclusion, border, uncut = (dataset[f"{region}_{name}"].values for name in ("inclusion", "border", "uncut"))
+        number, whole = number + inclusion * (depths.size + 1), uncut != 0
+    breaks = np.flatnonzero(number[1:] != number[:-1])
+    shares = [border[breaks]]
+    for depth in depths:
+        with np.errstate(divide="ignore", invalid="ignore"):  # a line along an interface does not cross it
+            share = (depth - z[breaks]) / (z[breaks + 1] - z[breaks])
+        shares.append(np.where((share >= 0.0) & (share <= 1.0), share, np.nan))
+    return LineSides(number, np.fmin.reduce(shares), whole)
