@@ -287,7 +287,7 @@ class ContactResult:
     def _look(self, table: dict[str, Any]) -> tuple[Any, StepRecord]:
         from eigencontact.planning.provenance import run_info
         from eigencontact.postprocess.revisit import look, plan_of_region
-        from eigencontact.results.in_dataset import step_of
+        from eigencontact.results.stepfile import step_of
 
         if "step" in table:
             raise SceneError(f"{_HERE}.region must be asked without a step (got {table['step']!r}): use at(step)")

@@ -15,20 +15,10 @@ __all__ = ["answer", "cards"]
 
 
 def answer(columns: Iterable[Column], steps: Sequence[int]) -> list[str]:
-    """Sentences on the numbers after the last step.
+    """Sentences on the numbers of a run (all of them, with the numbers of its stored steps) after the last step.
 
-    Parameters
-    ----------
-    columns : iterable of Column
-        All numbers of the run.
-    steps : sequence of int
-        Numbers of the stored steps.
-
-    Returns
-    -------
-    list of str
-        A number that ends below its largest magnitude names that magnitude and its step as well. The work of friction
-        is that of all cycles where the run skips some.
+    A number that ends below its largest magnitude names that magnitude and its step as well. The work of friction is
+    that of all cycles where the run skips some.
     """
     listed = list(columns)
     by_name = {column.name: column for column in listed}
@@ -46,19 +36,15 @@ def cards(columns: Iterable[Column]) -> list[Column]:
 
 
 def _sentence(column: Column, error: Column | None, steps: Sequence[int]) -> str:
-    text = f"{column.meaning[:1].upper()}{column.meaning[1:]}: {_value(column, column.last)}."
-    if column.varies and _value(column, column.last) != _value(column, column.largest):
-        largest = _value(column, column.largest)
+    last, largest = column.with_unit(column.last), column.with_unit(column.largest)
+    text = f"{column.meaning[:1].upper()}{column.meaning[1:]}: {last}."
+    if column.varies and last != largest:
         text = f"{text[:-1]}; the largest value is {largest}, at step {steps[column.at_largest]}."
     if error is not None and error.last:
         text = f"{text[:-1]} (estimated error {100 * error.last:.2g} %)."
     return text
 
 
-def _value(column: Column, value: float | None) -> str:
-    return f"{column.text(value)} {column.scale.unit}".strip()
-
-
 def _stroke(column: Column, axis: str) -> str:
-    held = [value for value in column.values if value is not None]
-    return f"The shift along {axis} spans {_value(column, max(held) - min(held))} over all steps, peak to peak."
+    values = [value for value in column.values if value is not None]
+    return f"The shift along {axis} spans {column.with_unit(max(values) - min(values))} over all steps, peak to peak."

@@ -21,20 +21,7 @@ _MARKED, _POINTS = 40, 600
 
 
 def chart(column: Column, steps: Sequence[int]) -> Markup:
-    """One number over the steps, in the unit of its scale.
-
-    Parameters
-    ----------
-    column : Column
-        The number.
-    steps : sequence of int
-        Numbers of the steps.
-
-    Returns
-    -------
-    Markup
-        An element ``svg`` with a title for those who do not see it.
-    """
+    """One number over the steps (given by their numbers), in the unit of its scale, as ``svg`` with a title."""
     points = [
         (float(step), value * column.scale.factor)
         for step, value in zip(steps, column.values, strict=True)
@@ -64,17 +51,13 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
 
 
 def in_words(column: Column, steps: Sequence[int]) -> str:
-    """What a chart shows: first and last value, and the largest where it is neither."""
+    """Content of a chart in words: first and last value, and the largest where it is neither."""
     held = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
     (first, begun), (last, ended) = held[0], held[-1]
-    ends = _said(column, begun), _said(column, ended)
+    ends = column.with_unit(begun), column.with_unit(ended)
     words = f"{ends[0]} at step {first}, {ends[1]} at step {last}"
-    largest = _said(column, column.largest)
+    largest = column.with_unit(column.largest)
     return words if largest in ends else f"{words}; largest {largest} at step {steps[column.at_largest]}"
-
-
-def _said(column: Column, value: float | None) -> str:
-    return f"{column.text(value)} {column.scale.unit}".strip()
 
 
 def _ticks(low: float, high: float) -> list[float]:

@@ -16,15 +16,7 @@ _TEX = {"&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_", "$": r"\$", "{": r"\{", 
 
 @dataclass(frozen=True)
 class Citation:
-    """One source.
-
-    Attributes
-    ----------
-    text : str
-        As the plugin or the solver names it.
-    before, doi, after : str
-        The same in three: `doi` is empty where the source has none.
-    """
+    """One source: its text, and the same in three parts, of which `doi` is empty where the source has none."""
 
     text: str
     before: str

@@ -60,12 +60,15 @@ class Column:
     @property
     def label(self) -> str:
         """Name in words, with the unit that the texts are in."""
-        words = self.name.replace("_", " ")
-        return f"{words} [{self.scale.unit}]" if self.scale.unit else words
+        return self.scale.label(self.name.replace("_", " "))
 
     def text(self, value: float | None) -> str:
         """A value in the unit of the scale, without it."""
         return "" if value is None else f"{value * self.scale.factor:.5g}"
+
+    def with_unit(self, value: float | None) -> str:
+        """A value in the unit of the scale, with it."""
+        return f"{self.text(value)} {self.scale.unit}".strip()
 
     @property
     def last(self) -> float | None:

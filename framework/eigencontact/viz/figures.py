@@ -14,7 +14,14 @@ from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, z
 from eigencontact.viz.history import history_panels, history_words, load_history
 from eigencontact.viz.informative import vanishes, varies, zones_change
 from eigencontact.viz.outline import coatings
-from eigencontact.viz.plastic import load_depth, loaded_step, plastic_history, plastic_section, plastic_surfaces, unloads
+from eigencontact.viz.plastic import (
+    load_depth,
+    loaded_step,
+    plastic_history,
+    plastic_section,
+    plastic_surfaces,
+    unloads,
+)
 from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
 from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
