@@ -17,11 +17,10 @@ from eigencontact.results.borders import line_variables
 from eigencontact.viz.cut import Shown, View
 from eigencontact.viz.lines import contact_runs
 from eigencontact.viz.profile import line_profile, stress_profile
-from eigencontact.viz.residual import uplift_map
 from eigencontact.viz.section import stress_section
 from eigencontact.viz.sides import Plane, line_sides, sides_of
 from eigencontact.viz.style import save
-from eigencontact.viz.surface import pressure_map
+from eigencontact.viz.surface import pressure_map, uplift_map
 from viz.test_outlines import ring
 
 CONTACT = """

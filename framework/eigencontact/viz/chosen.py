@@ -12,7 +12,6 @@ from eigencontact.core.grid import Box
 from eigencontact.core.names import PICTURES
 from eigencontact.core.units import parse_quantity
 from eigencontact.errors import SceneError, nearest, shown
-from eigencontact.viz.cells import cells_map
 from eigencontact.viz.choices import (
     SURFACE,
     Field,
@@ -29,6 +28,7 @@ from eigencontact.viz.cut import View
 from eigencontact.viz.friction import ZONE_COLOURS, ZONES
 from eigencontact.viz.lines import SURFACE_LINES, surface_line
 from eigencontact.viz.profile import line_profile
+from eigencontact.viz.remembered import cells_map
 from eigencontact.viz.section import equivalent_of, stress_section
 from eigencontact.viz.style import colour_range, heading, lift_colours
 from eigencontact.viz.surface import exposed_map

@@ -24,11 +24,19 @@ from eigencontact.viz.plastic import (
 )
 from eigencontact.viz.profile import mean_profile, stress_profile
 from eigencontact.viz.remembered import DAMAGE, plastic_strains, remembered_fields, yields
-from eigencontact.viz.residual import cause, displacement_profiles, uplift_map
 from eigencontact.viz.rolling import coverage_map, passing_history, passing_varies, rolls, struck
 from eigencontact.viz.section import drawable, equivalent_of, stress_section
 from eigencontact.viz.style import moment, save
-from eigencontact.viz.surface import exposed_map, homogeneous_words, pressure_map, pressure_profiles, several_exposed
+from eigencontact.viz.surface import (
+    cause,
+    displacement_profiles,
+    exposed_map,
+    homogeneous_words,
+    pressure_map,
+    pressure_profiles,
+    several_exposed,
+    uplift_map,
+)
 from eigencontact.viz.wear import loop_cycles, wear_history, worn_coating, worn_loops, worn_map, worn_profiles
 from eigencontact.viz.worn import interfaces, wears
 
