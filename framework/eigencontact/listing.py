@@ -24,14 +24,7 @@ def gallery_data() -> dict[str, str]:
 
 
 def cache_data(*, clear: bool = False, limit: str | None = None) -> dict[str, Any]:
-    """Tables on disk, after what is to be done with them.
-
-    Parameters
-    ----------
-    clear : bool
-        Remove them all.
-    limit : str, optional
-        Size to bound them by: ``"2 GB"``.
+    """Tables on disk, after all are removed (`clear`), or bounded by a size from now on (`limit`, as ``"2 GB"``).
 
     Raises
     ------

@@ -42,12 +42,7 @@ _NOTHING = 1e-12
 def progress(*, enabled: bool, verbose: bool = False) -> Iterator[Watcher | None]:
     """Watcher of a run that shows its course on the standard error stream; None where not enabled.
 
-    Parameters
-    ----------
-    enabled : bool
-        Whether anything is shown.
-    verbose : bool
-        Whether each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`.
+    If `verbose`, each load step has a line of its own, with iterations, residuals and times: see `VerboseLines`.
     """
     if not enabled:
         yield None
@@ -109,14 +104,9 @@ class _ProgressBars:
 
 
 class ProgressLines:
-    """Watcher that writes lines, at most one a second and one for the last load step; none of a run within a second.
+    """Watcher that writes lines to a stream, at most one a second and one for the last load step; none within a second.
 
-    Parameters
-    ----------
-    stream : text stream
-        Where to.
-    clock : callable
-        Time [s] from any moment on.
+    The clock gives the time [s] from any moment on.
     """
 
     def __init__(self, stream: TextIO, clock: Callable[[], float] = monotonic) -> None:

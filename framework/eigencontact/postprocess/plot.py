@@ -79,8 +79,7 @@ def plot(
     >>> axes.get_xlabel(), axes.get_ylabel()
     ('x [µm]', 'z [µm]')
     """
-    from eigencontact.viz.fitting import finish
-    from eigencontact.viz.looks import figure_look, look_of, shown_figures
+    from eigencontact.viz.looks import figure_look, finish, look_of, shown_figures
 
     look = look_of(style)
     options = {"component": component, "region": region, "zoom": zoom, "cmap": cmap}
@@ -103,24 +102,11 @@ def draw_chosen(
     style: str = "screen",
     **options: Any,
 ) -> dict[Path, str]:
-    """Store one picture; returns its file and what it shows.
+    """Store one picture; returns its file and what it shows. Arguments that are not named here are those of `plot`.
 
-    Parameters
-    ----------
-    results : str or Path
-        A folder of results or its ``results.nc``.
-    output : Path, optional
-        File with an ending of `FORMATS`, or a folder; by default the folder of the results.
-    field, step, region : optional
-        See `plot`; `region` may also be the text of a table of a new region, which has a ``=``.
-    kind : str, optional
-        Format; by default that of the file, else PNG.
-    dpi : int, optional
-        Dots per inch; by default those of the style.
-    style : str
-        See `plot`.
-    **options : optional
-        ``component``, ``zoom`` and ``cmap`` of `plot`.
+    `output` is a file with an ending of `FORMATS`, or a folder, by default that of the results. `region` may also be
+    the text of a table of a new region, which has a ``=``. `kind` is the format, by default that of the file, else PNG;
+    `dpi` the dots per inch, by default those of the style.
     """
     from eigencontact.postprocess.stored_run import region as new_region
     from eigencontact.results.atomic import writable_folder

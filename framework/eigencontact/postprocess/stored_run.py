@@ -34,25 +34,17 @@ def draw(
 
     Parameters
     ----------
-    results : str or Path
-        A folder of results or its ``results.nc``.
-    folder : str or Path, optional
-        Where the files go; by default beside the results. Files of others there are never replaced
-        (`eigencontact.results.ownership`).
-    vtk : bool
-        Whether to write VTK files.
+    results, folder : str or Path
+        A folder of results or its ``results.nc``; where the files go, by default beside them. Files of others there are
+        never replaced (`eigencontact.results.ownership`).
     table : mapping or str, optional
         Another region: its fields are found, stored and drawn, and nothing else; see `region`.
     step : int, optional
         Number of the load step to draw, from 1.
     animation : bool or str
         Whether to draw the history as an animation, a GIF; ``"mp4"`` takes the program ffmpeg.
-    kind : str
-        Format of the pictures: ``"png"``, ``"pdf"`` or ``"svg"``.
-    dpi : int, optional
-        Dots per inch of pictures that are made of dots; by default those of the style.
-    style : str
-        ``"screen"``, ``"paper"`` (8.4 cm or 17 cm wide, letters of 8 points) or ``"talk"``.
+    kind, dpi, style : str, int, str
+        Format, dots per inch and style of the pictures; see `eigencontact.postprocess.plot`.
     """
     from eigencontact.results.atomic import of_this_version, writable_folder
     from eigencontact.results.ownership import refuse_foreign

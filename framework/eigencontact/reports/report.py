@@ -109,10 +109,9 @@ def _target(beside: Path, file: str | Path | None) -> Path:
 
 def _content(source: Source) -> dict[str, Any]:
     """Everything that the template shows."""
-    from eigencontact.reports.answer import answer, cards
     from eigencontact.reports.charts import chart, in_words
     from eigencontact.reports.citations import as_bibtex, citations
-    from eigencontact.reports.columns import columns, telling
+    from eigencontact.reports.columns import answer, cards, columns, telling
     from eigencontact.reports.pictures import animation_of, pictures_of
     from eigencontact.reports.surfaces import surfaces
 

@@ -26,18 +26,9 @@ __all__ = ["Source", "opened"]
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Results of a run, open.
+    """Results of a run, open: the file where they lie, or would lie, its stored steps, and whether these are all.
 
-    Attributes
-    ----------
-    file : Path
-        Where the results lie; where they would lie, of a run that is not finished.
-    dataset : Results
-        All steps that are stored.
-    finished : bool
-        Whether these are all steps.
-    summary : mapping
-        The contents of ``summary.json``; empty where there is none of this run.
+    `summary` holds the contents of ``summary.json``; it is empty where there is none of this run.
     """
 
     file: Path
@@ -88,17 +79,9 @@ class Source:
 
 @contextmanager
 def opened(results: str | Path) -> Iterator[Source]:
-    """Open the results of a run; those of an unfinished one as far as they go.
+    """Open the results of a run, a folder or its ``results.nc``; those of an unfinished one as far as they go.
 
-    Parameters
-    ----------
-    results : str or Path
-        The folder of a run, or its ``results.nc``.
-
-    Raises
-    ------
-    ResultsError
-        When there is nothing, or a file that is damaged or not ours.
+    `ResultsError` when there is nothing, or a file that is damaged or not ours.
     """
     from jinja2 import TemplateError
 

@@ -32,15 +32,7 @@ DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeEr
 
 @contextmanager
 def of_this_version(file: Path, damage: tuple[type[Exception], ...] = DAMAGE) -> Iterator[None]:
-    """Run code that relies on the contents of a results file; damage raises one clear error.
-
-    Parameters
-    ----------
-    file : Path
-        For the message.
-    damage : tuple of types
-        Exceptions that mean damage.
-    """
+    """Run code that relies on the contents of a results file; exceptions that mean damage raise one clear error."""
     try:
         yield
     except damage as problem:

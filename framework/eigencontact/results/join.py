@@ -63,20 +63,11 @@ class Column:
 
 
 def join_steps(target: Path, steps: Sequence[Path | Part], histories: Sequence[Path | Part] = ()) -> None:
-    """Join steps into one netCDF-4 file.
+    """Join steps, and histories after some of them, in order, into one netCDF-4 file; it is replaced atomically.
 
     A variable that occurs in some steps only (a quantity that becomes available later) is NaN in the others. Numbers
     are stored as they are, but for bands of large fields that are zero, which are left out. The layout was chosen by
     ``python -m eigencontact_verification.benchmarks store``: compression takes 4 to 10 times as long as writing.
-
-    Parameters
-    ----------
-    target : Path
-        The results file; replaced atomically.
-    steps : sequence of Path or Part
-        Steps or their files, in order.
-    histories : sequence of Path or Part
-        What the bodies remember after some of them, in order.
 
     Raises
     ------
@@ -238,24 +229,10 @@ def stored_files(folder: Path) -> list[Path]:
 
 
 def join_unfinished(folder: Path, target: Path) -> int:
-    """Join the stored steps of an unfinished run, and what its bodies remember after the last, into a results file.
+    """Join the stored steps of an unfinished run, and what its bodies remember after the last, into another file.
 
-    Parameters
-    ----------
-    folder : Path
-        That of the run.
-    target : Path
-        The results file, outside of it.
-
-    Returns
-    -------
-    int
-        Number of steps; nothing is written where it is 0.
-
-    Raises
-    ------
-    ResultsError
-        When a step is damaged, or the file cannot be stored.
+    Returns the number of steps; nothing is written where it is 0. `ResultsError` when a step is damaged, or the file
+    cannot be stored.
     """
     steps = stored_files(folder)
     if steps:

@@ -38,18 +38,9 @@ _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 def lay_out(
     file: Any, dimensions: Mapping[str, int], variables: Mapping[str, Column], attrs: Mapping[str, Any]
 ) -> None:
-    """Make all variables of an empty HDF5 file; they are filled afterwards.
+    """Make all variables of an empty HDF5 file, with the size of every dimension; they are filled afterwards.
 
-    Parameters
-    ----------
-    file : h5py.File
-        Where to.
-    dimensions : mapping of str to int
-        Size of every dimension.
-    variables : mapping of str to Column
-        One that bears the name of a dimension is its coordinate.
-    attrs : mapping
-        Attributes of the whole.
+    A variable that bears the name of a dimension is its coordinate.
     """
     import h5py  # type: ignore[import-not-found,import-untyped,unused-ignore]
 

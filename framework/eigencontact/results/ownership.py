@@ -60,21 +60,10 @@ def refuse_foreign(
     vtk: bool,
     animation: bool = False,
 ) -> None:
-    """Refuse a folder with foreign files under names of a run or of its pictures.
+    """Refuse a folder, missing or not, with foreign files under names of a run, of its regions or of its pictures.
 
-    Parameters
-    ----------
-    folder : Path
-        Where files will go; it may be missing.
-    regions : list of str
-        Names of the sub-surface regions.
-    summary, pictures, vtk, animation : bool
-        What will be written; of pictures the ending, where it is not ``png``.
-
-    Raises
-    ------
-    ResultsError
-        Names the first such file.
+    The flags say what will be written; `pictures` may be their ending where it is not ``png``. The `ResultsError` names
+    the first such file.
     """
     try:
         present = sorted(folder.iterdir())

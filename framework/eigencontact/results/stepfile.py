@@ -52,12 +52,8 @@ def history_part(info: RunInfo, record: StepRecord, *, copied: bool = True) -> P
 def write_step(path: Path, info: RunInfo, record: StepRecord, *, lasting: bool = True) -> None:
     """Store one step atomically, and before it, in a file beside it, what the bodies remember after it.
 
-    `lasting` is that of `eigencontact.results.atomic.replacing`.
-
-    Raises
-    ------
-    ResultsError
-        When it cannot be stored; nothing is left behind then.
+    `lasting` is that of `eigencontact.results.atomic.replacing`. `ResultsError` when it cannot be stored; nothing is
+    left behind then.
     """
     listed = variables(info, record)
     if record.history:
@@ -183,15 +179,8 @@ class _Variable:
 def step_of(dataset: xr.Dataset, index: int | None = None) -> tuple[StepRecord, list[str]]:
     """Step of results, the last by default, with its surface fields and what the bodies remember after it.
 
-    Returns
-    -------
-    StepRecord, list of str
-        Without regions; and the names of what the bodies remember after a step, kept or not.
-
-    Raises
-    ------
-    SceneError
-        A step that the results do not hold.
+    The record has no regions; the names of what the bodies remember after a step, kept or not, come with it.
+    `SceneError` for a step that the results do not hold.
     """
     steps = [int(step) for step in dataset["step"].values]
     number = steps[-1] if index is None else index

@@ -22,15 +22,7 @@ _MOST = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A key of the scene and its values.
-
-    Attributes
-    ----------
-    key : str
-        Dotted, as ``--set`` takes it: ``"steps.normal-load"``.
-    values : tuple
-        Numbers, texts with units, tables or arrays, as a scene holds them.
-    """
+    """A key of the scene, dotted as ``--set`` takes it, and its values as a scene holds them."""
 
     key: str
     values: tuple[Any, ...]

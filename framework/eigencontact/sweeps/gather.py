@@ -204,14 +204,9 @@ def codes_of(summary: Mapping[str, Any]) -> str:
 
 
 def warnings_in_words(warnings: Mapping[str, Sequence[Mapping[str, Any]]], total: int) -> list[str]:
-    """One line for each code: how many variants warn, and the words of the first, which name the number concerned.
+    """One line for each code: how many of `total` variants warn, and the words of the first, which name the number.
 
-    Parameters
-    ----------
-    warnings : mapping of str to sequence of mapping
-        Warnings as in ``summary.json`` (``code``, ``words``, ``error``) by label of the variant.
-    total : int
-        Number of variants.
+    `warnings` are those of ``summary.json`` (``code``, ``words``, ``error``) by label of the variant.
 
     Examples
     --------

@@ -22,8 +22,7 @@ from eigencontact.engines.engine import Engine, Lost, Processes, Share, ThisProc
 from eigencontact.errors import EigencontactError
 from eigencontact.results.atomic import read_json, replacing
 from eigencontact.results.ownership import RESULTS, STEPS, SUMMARY, is_ours, refuse_foreign_file
-from eigencontact.sweeps.folder import AGAIN
-from eigencontact.sweeps.identity import checksum, scene_digest
+from eigencontact.sweeps.folder import AGAIN, checksum, scene_digest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

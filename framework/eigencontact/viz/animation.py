@@ -49,16 +49,9 @@ ROOM = 0.09
 
 @dataclass(frozen=True)
 class Subject:
-    """Content of the frames of an animation.
+    """Content of the frames of an animation: pictures, what they show, and whether they lie below one another.
 
-    Attributes
-    ----------
-    pictures : tuple of callable
-        Each draws one picture when called with ``step`` (a position) and ``on`` (a `Frame`).
-    sentence : str
-        What is shown.
-    stacked : bool
-        Whether the pictures lie below one another; beside one another otherwise.
+    Each picture is a function that draws when called with ``step`` (a position) and ``on`` (a `Frame`).
     """
 
     pictures: tuple[Draw, ...]
@@ -176,26 +169,10 @@ def _axes(figure: Figure) -> list[Axes]:
 
 
 def animate(dataset: Results, folder: Path, kind: Literal[True, "gif", "mp4"] = "gif") -> dict[str, str]:
-    """Write the animation of a history.
+    """Write the animation of a history into an existing folder; returns its file name and a sentence on what it shows.
 
-    Parameters
-    ----------
-    folder : Path
-        Existing folder.
-    kind : str or bool
-        ``"gif"`` or True, or ``"mp4"`` where the program ffmpeg is installed.
-
-    Returns
-    -------
-    dict of str to str
-        File name and one sentence on what it shows.
-
-    Raises
-    ------
-    SceneError
-        Where there is nothing to animate (`subject_of`).
-    ResultsError
-        When it cannot be stored, or ffmpeg is missing or fails.
+    `kind` is ``"gif"`` or True, or ``"mp4"`` where the program ffmpeg is installed. `SceneError` where there is nothing
+    to animate (`subject_of`); `ResultsError` when it cannot be stored, or ffmpeg is missing or fails.
     """
     subject = subject_of(dataset)
     if subject is None:

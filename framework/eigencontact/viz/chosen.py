@@ -48,17 +48,7 @@ __all__ = ["Chosen", "chosen_picture", "colour_map", "zoom_of"]
 
 @dataclass(frozen=True)
 class Chosen:
-    """A picture that can be drawn.
-
-    Attributes
-    ----------
-    name : str
-        For a file, without an ending.
-    sentence : str
-        What it shows.
-    figure : Figure
-        The picture.
-    """
+    """A picture that can be drawn: its name for a file, without an ending, what it shows, and its figure."""
 
     name: str
     sentence: str
@@ -75,27 +65,9 @@ def chosen_picture(
     zoom: str | Sequence[Any] | None = None,
     cmap: str | None = None,
 ) -> Chosen:
-    """Draw one field.
+    """Draw one field; the arguments are those of `eigencontact.plot`, but that `step` is a position along ``step``.
 
-    Parameters
-    ----------
-    field : str or None
-        Its name, or that of a standard picture, ``"worn-profiles"``; by default the pressure, or the equivalent stress
-        of a region.
-    component : str, optional
-        Of a vector or tensor.
-    region : str, optional
-        Name of a stored region, ``"surface"``, or ``"along-x"`` or ``"along-y"`` for a profile on the surface through
-        the middle of the contact; by default the surface, or the first region that holds the field.
-    zoom : str or sequence, optional
-        See `zoom_of`.
-    cmap : str, optional
-        Colour map.
-
-    Raises
-    ------
-    SceneError
-        What is unknown, with the nearest valid choice.
+    `SceneError` names what is unknown, with the nearest valid choice.
     """
     (horizontal, vertical), colours = zoom_of(zoom), colour_map(cmap)
     view = View(horizontal, vertical, colours)
@@ -240,15 +212,7 @@ def _zoomed(dataset: Results, box: Box, view: View) -> Box:
 def zoom_of(zoom: str | Sequence[Any] | None) -> tuple[Range | None, Range | None]:
     """Ends [m] of what is seen, along the horizontal and the vertical of a picture.
 
-    Parameters
-    ----------
-    zoom : str or sequence
-        ``"-6 um:6 um, 0:8 um"``, or ``((-6e-6, 6e-6), (0, 8e-6))``; the second pair may be left out.
-
-    Raises
-    ------
-    SceneError
-        Anything else.
+    The vertical may be left out. `SceneError` for anything but a text or pairs of numbers as below.
 
     Examples
     --------

@@ -65,15 +65,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class View:
-    """Choices of a user for a picture.
-
-    Attributes
-    ----------
-    horizontal, vertical : (float, float) or None
-        Ends [m] of what is seen.
-    cmap : str or None
-        Colour map.
-    """
+    """Choices of a user for a picture: ends [m] of what is seen, and the colour map; None where nothing is chosen."""
 
     horizontal: Range | None = None
     vertical: Range | None = None
@@ -158,15 +150,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Seen:
-    """Part of a section that a picture shows.
-
-    Attributes
-    ----------
-    horizontal, vertical : (float, float)
-        Its ends [m], the smaller one first.
-    points : (slice, slice)
-        Rows and columns of the points in it.
-    """
+    """Part of a section that a picture shows: its ends [m], the smaller first, and rows and columns of its points."""
 
     horizontal: Range
     vertical: Range

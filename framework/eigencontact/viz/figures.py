@@ -11,8 +11,7 @@ import numpy as np
 
 from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
 from eigencontact.viz.friction_history import MANY, fretting_loops, is_a_loop, zone_strip, zones_of_line
-from eigencontact.viz.history import history_panels, history_words, load_history
-from eigencontact.viz.informative import vanishes, varies, zones_change
+from eigencontact.viz.history import history_panels, history_words, load_history, vanishes, varies, zones_change
 from eigencontact.viz.outline import coatings
 from eigencontact.viz.plastic import (
     load_depth,
@@ -65,15 +64,12 @@ def draw_all(
     kind: str = "png",
     dpi: int | None = None,
 ) -> dict[str, str]:
-    """Draw the pictures of one step, and of the history where there are several steps.
+    """Draw the pictures of one step, and of the history where there are several; returns names and sentences of all.
 
-    Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution
-    (`eigencontact.viz.informative`).
+    Fields that are zero everywhere have no picture, nor have histories that change by no more than the resolution.
 
     Parameters
     ----------
-    dataset : Results
-        Results of a run (`eigencontact.results.reader.open_results`).
     folder : Path
         Existing folder for the files.
     step : int, optional
@@ -84,15 +80,8 @@ def draw_all(
         Whether to draw surfaces in space, which takes VTK.
     part : (int, int)
         Of several processes that share the work, which one this is, from 0, and how many they are.
-    kind : str
-        Format: ``"png"``, ``"pdf"`` or ``"svg"``.
-    dpi : int, optional
-        Dots per inch; by default those of the look in use.
-
-    Returns
-    -------
-    dict of str to str
-        File name and one sentence on what it shows, of all pictures.
+    kind, dpi : str, int
+        Format, ``"png"``, ``"pdf"`` or ``"svg"``; dots per inch, by default those of the look in use.
 
     Raises
     ------

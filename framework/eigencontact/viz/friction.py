@@ -9,8 +9,8 @@ import numpy as np
 from eigencontact.core.grid import Box
 from eigencontact.results.course import driven_motions
 from eigencontact.results.cycles import friction_work, skips_cycles
-from eigencontact.viz.fitting import legend_below
 from eigencontact.viz.lines import contact_middle, drawn_once, legend_of_panels, line_figure, lines_through, runs_of
+from eigencontact.viz.looks import legend_below
 from eigencontact.viz.style import COLOURS, instant, paper_style, scale_for
 from eigencontact.viz.window import class_patches, contact_window, draw_classes, is_ragged, masked_map, view_of
 
@@ -57,15 +57,10 @@ MODES = {
 
 
 def shear_map(dataset: Results, step: int = -1, on: Frame | None = None) -> Figure:
-    """Shear traction on body 1 as arrows over the map of stick and slip.
+    """Shear traction on body 1 as arrows over stick and slip; in a film arrows are of one scale in all frames.
 
     Cut to the contact. Every few cells carry an arrow, centred on the cell; its length is the shear of that cell. Where
     the contact is in patches, the arrows are on the cells of largest shear, with some distance between them.
-
-    Parameters
-    ----------
-    on : Frame, optional
-        Frame of an animation to draw in; its arrows are of one scale in all frames.
     """
     zone = np.rint(_field(dataset, "contact_zone", step)).astype(int)
     touched = zone > 0 if on is None else on.film.touched("contact_zone")

@@ -10,8 +10,7 @@ from eigencontact.core.grid import Box
 from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.friction import MODES, ZONE_COLOURS, ZONES, driven, history_of
-from eigencontact.viz.informative import varies
-from eigencontact.viz.strands import Strand, draw_strands
+from eigencontact.viz.history import Strand, draw_strands, varies
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, class_patches, is_ragged, view_of
 from eigencontact.viz.worn import solved_cycles

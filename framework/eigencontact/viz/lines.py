@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
-from eigencontact.viz.fitting import legend_below
+from eigencontact.viz.looks import legend_below
 from eigencontact.viz.style import COLOURS, heading, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import cell_edges, draw_contact_outline, is_ragged
 

@@ -87,17 +87,9 @@ def _draw(axes: Axes, segments: NDArray[Any], length: Scale, strokes: tuple[Any,
 
 
 def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
-    """Join segments at their ends to lines, each of those that coincide once.
+    """Join segments (number, end, coordinate), (n, 2, 2), at their ends to lines (m, 2); of those that coincide, one.
 
-    Parameters
-    ----------
-    segments : (n, 2, 2)
-        Number, end, coordinate.
-
-    Returns
-    -------
-    list of (m, 2) arrays
-        Closed lines end where they began.
+    Closed lines end where they began.
     """
     if not len(segments):
         return []
@@ -124,17 +116,7 @@ def paths_of(segments: NDArray[Any]) -> list[NDArray[Any]]:
 
 @dataclass(frozen=True)
 class Coating:
-    """Inclusion at the surface of a body.
-
-    Attributes
-    ----------
-    number : int
-        Position among the inclusions of the results.
-    body : int
-        1 or 2.
-    bottom : float
-        Its largest depth [m].
-    """
+    """Inclusion at the surface of body 1 or 2: its position among those of the results, and its largest depth [m]."""
 
     number: int
     body: int
@@ -142,16 +124,9 @@ class Coating:
 
 
 def inclusion_segments(dataset: Results, body: int, normal: str, at: float, number: int | None = None) -> FloatArray:
-    """Borders (n, 2, 2) [m] on a plane, of all inclusions of a body or of one of them.
+    """Borders (n, 2, 2) [m] on a plane, of all inclusions of a body or of one, by its position among those stored.
 
-    Parameters
-    ----------
-    body : int
-        1 or 2.
-    normal, at : str, float
-        Axis normal to the plane, and where it cuts it [m].
-    number : int, optional
-        Position among the inclusions of the results.
+    `normal` is the axis normal to the plane, `at` where the plane cuts it [m].
     """
     nothing = np.empty((0, 2, 2))
     if "section_segments" not in dataset:

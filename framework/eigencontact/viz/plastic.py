@@ -128,16 +128,10 @@ def _runs(loads: NDArray[np.float64]) -> list[tuple[int, int, int]]:
 def plastic_section(
     dataset: Results, field: CellField, step: int = -1, labels: tuple[str, str] = ("Plastic strain", PLASTIC)
 ) -> Figure:
-    """Plastic strain or damage on the section normal to y through its largest value, with the line around its zone.
+    """Plastic strain or damage of one body on the section normal to y through its largest value, and its zone.
 
-    Filled contours between the middles of cells, equal scales, z downwards.
-
-    Parameters
-    ----------
-    field : CellField
-        The number of one body.
-    labels : (str, str)
-        What the number is called in the title, and beside its colours; it is given in per cent.
+    Filled contours between the middles of cells, equal scales, z downwards. The labels are the name of the number in
+    the title, and beside its colours; it is given in per cent.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -206,14 +200,9 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
 
 
 def plastic_surfaces(dataset: Results, field: CellField, step: int = -1) -> Figure:
-    """Surfaces of equal equivalent plastic strain, cut open at the plane through the largest strain.
+    """Surfaces of equal equivalent plastic strain of one body, cut open at the plane through the largest strain.
 
     The half behind that plane, normal to y, z downwards, equal scales.
-
-    Parameters
-    ----------
-    field : CellField
-        The strain of one body.
     """
     from matplotlib import colormaps
     from matplotlib.colors import LightSource

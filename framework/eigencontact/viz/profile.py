@@ -97,14 +97,9 @@ class Line:
 
 
 def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
-    """Stresses of one step along a line: depth downwards, or across over what varies more than depth.
+    """Stresses of one step along a region of shape line: depth downwards, or across over what varies more than depth.
 
     Equivalent stresses that were stored, and the components of more than 1 % of the largest.
-
-    Parameters
-    ----------
-    region : str
-        A region of shape line.
     """
     line = Line(dataset, region, step)
     curves = {
@@ -138,13 +133,7 @@ def stress_profile(dataset: Results, region: str, step: int = -1) -> Figure:
 
 
 def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
-    """Means over each depth of a volume of the stresses along the surface, with the range of nine tenths of the points.
-
-    Parameters
-    ----------
-    region : str
-        A region of shape volume with its stress.
-    """
+    """Means over each depth of a region of shape volume of stresses along the surface, and the range of nine tenths."""
     stress = np.asarray(dataset[f"{region}_stress"][step].values, dtype=float)
     z = np.asarray(dataset[f"{region}_z"].values, dtype=float)
     flat = {name: stress[COMPONENTS.index(name)].reshape(z.size, -1) for name in ("xx", "yy")}
@@ -167,16 +156,9 @@ def mean_profile(dataset: Results, region: str, step: int = -1) -> Figure:
 
 
 def line_profile(dataset: Results, region: str, numbers: Shown, step: int, view: View) -> Figure:
-    """One number along a line: depth downwards, or across over what varies more than depth.
+    """Numbers at the points of a region of shape line: depth downwards, or across over what varies more than depth.
 
-    Parameters
-    ----------
-    region : str
-        A region of shape line.
-    numbers : Shown
-        Numbers at its points.
-    view : View
-        ``vertical`` is the part of the line that is seen where it is deep, else ``horizontal``.
+    ``vertical`` of the view is the part of the line that is seen where it is deep, else ``horizontal``.
     """
     line = Line(dataset, region, step)
     unit, length = scale_for(numbers.values, numbers.unit), scale_for(line.at, "m")

@@ -168,16 +168,9 @@ def draw_zone(
 
 
 def cells_map(dataset: Results, body: int, numbers: Shown, step: int, view: View) -> Figure:
-    """A number in every cell of the section normal to y through the largest of them, which is marked by a cross.
+    """Numbers (nz, ny, nx) in the cells of a body, on the section normal to y through the largest, marked by a cross.
 
-    Parameters
-    ----------
-    body : int
-        1 or 2.
-    numbers : Shown
-        Numbers (nz, ny, nx) in the cells of that body.
-    view : View
-        Part of the section, and colours, where they are chosen.
+    `view` is the part of the section, and colours, where they are chosen.
     """
     middles = {axis: np.asarray(dataset[f"cells_{body}_{axis}"].values, dtype=float) for axis in "zyx"}
     field = CellField(body, np.abs(numbers.values), middles)

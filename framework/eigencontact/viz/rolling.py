@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eigencontact.viz.informative import NOISE, axis_from_zero, varies
-from eigencontact.viz.strands import Strand, draw_strands
+from eigencontact.viz.history import NOISE, Strand, axis_from_zero, draw_strands, varies
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, scale_for
 from eigencontact.viz.window import Window, view_of
 
@@ -85,12 +84,7 @@ def passing_varies(dataset: Results) -> bool:
 def passes(place: NDArray[np.float64], pressed: NDArray[np.bool_]) -> list[Strand]:
     """Pieces of a path that go one way in contact; a turn belongs to both its pieces, a lift to none.
 
-    Parameters
-    ----------
-    place : (steps,)
-        Position along the path.
-    pressed : (steps,) bool
-        Whether the bodies touch.
+    The arguments, (steps,), are the position along the path and whether the bodies touch.
     """
     strands: list[Strand] = []
     first, way = None, 0.0

@@ -48,17 +48,7 @@ ON_A_BORDER = 0.05
 
 @dataclass(frozen=True)
 class Plane:
-    """Points of a section.
-
-    Attributes
-    ----------
-    body : int
-        1 or 2.
-    dims : (str, str)
-        Vertical and horizontal axis of its picture.
-    v, h : (m,), (n,)
-        Places along them [m].
-    """
+    """Points of a section of body 1 or 2: vertical and horizontal axis, and places along them, (m,) and (n,) [m]."""
 
     body: int
     dims: tuple[str, str]
@@ -137,15 +127,7 @@ def interface_depths(dataset: Results, body: int, step: int = -1) -> tuple[float
 
 
 def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -1) -> Sides:
-    """Sides of a section.
-
-    Parameters
-    ----------
-    plane : Plane
-        Its points.
-    segments : (n, 2, 2)
-        Borders of inclusions in it [m], as results store them: (horizontal, vertical).
-    """
+    """Sides of a section, given the borders (n, 2, 2) [m] of inclusions in it: (horizontal, vertical), as stored."""
     layer = np.zeros((plane.v.size, plane.h.size), dtype=int)
     cuts: tuple[float, ...] = ()
     if plane.dims[0] == "z":

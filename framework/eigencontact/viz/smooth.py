@@ -32,17 +32,8 @@ FEWEST = 6
 def smooth_border(region: NDArray[np.bool_], x: NDArray[Any], y: NDArray[Any]) -> Path | None:
     """Closed smooth lines around a region of cells; None where the cells are too few or smoothing changes the region.
 
-    Parameters
-    ----------
-    region : (ny, nx) bool
-        Cells of the region.
-    x, y : (nx + 1,), (ny + 1,)
-        Edges of the cells.
-
-    Returns
-    -------
-    matplotlib.path.Path or None
-        One closed line around each part and each hole; lines around holes run the other way.
+    `x` and `y`, (nx + 1,) and (ny + 1,), are the edges of the cells. There is one line around each part and each hole;
+    lines around holes run the other way.
     """
     from contourpy import contour_generator
     from matplotlib.path import Path

@@ -10,8 +10,7 @@ import numpy as np
 
 from eigencontact import __version__
 from eigencontact.results.atomic import replacing
-from eigencontact.viz.fitting import finish
-from eigencontact.viz.looks import COLOURS, are_shown, figure_look, used_look
+from eigencontact.viz.looks import COLOURS, are_shown, figure_look, finish, used_look
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -122,14 +121,9 @@ def colour_range(values: ArrayLike) -> tuple[str, float, float]:
 def lift_colours(low: float, high: float, out: int = 1) -> tuple[Colormap, float, float]:
     """Colour map and limits for a displacement of the surface: red where it is lifted, blue where it sinks.
 
-    Where (nearly) all of it goes one way the map is that half, from white on. Zeros alone have limits around them.
-
-    Parameters
-    ----------
-    low, high : float
-        Smallest and largest value.
-    out : int
-        1 where positive values lift the surface out of the body, -1 where negative ones do.
+    `low` and `high` are the smallest and largest value. `out` is 1 where positive values lift the surface out of the
+    body, -1 where negative ones do. Where (nearly) all of it goes one way the map is that half, from white on. Zeros
+    alone have limits around them.
     """
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
@@ -269,21 +263,10 @@ paper_style = figure_look
 
 
 def save(figure: Figure, path: Path, dpi: int | None = None, caption: str = "") -> None:
-    """Write a picture that names this package, in the format of its ending; it appears complete or not at all.
+    """Write a picture that names this package, in the format of the ending ``.png``, ``.pdf`` or ``.svg``.
 
-    Parameters
-    ----------
-    path : Path
-        File with the ending ``.png``, ``.pdf`` or ``.svg``.
-    dpi : int, optional
-        Dots per inch, by default those of the look in use.
-    caption : str
-        Sentence that the file carries as its description.
-
-    Raises
-    ------
-    ResultsError
-        When it cannot be stored.
+    The file appears complete or not at all, and carries the caption as its description. The dots per inch are by
+    default those of the look in use. `ResultsError` when it cannot be stored.
     """
     kind = path.suffix.removeprefix(".")
     look = used_look()

@@ -8,10 +8,10 @@ import numpy as np
 
 from eigencontact.viz.friction import MODES, driven
 from eigencontact.viz.friction_history import cycles_with_loops, strands_of
+from eigencontact.viz.history import draw_strands
 from eigencontact.viz.lines import Line, drawn_once, line_figure, lines_through, middle
 from eigencontact.viz.outline import coatings, inclusion_segments, paths_of
 from eigencontact.viz.rolling import rolls
-from eigencontact.viz.strands import draw_strands
 from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, scale_for
 from eigencontact.viz.window import contact_window, masked_map
 from eigencontact.viz.worn import course, ends_of_cycles, initial_separation, interfaces

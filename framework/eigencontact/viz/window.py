@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eigencontact.core.grid import Box
-from eigencontact.viz.fitting import legend_below
+from eigencontact.viz.looks import legend_below
 from eigencontact.viz.smooth import extended, smooth_border
 from eigencontact.viz.style import colour_bar, colour_range, label_plane, paper_style, plane_figure, scale_for
 

@@ -28,15 +28,7 @@ _MOVED = ("displacement_z", "residual_displacement_z")
 
 @dataclass(frozen=True)
 class SolvedCycle:
-    """A cycle of the load history whose increments were solved.
-
-    Attributes
-    ----------
-    first, last : int
-        Positions along ``step`` of its first and last increment.
-    done : float
-        Cycles done in all when it ended.
-    """
+    """A cycle whose increments were solved: positions along ``step`` of first and last, and cycles done at its end."""
 
     first: int
     last: int
