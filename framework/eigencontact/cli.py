@@ -39,15 +39,15 @@ class _Commands(HelpfulGroup):
     """Own commands, then those that installed packages add; one is loaded when it is run or help is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        own = super().list_commands(ctx)
-        names = [*own, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(own))]
+        built_in = super().list_commands(ctx)
+        names = [*built_in, *sorted({point.name for point in entry_points(group=COMMANDS)} - set(built_in))]
         order = [name for panel in PANELS.values() for name in panel]
         return sorted(names, key=lambda name: order.index(name) if name in order else len(order))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        own = super().get_command(ctx, cmd_name)
-        points = list(entry_points(group=COMMANDS, name=cmd_name)) if own is None else []
-        command: Any = _loaded(points[0]) if points else own
+        command: Any = super().get_command(ctx, cmd_name)
+        points = list(entry_points(group=COMMANDS, name=cmd_name)) if command is None else []
+        command = _loaded(points[0]) if points else command
         if command is not None:
             command.rich_help_panel = panel_of(cmd_name)
         return command

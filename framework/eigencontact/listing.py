@@ -89,9 +89,9 @@ def file_data(registry: Registry, path: Path) -> dict[str, Any]:
     """
     from eigencontact.hooks.files import with_files
 
-    known = {(entry.full_key, entry.kind) for entry in registry}
+    installed = {(entry.full_key, entry.kind) for entry in registry}
     wider = with_files(registry, [path])
-    return _data(wider, [entry for entry in wider if (entry.full_key, entry.kind) not in known])
+    return _data(wider, [entry for entry in wider if (entry.full_key, entry.kind) not in installed])
 
 
 def _data(registry: Registry, entries: Iterable[Entry]) -> dict[str, Any]:

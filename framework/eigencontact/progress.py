@@ -160,7 +160,7 @@ class VerboseLines(ProgressLines):
     def step_finished(self, record: StepRecord, total: int) -> None:
         """Say all that is known of the step."""
         numbers = record.scalars
-        said = [
+        reached = [
             f"{text} {readable(numbers[name], unit)}"
             for name, text, unit in _REACHED
             if abs(numbers.get(name, 0.0)) > _NOTHING * (numbers.get("normal_load", 0.0) if unit == "N" else 1e-6)
@@ -172,6 +172,6 @@ class VerboseLines(ProgressLines):
             if name.endswith("_residual") and value > 0.0
         ]
         times = [f"{name} {time_in_words(spent)}" for name, spent in self._spent.items() if spent >= _SHOWN]
-        parts = [", ".join([*said, *counts]), "", ", ".join(times)]
+        parts = [", ".join([*reached, *counts]), "", ", ".join(times)]
         parts[1] = f"residuals: {', '.join(residuals)}" if residuals else ""
         self._say(f"load step {record.index} of {total}: " + "; ".join(part for part in parts if part))

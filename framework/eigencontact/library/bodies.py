@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 __all__ = ["Body", "HalfSpace", "Layered", "field_under"]
 
 FloatArray = NDArray[np.float64]
-FloatArray = NDArray[np.float64]
 
 
 class Body(ABC):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,7 +123,7 @@ def draw_chosen(
     dataset_or_path: Any = results
     if region is not None and "=" in region:
         dataset_or_path, region, step = new_region(results, region, step=step), None, None
-        region = next(iter(_regions(dataset_or_path)))
+        region = next(iter(json.loads(dataset_or_path.attrs["regions"])))
     with _opened(dataset_or_path) as dataset, figure_look(look):
         picture = _picture_of(dataset, field, step, {"region": region, **options})
         number = int(dataset["step"][-1]) if step is None else step
@@ -187,10 +188,3 @@ def _picture_of(dataset: Results, field: str | None, step: int | None, options: 
     from eigencontact.viz.chosen import chosen_picture
 
     return chosen_picture(dataset, field, step=-1 if step is None else place_of(dataset, step), **options)
-
-
-def _regions(dataset: Any) -> dict[str, Any]:
-    import json
-
-    regions: dict[str, Any] = json.loads(dataset.attrs["regions"])
-    return regions

@@ -106,10 +106,10 @@ def look(plan: Plan, record: StepRecord, where: str, remembered: Sequence[str] =
     block = next(block for block in plan.blocks if isinstance(block, Region))
     lacking = sorted(block.requires - set(record.fields) - set(record.history))
     if lacking:
-        kept = "" if set(lacking) - set(remembered) else (
+        remedy = "" if set(lacking) - set(remembered) else (
             "; it is kept after the last step alone, unless output.history = 'all'"
         )  # fmt: skip
-        raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){kept}")
+        raise ResultsError(f"{where} must hold {', '.join(lacking)} of step {record.index} (got none){remedy}")
     seen = Step(index=record.index, time=record.time, fields=dict(record.fields), history=dict(record.history))
     Run().started(block.start).advance(seen)
     scalars = {**record.scalars, **seen.scalars}

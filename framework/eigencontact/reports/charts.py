@@ -52,8 +52,8 @@ def chart(column: Column, steps: Sequence[int]) -> Markup:
 
 def in_words(column: Column, steps: Sequence[int]) -> str:
     """Content of a chart in words: first and last value, and the largest where it is neither."""
-    held = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
-    (first, begun), (last, ended) = held[0], held[-1]
+    points = [(step, value) for step, value in zip(steps, column.values, strict=True) if value is not None]
+    (first, begun), (last, ended) = points[0], points[-1]
     ends = column.with_unit(begun), column.with_unit(ended)
     words = f"{ends[0]} at step {first}, {ends[1]} at step {last}"
     largest = column.with_unit(column.largest)
@@ -75,11 +75,11 @@ def _thinned(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     if len(points) <= _POINTS:
         return points
     size = math.ceil(2 * len(points) / _POINTS)
-    kept = [points[0]]
+    extremes = [points[0]]
     for start in range(0, len(points), size):
         stretch = points[start : start + size]
-        kept += sorted({min(stretch, key=lambda point: point[1]), max(stretch, key=lambda point: point[1])})
-    return [*kept, points[-1]]
+        extremes += sorted({min(stretch, key=lambda point: point[1]), max(stretch, key=lambda point: point[1])})
+    return [*extremes, points[-1]]
 
 
 def _text(x: float, y: float, words: str, anchor: str) -> str:

@@ -49,8 +49,8 @@ class Column:
     def scale(self) -> Scale:
         """Engineering unit for all of them."""
         # Observers spell powers with a circumflex; a prefix belongs to what is raised.
-        found = scale_for([value for value in self.values if value is not None], self.unit.replace("^", ""))
-        return Scale(found.factor, found.unit.replace("m2", "m²").replace("m3", "m³"))
+        scale = scale_for([value for value in self.values if value is not None], self.unit.replace("^", ""))
+        return Scale(scale.factor, scale.unit.replace("m2", "m²").replace("m3", "m³"))
 
     @property
     def label(self) -> str:
@@ -84,8 +84,8 @@ class Column:
     @property
     def varies(self) -> bool:
         """Whether it changes from step to step."""
-        held = [value for value in self.values if value is not None]
-        return len(held) > 1 and max(held) - min(held) > _ROUND_OFF * max(map(abs, held))
+        values = [value for value in self.values if value is not None]
+        return len(values) > 1 and max(values) - min(values) > _ROUND_OFF * max(map(abs, values))
 
 
 def columns(dataset: Results) -> list[Column]:
@@ -101,14 +101,14 @@ def columns(dataset: Results) -> list[Column]:
     return [column for _, column in sorted(listed, key=lambda item: item[0])]
 
 
-def telling(found: list[Column]) -> list[Column]:
+def telling(columns_of_run: list[Column]) -> list[Column]:
     """Results among the numbers: neither certificates nor effort, nor what is zero, or round-off, in all steps."""
-    largest = {column.name: abs(column.largest or 0.0) for column in found}
+    largest = {column.name: abs(column.largest or 0.0) for column in columns_of_run}
     load, radius = largest.get("normal_load", 0.0), largest.get("contact_radius", 0.0)
     least = {"N": _ROUND_OFF * load, "N m": _MOMENT * load * radius, "m": _LENGTH * radius}
     return [
         column
-        for column in found
+        for column in columns_of_run
         if column.number.role == "result" and largest[column.name] > least.get(column.unit, 0.0)
     ]
 

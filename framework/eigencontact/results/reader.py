@@ -41,6 +41,16 @@ def open_results(path: str | Path) -> xr.Dataset:
     ------
     ResultsError
         When there is nothing, only the steps of an interrupted run, or a file that is damaged, edited or not ours.
+
+    Examples
+    --------
+    >>> import tempfile, eigencontact as ec
+    >>> small = ["stress=[]", "grid.cells-per-contact-radius=8", "output.pictures=false", "output.vtk=false"]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     ec.run(ec.load_scene("hertz", small), folder).dataset.close()
+    ...     with ec.open_results(folder) as data:
+    ...         print(data.pressure.dims, data.pressure.attrs["units"])
+    ('step', 'y', 'x') Pa
     """
     import xarray as xr
 

@@ -25,17 +25,6 @@ __all__ = ["Results", "open_stored"]
 _INNER = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_FillValue", "_Netcdf4Dimid", "coordinates"}
 
 
-class Values(Protocol):
-    """Numbers, or texts, that were read."""
-
-    @property
-    def values(self) -> Any:
-        """Array of them."""
-
-    def __float__(self) -> float: ...
-    def __int__(self) -> int: ...
-
-
 class Variable(Protocol):
     """Variable of results."""
 
@@ -59,7 +48,7 @@ class Variable(Protocol):
     def attrs(self) -> Mapping[Any, Any]:
         """Attributes: units, long name, role."""
 
-    def __getitem__(self, index: Any) -> Values: ...
+    def __getitem__(self, index: Any) -> Any: ...
     def __float__(self) -> float: ...
 
 

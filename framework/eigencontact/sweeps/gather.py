@@ -35,24 +35,10 @@ _LISTED = 12
 def gathered(
     axes: Sequence[Axis], variants: Sequence[Variant], results: Sequence[Outcome], title: str, *, pairs: bool
 ) -> xarray.Dataset:
-    """Dataset of all numbers at the last load step.
+    """Dataset of all numbers at the last load step, by the dimensions of the axes; of axes in step by ``variant``.
 
-    Parameters
-    ----------
-    axes, variants : sequence
-        What was varied.
-    results : sequence of Outcome
-        What came of the variants, in any order.
-    title : str
-        Of the scene.
-    pairs : bool
-        Whether the axes go in step; the dimension is then ``variant``.
-
-    Returns
-    -------
-    xarray.Dataset
-        Numbers by the dimensions of the axes; NaN where a variant failed or has none, and ``failed`` says why.
-        Chosen fields have ``y`` and ``x`` as well.
+    Numbers are NaN where a variant failed or has none, and ``failed`` says why. Chosen fields have ``y`` and ``x`` as
+    well. The results may come in any order.
     """
     import xarray as xr
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -117,13 +117,7 @@ def jumps(dataset: Results, steps: tuple[int, ...]) -> str:
 
 
 def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
-    """One figure, drawn anew for every frame, with the same size, axes and colours.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the frames show.
-    """
+    """One figure, drawn anew for every frame, with the same size, axes and colours."""
     film = Film(dataset, thinned(dataset))
     sizes = [draw(step=film.steps[0], on=Frame(film)).get_size_inches() for draw in subject.pictures]
     along, across = (1, 0) if subject.stacked else (0, 1)
@@ -154,11 +148,10 @@ def frames(dataset: Results, subject: Subject) -> Iterator[Figure]:
 def _draw(figure: Figure, subject: Subject, film: Film, step: int, ratios: list[float]) -> None:
     """Draw the pictures of one step into an empty figure."""
     figure.clear()
-    if subject.stacked:
-        panels = figure.subfigures(len(ratios), 1, squeeze=False, height_ratios=ratios).ravel()
-    else:
-        panels = figure.subfigures(1, len(ratios), squeeze=False, width_ratios=ratios).ravel()
-    for draw, panel in zip(subject.pictures, panels, strict=True):
+    (rows, columns), side = ((len(ratios), 1), "height") if subject.stacked else ((1, len(ratios)), "width")
+    shares: dict[str, Any] = {f"{side}_ratios": ratios}
+    panels: Any = figure.subfigures(rows, columns, squeeze=False, **shares)
+    for draw, panel in zip(subject.pictures, panels.ravel(), strict=True):
         draw(step=step, on=Frame(film, panel))
     note = jumps(film.dataset, film.steps)
     figure.text(0.99, 0.005, note, ha="right", va="bottom", fontsize="x-small", color="0.4")

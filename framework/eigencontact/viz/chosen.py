@@ -29,7 +29,7 @@ from eigencontact.viz.friction import ZONE_COLOURS, ZONES
 from eigencontact.viz.lines import SURFACE_LINES, surface_line
 from eigencontact.viz.profile import line_profile
 from eigencontact.viz.remembered import cells_map
-from eigencontact.viz.section import equivalent_of, stress_section
+from eigencontact.viz.section import equivalent_of, kind_of, stress_section
 from eigencontact.viz.style import colour_range, heading, lift_colours
 from eigencontact.viz.surface import exposed_map
 from eigencontact.viz.window import Window, masked_map, view_of, zone_map
@@ -94,7 +94,7 @@ def chosen_picture(
         figure = cells_map(dataset, body, cell_numbers(dataset, choice, axis, step), step, view)
     else:
         numbers = region_numbers(dataset, place, choice, axis, step)
-        if json.loads(dataset.attrs["regions"])[place]["shape"] == "line":
+        if kind_of(dataset, place) == "profile":
             figure = line_profile(dataset, place, numbers, step, view)
         else:
             figure = stress_section(dataset, place, step, None, numbers, view)
@@ -120,8 +120,7 @@ def _place_and_field(
     dataset: Results, field: str | None, region: str | None, pictures: tuple[str, ...]
 ) -> tuple[str, Field]:
     """Place of a field, empty for the cells of bodies, and the field there."""
-    descriptions = json.loads(dataset.attrs["regions"])
-    regions = {name: region_ for name, region_ in descriptions.items() if _is_drawn(dataset, name, region_)}
+    regions = [name for name in json.loads(dataset.attrs["regions"]) if kind_of(dataset, name)]
     surface, cells = surface_fields(dataset), cell_fields(dataset)
     places = [*regions, SURFACE, *SURFACE_LINES]
     if region is not None and region not in places:
@@ -148,14 +147,6 @@ def _place_and_field(
         return "", cells[choice.name]
     at = next(at for at, fields_there in everywhere.items() if choice.name in fields_there)
     return at, everywhere[at][choice.name]
-
-
-def _is_drawn(dataset: Results, name: str, described: dict[str, Any]) -> bool:
-    """Whether a region is a line, or a plane or volume of at least 2 x 2 points."""
-    sizes = [dataset.sizes[f"{name}_{axis}"] for axis in described["dims"]]
-    if described["shape"] == "line":
-        return sizes[0] > 1
-    return described["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1
 
 
 def _surface(dataset: Results, field: Field, component: str, step: int, view: View) -> Figure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,7 +69,7 @@ class Quantity:
 
     def from_start(self, start: float | None) -> Quantity:
         """The same with a value before the first step."""
-        return self if start is None else Quantity(np.append(start, self.values), self.words, self.unit)
+        return self if start is None else replace(self, values=np.append(start, self.values))
 
 
 @dataclass(frozen=True)
@@ -102,11 +102,7 @@ class Panel:
         for numbers, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
             if numbers.min() >= 0.0:
                 set_limits(0.0, 1.05 * numbers.max())
-        labels = [
-            f"{quantity.words} [{scale.unit}]" if scale.unit else quantity.words
-            for quantity, scale in zip((self.x, self.y), scales, strict=True)
-        ]
-        axes.set(xlabel=labels[0], ylabel=labels[1], title=self.title)
+        axes.set(xlabel=scales[0].label(self.x.words), ylabel=scales[1].label(self.y.words), title=self.title)
 
 
 def history_panels(dataset: Results) -> list[Panel]:
@@ -123,22 +119,13 @@ def history_panels(dataset: Results) -> list[Panel]:
     force, way = _driver(dataset)
     if not varies(force.values):
         return []
-    start = first_touch(dataset) if way.words == "Approach" else None
-    panels = []
-    if varies(way.values):
-        curve = Quantity(way.values[steps], way.words, way.unit), Quantity(force.values[steps], force.words, force.unit)
-        panels.append(
-            Panel(
-                curve[0].from_start(start),
-                curve[1].from_start(None if start is None else 0.0),
-                start is not None,
-                steps,
-            )
-        )
-    else:
-        values, label, unit = course(dataset)
-        curve = Quantity(values[steps], label, unit), Quantity(force.values[steps], force.words, force.unit)
-        panels.append(Panel(*curve, False, steps))
+    x, y, start = replace(way, values=way.values[steps]), replace(force, values=force.values[steps]), None
+    if not varies(way.values):
+        values, words, unit = course(dataset)
+        x = Quantity(values[steps], words, unit)
+    elif way.words == "Approach":
+        start = first_touch(dataset)
+    panels = [Panel(x.from_start(start), y.from_start(None if start is None else 0.0), start is not None, steps)]
     if area_varies(dataset) and not worn:  # the history of wear shows the area
         area = np.asarray(dataset["contact_area"].values, dtype=float)
         panels.append(Panel(force, Quantity(area, "Contact area", "m2"), False, steps))

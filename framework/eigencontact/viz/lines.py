@@ -39,6 +39,7 @@ __all__ = [
     "middle",
     "runs_of",
     "surface_line",
+    "surface_line_at",
 ]
 
 #: Names of the lines, and their axes.

@@ -82,11 +82,11 @@ class Painter:
         answer = self._process.stdout.readline()  # type: ignore[union-attr]
         if not answer:
             return None
-        said = json.loads(answer)
-        if "refused" in said:
-            raise ResultsError(said["refused"])
-        self.peak_bytes = int(said["peak_bytes"])
-        files: dict[str, str] = said["files"]
+        outcome = json.loads(answer)
+        if "refused" in outcome:
+            raise ResultsError(outcome["refused"])
+        self.peak_bytes = int(outcome["peak_bytes"])
+        files: dict[str, str] = outcome["files"]
         return files
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from eigencontact.results.stored import Results
     from eigencontact.viz.frame import Frame
 
-__all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "stress_section"]
+__all__ = ["EQUIVALENT", "default_field", "drawable", "equivalent_of", "kind_of", "stress_section"]
 
 #: Equivalent stresses of a region that a section can show, the first one present is shown, and their names.
 EQUIVALENT = {"von_mises": "Von Mises stress", "tresca": "Tresca stress", "hydrostatic": "Mean normal stress"}
@@ -51,16 +51,18 @@ def drawable(dataset: Results) -> dict[str, str]:
     Planes and volumes (cut through the maximum) of at least 2 x 2 points give a section, lines a profile; scattered
     points give nothing.
     """
-    kinds = {}
-    for name, region in json.loads(dataset.attrs["regions"]).items():
-        if equivalent_of(dataset, name) is None:
-            continue
-        sizes = [dataset.sizes[f"{name}_{axis}"] for axis in region["dims"]]
-        if region["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1:
-            kinds[name] = "section"
-        elif region["shape"] == "line" and sizes[0] > 1:
-            kinds[name] = "profile"
-    return kinds
+    regions = json.loads(dataset.attrs["regions"])
+    kinds = {name: kind_of(dataset, name) for name in regions if equivalent_of(dataset, name) is not None}
+    return {name: kind for name, kind in kinds.items() if kind}
+
+
+def kind_of(dataset: Results, region: str) -> str:
+    """Kind of picture of a region as in `drawable`; empty for one that cannot be drawn."""
+    described = json.loads(dataset.attrs["regions"])[region]
+    sizes = [dataset.sizes[f"{region}_{axis}"] for axis in described["dims"]]
+    if described["shape"] in ("plane", "volume") and len(sizes) > 1 and min(sizes) > 1:
+        return "section"
+    return "profile" if described["shape"] == "line" and sizes[0] > 1 else ""
 
 
 def stress_section(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
 
-__all__ = ["LineSides", "Plane", "Side", "Sides", "interface_depths", "line_sides", "sides_of"]
+__all__ = ["LineSides", "Plane", "Side", "Sides", "interface_depths", "line_sides", "sides_of", "twice_area"]
 
 #: A depth this close to an interface, in parts of its depth, is on it; the lower layer has it, as in the kernels.
 SAME = 1e-12
@@ -136,7 +136,7 @@ def sides_of(dataset: Results, plane: Plane, segments: FloatArray, step: int = -
     ends = (-np.inf, *cuts, np.inf)
     closed = [path for path in paths_of(segments) if len(path) > 3 and np.array_equal(path[0], path[-1])]
     owner = np.full(layer.shape, -1)
-    closed.sort(key=_area, reverse=True)
+    closed.sort(key=lambda path: abs(twice_area(path[:-1])), reverse=True)
     for number, path in enumerate(closed):
         owner[_inside(path, plane)] = number
     sides = []
@@ -177,9 +177,10 @@ def _smoothed(values: FloatArray, unknown: NDArray[np.bool_], side: NDArray[np.b
     return values
 
 
-def _area(path: FloatArray) -> float:
-    x, y = path[:-1].T
-    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+def twice_area(path: FloatArray) -> float:
+    """Twice the area inside of a closed path, with the sign of its sense."""
+    x, y = path.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def _inside(path: FloatArray, plane: Plane) -> NDArray[np.bool_]:

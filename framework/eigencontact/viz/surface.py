@@ -160,15 +160,15 @@ def exposed_map(dataset: Results, step: int = -1) -> Figure:
     from matplotlib.colors import ListedColormap, to_rgb
     from matplotlib.patches import Patch
 
-    found = np.asarray(dataset["exposed_material"][step].values).astype(int)
+    materials = np.asarray(dataset["exposed_material"][step].values).astype(int)
     contact = np.asarray(dataset["pressure"][step].values) > 0
-    numbers, names = np.unique(found), json.loads(dataset.attrs["exposed_materials"])
+    numbers, names = np.unique(materials), json.loads(dataset.attrs["exposed_materials"])
     pale = [_PALE + (1 - _PALE) * np.array(to_rgb(COLOURS[n % len(COLOURS)])) for n in range(numbers.size)]
     window = contact_window(dataset, contact)
     with paper_style():
         figure, axes, _ = window.axes_of_map(bar=False)
         axes.imshow(
-            np.searchsorted(numbers, found)[window.view.slices],
+            np.searchsorted(numbers, materials)[window.view.slices],
             origin="lower",
             extent=window.extent,
             cmap=ListedColormap(pale),

@@ -94,7 +94,7 @@ def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, x: An
     ]
     for k, at in enumerate(places[:_CURVES]):
         label = ", ".join(_value(dataset, dim, n) for dim, n in zip(dims, at, strict=True))
-        style = {"marker": marks[k % len(marks)]} if marks else {}
+        style: dict[str, Any] = {"marker": marks[k % len(marks)]} if marks else {}
         axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label or None, **style)
     if len(places) > 1 or not marks:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""

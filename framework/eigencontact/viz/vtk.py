@@ -42,14 +42,7 @@ _IN_PLANE = ("shear", "slip")
 
 
 def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
-    """Write every step of stored results as VTK files.
-
-    Parameters
-    ----------
-    results : Results or path
-        Results of a run, or where they are stored.
-    folder : Path
-        Made where missing.
+    """Write every step of stored results as VTK files into a folder, which is made where missing.
 
     Returns
     -------
@@ -86,9 +79,9 @@ def write_vtk(results: Results | Path | str, folder: Path) -> list[Path]:
         files += _series(folder, name, times, steps, meshes)
     for body in (1, 2):
         if f"cells_{body}_z" in results:
-            kept = [int(step) for step in results["history_step"].values]
-            cells = (_cells(results, body, at) for at in range(len(kept)))
-            files += _series(folder, f"cells_{body}", times, kept, cells)
+            history_steps = [int(step) for step in results["history_step"].values]
+            cells = (_cells(results, body, at) for at in range(len(history_steps)))
+            files += _series(folder, f"cells_{body}", times, history_steps, cells)
     return files
 
 
@@ -180,19 +173,15 @@ def _save(mesh: Mesh, folder: Path, stem: str) -> Path:
 
 def _collection(times: list[float], series: list[Path]) -> str:
     """XML of a ParaView collection: one file for each time."""
-    rows = [
+    rows = "\n".join(
         f'    <DataSet timestep="{time!r}" group="" part="0" file={vtk_xml.quoted(path.name)}/>'
         for time, path in zip(times, series, strict=True)
-    ]
-    return "\n".join(
-        [
-            '<?xml version="1.0"?>',
-            f"<!-- eigencontact {__version__} -->",
-            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
-            "  <Collection>",
-            *rows,
-            "  </Collection>",
-            "</VTKFile>",
-            "",
-        ]
     )
+    return f"""<?xml version="1.0"?>
+<!-- eigencontact {__version__} -->
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
+  <Collection>
+{rows}
+  </Collection>
+</VTKFile>
+"""

@@ -178,14 +178,14 @@ class _Section:
 
     def _under(self, body: int, line: Line) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Places on a line and depths [m] of the interfaces in a body."""
-        found = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
+        curves = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
         for coat in self._coats:
             if coat.body != body:
                 continue
             segments = inclusion_segments(self._dataset, body, line.normal, line.across, coat.number)
             inner = segments[(segments[:, :, 1] > 0.0).any(axis=1)]  # without the face at the surface
-            found += [_between(path) for path in paths_of(inner)]
-        return found
+            curves += [_between(path) for path in paths_of(inner)]
+        return curves
 
     def draw(self, axes: Axes, line: Line, ends: tuple[float, float]) -> None:
         """Both bodies, what they have lost, and the interfaces of their layers."""
@@ -217,8 +217,8 @@ class _Section:
 
 def _between(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates of a path, with points between its own."""
-    share, own = np.arange(POINTS * (len(path) - 1) + 1) / POINTS, np.arange(len(path))
-    return np.interp(share, own, path[:, 0]), np.interp(share, own, path[:, 1])
+    finer, corners = np.arange(POINTS * (len(path) - 1) + 1) / POINTS, np.arange(len(path))
+    return np.interp(finer, corners, path[:, 0]), np.interp(finer, corners, path[:, 1])
 
 
 def wear_history(dataset: Results) -> Figure:
@@ -273,12 +273,12 @@ def _worn_steps(dataset: Results, course_values: NDArray[np.float64]) -> NDArray
 
 def loop_cycles(dataset: Results) -> list[SolvedCycle]:
     """Solved cycles whose loops are drawn: the first, the last, some between at even ratios of numbers."""
-    known = cycles_with_loops(dataset)
-    if len(known) < 2:
+    cycles = cycles_with_loops(dataset)
+    if len(cycles) < 2:
         return []
-    numbers = np.log([cycle.done for cycle in known])
-    wanted = np.linspace(numbers[0], numbers[-1], LOOPS)
-    return [known[n] for n in np.unique(np.abs(numbers[:, None] - wanted).argmin(axis=0))]
+    numbers = np.log([cycle.done for cycle in cycles])
+    even = np.linspace(numbers[0], numbers[-1], LOOPS)
+    return [cycles[n] for n in np.unique(np.abs(numbers[:, None] - even).argmin(axis=0))]
 
 
 def worn_loops(dataset: Results) -> Figure:

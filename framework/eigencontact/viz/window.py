@@ -51,13 +51,6 @@ MARGIN = 0.25
 class Window:
     """Part of the surface that a picture shows: its cells, the edges of them and the unit of length.
 
-    Parameters
-    ----------
-    dataset : Results
-        Results of a run.
-    view : Box
-        Cells shown.
-
     Attributes
     ----------
     view : Box
@@ -121,30 +114,29 @@ def masked_map(
     masked: bool = True,
     colours: tuple[str | Colormap, float, float] | None = None,
 ) -> Figure:
-    """Map of a field over a window, interpolated between the middles of cells.
+    """Map of a field (ny, nx) in SI units over a window, interpolated between the middles of cells.
 
     A region of zeros has a smooth border, except around ragged regions and regions of few cells, which are drawn cell
     by cell (`eigencontact.viz.smooth`).
 
     Parameters
     ----------
-    field : (ny, nx) array
-        In SI units, on all cells; zeros are grey.
     unit, label, title : str
-        Its unit, and words for the colour bar and above the picture.
+        Unit of the field, and words for the colour bar and above the picture.
     outline : (ny, nx) bool
-        Cells to draw a line around, on all cells.
+        Cells to draw a line around.
     empty : str
-        What is said in the picture where the field is zero everywhere.
+        Text of the picture where the field is zero everywhere.
     limits : (2,) array, optional
         Smallest and largest value that the colours are for; by default of the cells shown.
-    cmap : str, optional
-        Colour map; by default one that suits the signs.
     masked : bool
         Whether zeros are grey.
     colours : (colour map, float, float), optional
-        Colour map and its limits; by default `colour_range` of the limits.
+        Colour map and its limits; by default `colour_range` of the limits. `cmap` replaces the colour map alone.
     """
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
     visible = field[window.view.slices]
     with paper_style():
         figure, axes, wide = window.axes_of_map(on)
@@ -156,7 +148,7 @@ def masked_map(
         border = None if nonzero.all() else _smooth_border(window, nonzero)
         smooth = border is not None or bool(nonzero.all())
         if masked and low == 0.0 and is_ragged(outline if on is None else on.film.touched("pressure")):
-            colour_map = _pale_first()
+            colour_map = ListedColormap(colormaps[PALE_FIRST](np.linspace(*USED, 256)), name=PALE_FIRST)
         image = axes.imshow(
             scale(extended(samples, nonzero)) if border else np.ma.masked_where(~nonzero, scale(samples)),
             origin="lower",
@@ -213,14 +205,6 @@ def draw_classes(axes: Axes, window: Window, numbers: NDArray[np.int_], colours:
     axes.imshow(ground, origin="lower", extent=window.extent, cmap=ListedColormap(colours), norm=norm)
     for border, colour in zip(borders if smooth else (), colours[1:], strict=False):
         axes.add_patch(PathPatch(border, facecolor=colour, linewidth=0))
-
-
-def _pale_first() -> Colormap:
-    """Colours of maps of ragged contacts."""
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(colormaps[PALE_FIRST](np.linspace(*USED, 256)), name=PALE_FIRST)
 
 
 def _smooth_border(window: Window, region: NDArray[np.bool_]) -> Path | None:
