@@ -133,13 +133,10 @@ class ProgressLines:
             return
         text = f"load step {record.index} of {total} done after {time_in_words(self._ends[-1] - self._ends[0])}"
         if record.index < total:
-            text += f", about {time_in_words((total - record.index) * self._pace())} left"
+            ends = self._ends[1:] if len(self._ends) > 2 else self._ends  # the first step builds what all need
+            pace = (ends[-1] - ends[0]) / (len(ends) - 1)
+            text += f", about {time_in_words((total - record.index) * pace)} left"
         self._say(text)
-
-    def _pace(self) -> float:
-        """Time of a step; without the first, which builds what all need, where there are others."""
-        ends = self._ends[1:] if len(self._ends) > 2 else self._ends
-        return (ends[-1] - ends[0]) / (len(ends) - 1)
 
     def _say(self, text: str) -> None:
         print(text, file=self._stream, flush=True)

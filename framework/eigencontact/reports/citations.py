@@ -74,12 +74,9 @@ def as_bibtex(sources: Sequence[Citation]) -> str:
         if uses[key] > 1:
             key += chr(ord("a") + uses[key] - 1)
         words = f"{source.before.rstrip(' ,;(')}{source.after}".strip()
-        lines = [f"@misc{{{key},", f"  note = {{{_tex(words)}}},"]
+        tex = "".join(_TEX.get(character, character) for character in words)
+        lines = [f"@misc{{{key},", f"  note = {{{tex}}},"]
         lines += [f"  year = {{{year[1]}}},"] if year else []
         lines += [f"  doi = {{{source.doi}}},"] if source.doi else []
         entries.append("\n".join([*lines, "}"]))
     return "\n\n".join(entries)
-
-
-def _tex(text: str) -> str:
-    return "".join(_TEX.get(character, character) for character in text)

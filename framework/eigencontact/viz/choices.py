@@ -14,7 +14,7 @@ from eigencontact.errors import SceneError, nearest, shown
 from eigencontact.viz.cut import Shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -242,8 +242,3 @@ def _unit(dataset: Results, variable: str) -> str:
 
 def _read(dataset: Results, variable: str, step: int) -> NDArray[Any]:
     return np.asarray(dataset[variable][step].values, dtype=float)
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names in quotation marks, for messages."""
-    return ", ".join(map(repr, names)) or "none"

@@ -18,7 +18,6 @@ from eigencontact.viz.choices import (
     cell_fields,
     cell_numbers,
     choose,
-    listed,
     region_fields,
     region_numbers,
     surface_fields,
@@ -125,7 +124,7 @@ def _place_and_field(
     places = [*regions, SURFACE, *SURFACE_LINES]
     if region is not None and region not in places:
         raise SceneError(
-            f"region must be a stored one that can be drawn: {listed(places)} (got {shown(region)})"
+            f"region must be a stored one that can be drawn: {', '.join(map(repr, places))} (got {shown(region)})"
             f"{nearest(str(region), places)}; another one is described by a table, "
             '\'name = "cut", shape = "plane", depth-max = "1 mm"\''
         )

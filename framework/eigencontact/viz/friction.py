@@ -225,7 +225,8 @@ def shear_profiles(dataset: Results, step: int = -1) -> Figure:
                     markersize=2.8, linewidth=0.7, markerfacecolor="white", markeredgewidth=0.8, label=label, zorder=3,
                 )  # fmt: skip
                 if reference is not None:
-                    word = f"{label}, closed form ({100 * _difference(shear[axis], reference):.2g} % in the L2 norm)"
+                    error = np.linalg.norm(shear[axis] - reference) / (np.linalg.norm(reference) or np.nan)
+                    word = f"{label}, closed form ({100 * error:.2g} % in the L2 norm)"
                     axes.plot(at, stress(reference[line.where]), "--", color="black", lw=1.1, label=word, zorder=4)
             axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
             line.finish(axes, length, pressure)
@@ -242,10 +243,6 @@ def _tint_stick(axes: Axes, zone: NDArray[Any], edges: NDArray[Any]) -> None:
     """Stripe behind the cells of a line that stick."""
     for n, ends in enumerate(runs_of(np.rint(zone) == 2, edges)):
         axes.axvspan(*ends, color=ZONE_COLOURS[2], alpha=0.35, linewidth=0, zorder=0, label="stick" if n == 0 else "_")
-
-
-def _difference(values: NDArray[Any], reference: NDArray[Any]) -> float:
-    return float(np.linalg.norm(values - reference) / (np.linalg.norm(reference) or np.nan))
 
 
 def _field(dataset: Results, name: str, step: int) -> NDArray[Any]:

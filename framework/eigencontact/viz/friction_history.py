@@ -109,8 +109,8 @@ def _loop(
 
 def _energy_words(dataset: Results, modes: list[str]) -> str:
     """Work of friction of the last closed cycle, else of the whole history."""
-    motion = "twist" if modes == ["twist"] else "shift"
-    cycle = last_cycle(history_of(dataset), "twist" if motion == "twist" else "shift")
+    twisted = modes == ["twist"]
+    cycle = last_cycle(history_of(dataset), "twist" if twisted else "shift")
     if cycle is None:
         return _spent_words(dataset, -1) + (", no closed cycle" if "dissipated_energy" in dataset else "")
     steps = np.asarray(dataset["step"].values)[[cycle.first, cycle.last]]
@@ -119,11 +119,11 @@ def _energy_words(dataset: Results, modes: list[str]) -> str:
         sentence += f": work of friction {scale_for([cycle.dissipated], 'J').text(cycle.dissipated)}"
     more = []
     if len(modes) == 1:
-        ratio = "4 M\\varphi" if motion == "twist" else "4 Q\\delta"
+        ratio = "4 M\\varphi" if twisted else "4 Q\\delta"
         more.append(f"energy ratio $E/({ratio})$ = {cycle.energy_ratio:.3g}")
     if abs(cycle.work - cycle.dissipated) > _COARSE * abs(cycle.dissipated):
         more.append("increments too coarse for the area of the drawn loop")
-    return "\n".join([sentence, *([", ".join(more)] if more else [])])
+    return "\n".join(filter(None, [sentence, ", ".join(more)]))
 
 
 def _spent_words(dataset: Results, step: int) -> str:

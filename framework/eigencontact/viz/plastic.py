@@ -186,13 +186,14 @@ def plastic_history(dataset: Results, prefix: str) -> Figure:
     cubic = 1e6 if volume.max(initial=0.0) < 1e-9 else 1e3
     with paper_style():
         figure = new_figure(6.6, 2.8)
-        left, right = figure.subplots(1, 2)
-        left.plot(step, strain, "o-", color=COLOURS[0], markevery=max(1, step.size // 30))
-        right.plot(step, cubic**3 * volume, "s-", color=COLOURS[1], markevery=max(1, step.size // 30))
-        left.set(ylabel="Equivalent plastic strain [%]", title="Largest plastic strain")
-        right.set(ylabel=f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]", title="Plastic volume")
-        for axes in (left, right):
-            axes.set_xlabel("Step")
+        volume_label = f"Volume [{'µm' if cubic == 1e6 else 'mm'}³]"
+        curves = (
+            (strain, "o-", "Equivalent plastic strain [%]", "Largest plastic strain"),
+            (cubic**3 * volume, "s-", volume_label, "Plastic volume"),
+        )
+        for n, (axes, (values, style, label, title)) in enumerate(zip(figure.subplots(1, 2), curves, strict=True)):
+            axes.plot(step, values, style, color=COLOURS[n], markevery=max(1, step.size // 30))
+            axes.set(xlabel="Step", ylabel=label, title=title)
             axes.set_ylim(bottom=0.0)
             axes.margins(x=0.02)
             axes.xaxis.get_major_locator().set_params(integer=True)

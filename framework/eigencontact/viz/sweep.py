@@ -98,7 +98,8 @@ def _curves(axes: Axes, dataset: xarray.Dataset, values: xarray.DataArray, x: An
         axes.plot(x, scale(values.values[at]), color=COLOURS[k], label=label or None, **style)
     if len(places) > 1 or not marks:
         more = f" (of {len(places)}, the first {_CURVES})" if len(places) > _CURVES else ""
-        axes.legend(title=", ".join(_long(dataset, dim) for dim in dims) + more, title_fontsize=8)
+        keys = (str(_along(dataset, dim).attrs.get("long_name", dim)) for dim in dims)
+        axes.legend(title=", ".join(keys) + more, title_fontsize=8)
 
 
 def _limits(dataset: xarray.Dataset, values: xarray.DataArray) -> tuple[tuple[float, float] | None, str]:
@@ -176,10 +177,6 @@ def _value(dataset: xarray.Dataset, dim: str, at: int) -> str:
     if along.dtype.kind != "f":
         return str(along.values[at])
     return scale_for(along.values[at], str(along.attrs.get("units", "1"))).text(along.values[at])
-
-
-def _long(dataset: xarray.Dataset, dim: str) -> str:
-    return str(_along(dataset, dim).attrs.get("long_name", dim))
 
 
 def _with_unit(name: str, unit: str) -> str:
