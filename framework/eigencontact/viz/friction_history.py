@@ -11,7 +11,7 @@ from eigencontact.results.cycles import friction_work, last_cycle
 from eigencontact.viz.frame import draw_way
 from eigencontact.viz.friction import MODES, ZONE_COLOURS, ZONES, driven, history_of
 from eigencontact.viz.history import Strand, draw_strands, varies
-from eigencontact.viz.lines import Line, surface_line_at
+from eigencontact.viz.lines import SurfaceLine, surface_line_at
 from eigencontact.viz.style import COLOURS, new_figure, paper_style, place, scale_for
 from eigencontact.viz.window import class_patches, is_ragged, view_of
 from eigencontact.viz.worn import solved_cycles
@@ -164,7 +164,7 @@ def zone_strip(dataset: Results) -> Figure:
     return figure
 
 
-def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], Line]:
+def zones_of_line(dataset: Results) -> tuple[NDArray[np.intp], SurfaceLine]:
     """Zones (steps, n) on the line of `zone_strip`, and the line."""
     zones = np.rint(np.asarray(dataset["contact_zone"].values, dtype=float)).astype(int)
     touched = (zones > 0).any(axis=0)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "SURFACE_LINES",
-    "Line",
+    "SurfaceLine",
     "contact_middle",
     "contact_runs",
     "draw_contact_above",
@@ -55,7 +55,7 @@ MOST_ENDS = 4
 
 
 @dataclass(frozen=True)
-class Line:
+class SurfaceLine:
     """A line of cells of the surface.
 
     Attributes
@@ -90,7 +90,7 @@ class Line:
 def surface_line_at(
     dataset: Results, along: str, cell: tuple[int, int], view: Box | None = None, *, central: bool = False,
     near: float = NEAR,
-) -> Line:  # fmt: skip
+) -> SurfaceLine:  # fmt: skip
     """Line along x or y through a cell (row, column), within a view, by default the whole window.
 
     The title says whether the line passes through the middle of the contact (`central`), and where it lies, unless it
@@ -105,16 +105,16 @@ def surface_line_at(
     span = slice(0, places.size) if view is None else view.slices[1 - axis]
     where = (cell[0], span) if along == "x" else (span, cell[1])
     edges = cell_edges(places, dataset, axis)[span.start : span.stop + 1]
-    return Line(along, normal, at, title, where, places[span], edges)
+    return SurfaceLine(along, normal, at, title, where, places[span], edges)
 
 
-def lines_through(dataset: Results, cell: tuple[int, int], view: Box | None = None, **title: Any) -> list[Line]:
+def lines_through(dataset: Results, cell: tuple[int, int], view: Box | None = None, **title: Any) -> list[SurfaceLine]:
     """Lines along x and y through a cell as of `surface_line_at`; only one where the other direction has one cell."""
     lines = [surface_line_at(dataset, along, cell, view, **title) for along in "xy"]
     return [line for line in lines if dataset.sizes[line.along] > 1] or lines[:1]
 
 
-def drawn_once(dataset: Results, lines: list[Line], fields: Iterable[NDArray[Any]]) -> list[Line]:
+def drawn_once(dataset: Results, lines: list[SurfaceLine], fields: Iterable[NDArray[Any]]) -> list[SurfaceLine]:
     """Lines, or the one along x alone where profiles of fields along y show the same on cells of the same edge."""
     cells = np.atleast_1d(dataset.attrs["cell_size"])
     if len(lines) != 2 or abs(cells[0] - cells[-1]) > ALIKE * cells[0]:

@@ -9,7 +9,7 @@ import numpy as np
 from eigencontact.viz.friction import MODES, driven
 from eigencontact.viz.friction_history import cycles_with_loops, strands_of
 from eigencontact.viz.history import draw_strands
-from eigencontact.viz.lines import Line, drawn_once, line_figure, lines_through, middle
+from eigencontact.viz.lines import SurfaceLine, drawn_once, line_figure, lines_through, middle
 from eigencontact.viz.outline import coatings, inclusion_segments, paths_of
 from eigencontact.viz.rolling import rolls
 from eigencontact.viz.style import COLOURS, instant, new_figure, paper_style, scale_for
@@ -160,7 +160,7 @@ class _Section:
         self._interfaces = {body: interfaces(dataset, body) for body in (1, 2)}
         self._dataset, self._coats = dataset, coats
 
-    def worn(self, line: Line) -> dict[int, NDArray[np.float64]]:
+    def worn(self, line: SurfaceLine) -> dict[int, NDArray[np.float64]]:
         """Depth that each body that wears has lost on a line [m]."""
         return {body: values[line.where] for body, values in self._worn.items()}
 
@@ -176,7 +176,7 @@ class _Section:
         room = ROOM * (high + deep)
         return -high, max(deep + room, 2 * room)
 
-    def _under(self, body: int, line: Line) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    def _under(self, body: int, line: SurfaceLine) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """Places on a line and depths [m] of the interfaces in a body."""
         curves = [(line.at, np.full(line.at.size, depth)) for depth in self._interfaces[body]]
         for coat in self._coats:
@@ -187,7 +187,7 @@ class _Section:
             curves += [_between(path) for path in paths_of(inner)]
         return curves
 
-    def draw(self, axes: Axes, line: Line, ends: tuple[float, float]) -> None:
+    def draw(self, axes: Axes, line: SurfaceLine, ends: tuple[float, float]) -> None:
         """Both bodies, what they have lost, and the interfaces of their layers."""
         z, at = scale_for(ends, "m"), self.length(line.at)
         lost = self.worn(line)
