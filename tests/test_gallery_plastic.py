@@ -6,7 +6,7 @@ import pytest
 import eigencontact as ec
 from close import close
 from eigencontact.scene.loader import bundled_names
-from eigencontact.viz.coverage import impacts, strikes
+from eigencontact.viz.rolling import impacts, strikes
 
 #: Elastic contact radius of the sphere of 200 um under 12.307 N.
 A = 20e-6

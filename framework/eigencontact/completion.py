@@ -71,10 +71,10 @@ def kinds(incomplete: str) -> list[str]:
 
 def plugin_keys(incomplete: str) -> list[str]:
     """Keys of installed plugins that begin so, as far as their modules give them as plain text."""
-    found = set[str]()
+    keys = set[str]()
     for point in entry_points(group="eigencontact"):
-        found.update(_KEY.findall(_text(point)))
-    return _beginning(found, incomplete)
+        keys.update(_KEY.findall(_text(point)))
+    return _beginning(keys, incomplete)
 
 
 def _text(point: EntryPoint) -> str:

@@ -14,8 +14,7 @@ import eigencontact as ec
 from close import close
 from eigencontact.core.numbers import Number
 from eigencontact.reference.numbers import known_numbers
-from eigencontact.reports.answer import answer, cards
-from eigencontact.reports.columns import Column
+from eigencontact.reports.columns import Column, answer, cards
 
 pytestmark = pytest.mark.usefixtures("small_pictures")
 

@@ -18,11 +18,11 @@ from eigencontact.errors import EigencontactError, PlanError, ResultsError, Scen
 from eigencontact.execution.fields.traction_field import TractionField
 from eigencontact.results.atomic import Sink
 from eigencontact.sweeps.axes import axes_of, axis_of_text
-from eigencontact.sweeps.identity import scene_digest, sweep_digest
+from eigencontact.sweeps.folder import scene_digest, sweep_digest
+from eigencontact.sweeps.gather import warnings_in_words
 from eigencontact.sweeps.runner import outcomes
 from eigencontact.sweeps.sweep import _scalars_to_draw, read_sweep_file, sweep
 from eigencontact.sweeps.variants import variants_of
-from eigencontact.sweeps.warned import warnings_in_words
 from eigencontact.viz.sweep import draw_profiles, draw_sweep
 
 pytestmark = pytest.mark.usefixtures("small_pictures")

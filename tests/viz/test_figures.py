@@ -9,12 +9,13 @@ from PIL import Image
 from close import close
 from eigencontact.viz.figures import draw_all
 from eigencontact.viz.history import load_history
+from eigencontact.viz.lines import middle
 from eigencontact.viz.profile import stress_profile
 from eigencontact.viz.section import drawable, stress_section
 from eigencontact.viz.smooth import smooth_border
 from eigencontact.viz.style import save, scale_for
 from eigencontact.viz.surface import pressure_map, pressure_profiles, relative_difference
-from eigencontact.viz.window import DOTS, _sampled, middle
+from eigencontact.viz.window import DOTS, _sampled
 from results import synthetic
 
 

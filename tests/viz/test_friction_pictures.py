@@ -10,9 +10,8 @@ from PIL import Image
 
 from close import close
 from eigencontact.viz.figures import draw_all
-from eigencontact.viz.friction import dissipation_map, shear_map, shear_profiles
+from eigencontact.viz.friction import ZONE_COLOURS, dissipation_map, driven, shear_map, shear_profiles
 from eigencontact.viz.friction_history import fretting_loops, zone_strip
-from eigencontact.viz.friction_words import ZONE_COLOURS, driven
 from eigencontact.viz.style import scale_for
 from eigencontact.viz.vtk import write_vtk
 from eigencontact.viz.window import is_ragged

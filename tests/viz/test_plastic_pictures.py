@@ -17,12 +17,11 @@ from eigencontact.model.regions import region_lattice
 from eigencontact.results.records import HistoryRecord
 from eigencontact.scene.installed import installed_plugins
 from eigencontact.scene.schema import Scene
-from eigencontact.viz.coverage import coverage_map, impacts, strikes, struck
 from eigencontact.viz.figures import draw_all
-from eigencontact.viz.isosurface import plastic_surfaces, surface_of
-from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, unloads
+from eigencontact.viz.plastic import load_depth, loaded_step, plastic_section, plastic_surfaces, surface_of, unloads
 from eigencontact.viz.profile import mean_profile
 from eigencontact.viz.remembered import SHARE, plastic_strains
+from eigencontact.viz.rolling import coverage_map, impacts, strikes, struck
 from eigencontact.viz.section import stress_section
 from eigencontact.viz.vtk import write_vtk
 from results import synthetic

@@ -119,7 +119,7 @@ def _report(item: Study, found: Sequence[Finished | Failed]) -> None:
     from rich.table import Table
 
     from eigencontact.core.text_table import print_table
-    from eigencontact.sweeps.warned import warnings_in_words
+    from eigencontact.sweeps.gather import warnings_in_words
     from eigencontact_verification.studies.checks import verdicts
     from eigencontact_verification.studies.run import source_in_words
     from eigencontact_verification.studies.study import Finished
