@@ -35,7 +35,7 @@ FORBIDDEN = [
 COMPLETE = {
     "pictures and reports are made from results alone": (
         "forbidden_modules",
-        {"viz", "reports", "results", "core", "errors", "completion"},
+        {"viz", "reports", "results", "core", "errors", "command_help", "completion"},
     ),
     "plugins see only eigencontact.plugin": ("forbidden_modules", {"plugin"}),
     "an audit reads results and asks shapes, and solves nothing with what it judges": (
