@@ -12,7 +12,7 @@ from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import SceneError
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.levels import restrict_springs
-from eigencontact.solvers.normal import NormalOptions, NormalSolver, solve_normal
+from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.operator import Compliance
 from eigencontact.solvers.preconditioner import Circulant, SpringPreconditioner
 from eigencontact_verification.oracles import dense
@@ -27,7 +27,7 @@ MOMENTS = {"normal_load": 1.0, "moment_x": 0.1, "moment_y": -0.05}
 
 def solve(grid, h, springs, *, tolerance=1e-9, options=None, **control):
     chosen = NormalOptions(tolerance=tolerance, **(options or {}))
-    return solve_normal(grid, h, halfspace(), Control(**control), chosen, springs=springs)
+    return NormalSolver(grid, halfspace(), chosen).solve(h, Control(**control), springs=springs)
 
 
 def patterns(grid):
@@ -139,9 +139,8 @@ def test_units_do_not_matter(length, stiffness, seed):
             return halfspace().table(x, y, half_widths) / E
 
     first = solve(grid, h, k, options=EDGE, approach=0.3)
-    s = solve_normal(
-        scaled, L * h, Scaled(), Control(approach=0.3 * L), NormalOptions(tolerance=1e-9, **EDGE), springs=L / E * k
-    )
+    solver = NormalSolver(scaled, Scaled(), NormalOptions(tolerance=1e-9, **EDGE))
+    s = solver.solve(L * h, Control(approach=0.3 * L), springs=L / E * k)
     assert s.pressure / E == close(first.pressure, abs=1e-9 * first.pressure.max())
 
 

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.array_types import Array
 
 __all__ = ["BlockContraction", "CompiledContraction"]
-
-Array = NDArray[Any]
 
 
 class _Contraction:

@@ -13,17 +13,17 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from eigencontact.convolution.backends import Backend, Plan, available_threads, backend, in_parallel
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
+from eigencontact.core.array_types import Array
 from eigencontact.errors import require
 
 __all__ = ["Convolver"]
 
-Array = NDArray[Any]
 Kernels = Sequence[Sequence[Spectrum | None]]
 
 # Bytes of one batch, small enough to stay in cache while it is filled, transformed and emptied (measured optimum).

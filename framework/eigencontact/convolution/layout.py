@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution.spectrum import Spectrum, transform_table
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 __all__ = ["Axis", "Layout", "fast_even"]
-
-FloatArray = NDArray[np.float64]
 
 # A target far beside its source would need a long even transform; past this factor the parity is given up instead.
 _PARITY_WASTE = 1.6

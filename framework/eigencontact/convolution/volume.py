@@ -10,20 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from eigencontact.convolution.backends import available_threads, backend, in_parallel
 from eigencontact.convolution.compiling import volumes_repay
 from eigencontact.convolution.contraction import BlockContraction, CompiledContraction
 from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.array_types import Array
 from eigencontact.errors import require
 
 __all__ = ["VolumeConvolver"]
-
-Array = NDArray[Any]
 
 # Bytes of the kernels assembled for one piece, small enough for the second-level cache (measured optimum).
 _PIECE_BYTES = 600_000

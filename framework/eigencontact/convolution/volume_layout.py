@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import Axis
 from eigencontact.convolution.spectrum import parity_transform
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 
 __all__ = ["VolumeKernels", "VolumeLayout", "VolumeParity"]
-
-FloatArray = NDArray[np.float64]
 
 #: Parity along (z, y, x): +1 even, -1 odd.
 VolumeParity = tuple[int, int, int]

@@ -20,6 +20,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tensors import COMPONENTS, SQRT2
 from eigencontact.errors import require
 
@@ -36,8 +37,6 @@ __all__ = [
     "shear_ratios",
     "unit_vector",
 ]
-
-FloatArray = NDArray[np.float64]
 
 # What rounding may leave of symmetry or of a zero eigenvalue, relative to the largest entry.
 _ROUNDING = 1e-9

@@ -9,7 +9,9 @@ contraction of the tensors.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = [
     "COMPONENTS",
@@ -23,8 +25,6 @@ __all__ = [
     "tresca",
     "von_mises",
 ]
-
-FloatArray = NDArray[np.float64]
 
 #: Order of the components everywhere.
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")

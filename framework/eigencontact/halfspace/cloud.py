@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.core.parallel import available_threads
 from eigencontact.core.places import place_field
 from eigencontact.core.tensors import from_mandel, to_mandel
@@ -29,9 +30,6 @@ from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointS
 from eigencontact.halfspace.theorem import QUANTITIES
 
 __all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed", "uses_point_sources"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 # A shape whose far field takes more points than this is cheaper by its own formulas.
 _MOST_SOURCES = 800

@@ -13,14 +13,11 @@ from functools import cache, cached_property
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.halfspace.potentials import PointSources
 
 __all__ = ["APART", "Tree", "degree_for", "distances_for", "error_of", "expansion_size"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 #: Radius of a node in units of the gap between its center and a region that it takes by its expansion.
 APART = 0.3

@@ -11,8 +11,8 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import ComplexArray, FloatArray
 from eigencontact.core.material import Material
 from eigencontact.errors import PlanError, require
 from eigencontact.halfspace.layered_depths import LayeredDepths
@@ -23,8 +23,6 @@ from eigencontact.halfspace.media import HomogeneousInfluence, Medium, Side, res
 
 __all__ = ["LayeredInfluence"]
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 HalfWidths = tuple[float, float]
 
 HANKEL = (

@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.halfspace.forms import INSIDE, Form, Kernel
 from eigencontact.halfspace.mirror import integrated_chi
@@ -27,8 +28,6 @@ from eigencontact.halfspace.potentials import (
 from eigencontact.halfspace.theorem import response
 
 __all__ = ["field_at_points", "unit_fields_at_points"]
-
-FloatArray = NDArray[np.float64]
 
 # Points of one chunk: some eighty kernels of this length fit into the second-level cache of a core many times over.
 _CHUNK = 2048

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
+
+from eigencontact.core.array_types import FloatArray
 
 __all__ = [
     "HasCornerPotentials",
@@ -32,8 +33,6 @@ __all__ = [
     "PointSources",
     "derivatives",
 ]
-
-FloatArray = NDArray[np.float64]
 
 Point = tuple[float, float, float]
 #: How often a potential is differentiated along x, y and z.

@@ -14,8 +14,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.errors import require
 from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, cloud_sources
 from eigencontact.halfspace.points import unit_fields_at_points
@@ -23,8 +23,6 @@ from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointS
 
 __all__ = ["RegionMeans", "averaging_points"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 Rule = tuple[FloatArray, FloatArray]
 
 # Edges of the lattice of points that averages over a shape of which nothing is known but its potentials.

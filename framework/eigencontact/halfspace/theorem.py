@@ -27,14 +27,12 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.tensors import SQRT2
 from eigencontact.halfspace.forms import Form
 
 __all__ = ["QUANTITIES", "response"]
-
-FloatArray = NDArray[np.float64]
 
 #: Quantities of the theorem and the number of their components.
 QUANTITIES = {"displacement": 3, "strain": 6, "stress": 6}

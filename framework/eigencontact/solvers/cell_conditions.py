@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import (
     Elasticity,
     ElasticityOfCells,
@@ -51,7 +52,6 @@ __all__ = [
     "mixed",
 ]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
 
 # Part of a ball's T in that of cells with a known normal. Cells are no endless layers: by a layer's T alone a void (or

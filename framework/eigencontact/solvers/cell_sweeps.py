@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.products import norm_of
 from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
 from eigencontact.solvers.law_cells import LawCells, Remembered
 
 __all__ = ["CellSweeps", "Sweep"]
-
-FloatArray = NDArray[np.float64]
 
 #: Part of the eigenstrain of the last increment that counts beside the strain of the load: all is unloaded at times.
 _LEFT = 1e-2

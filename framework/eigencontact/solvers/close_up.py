@@ -11,16 +11,15 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import require
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.solvers.cells import Cells
 from eigencontact.solvers.eigenstrain import VolumeField
 
 __all__ = ["close_up"]
-
-FloatArray = NDArray[np.float64]
 
 #: Cells within this many of their longest edges from the points are summed exactly. The field of the rest is
 #: interpolated, with an error of some 1e-5 of its largest value.

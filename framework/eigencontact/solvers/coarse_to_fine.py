@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.parallel import available_threads
 from eigencontact.errors import DomainTooSmall, NotConverged, SceneError, require
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CoarseToFine", "margin", "refuse_edge"]
 
-FloatArray = NDArray[np.float64]
-
 # Tolerance of the last grid before the finest: the start need not be better than the error of that grid, and a tighter
 # start saves iterations on the finest grid.
 _COARSE_TOLERANCE = 1e-3
@@ -44,7 +43,7 @@ class CoarseToFine:
         solver: NormalSolver,
         separation: FloatArray,
         control: Control,
-        report: SolveReport,
+        report: SolveReport[Certificate],
         progress: Progress | None,
         tolerance: float | None = None,
         springs: FloatArray | None = None,

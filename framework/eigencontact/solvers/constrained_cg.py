@@ -14,17 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import Array
 from eigencontact.solvers.rigid import RigidModes, dot
 from eigencontact.solvers.sweeps import Sweeps
 
 __all__ = ["BoxProblem", "BoxState", "relative", "solve_box", "without_forces"]
-
-Array = NDArray[Any]
 
 # Iterations without half the best residual after which the loaded cells only change sides.
 _STALLED = 60

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from eigencontact.convolution.volume import VolumeConvolver
 from eigencontact.convolution.volume_layout import VolumeKernels, VolumeLayout
 from eigencontact.convolution.weighted_sums import WeightedSums
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 from eigencontact.halfspace.forms import INSIDE, Kernel
@@ -42,8 +43,6 @@ from eigencontact.solvers.potential_tables import (
 )
 
 __all__ = ["VolumeField", "check_request", "local_matrix"]
-
-FloatArray = NDArray[np.float64]
 
 
 class VolumeField:

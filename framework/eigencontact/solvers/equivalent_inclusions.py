@@ -29,6 +29,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
 from eigencontact.core.products import norm_of
@@ -43,10 +44,7 @@ __all__ = [
     "InclusionReport",
     "InhomogeneousCells",
     "StressOperator",
-    "solve_equivalent_inclusions",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 class StressOperator(Protocol):
@@ -321,23 +319,6 @@ class InhomogeneousCells:
         self._report.applications += 1
         self._report.operator_seconds += perf_counter() - began
         return out
-
-
-def solve_equivalent_inclusions(
-    operator: StressOperator,
-    matrix: Material,
-    materials: Sequence[Elasticity | ArrayLike],
-    material_index: ArrayLike,
-    applied_stress: ArrayLike,
-    prestrain: ArrayLike | None = None,
-    *,
-    tolerance: float = 1e-6,
-    max_iterations: int = 500,
-    progress: Progress | None = None,
-) -> EquivalentInclusions:
-    """Equivalent eigenstrain and total stress for one load; see `InhomogeneousCells` for what is given."""
-    cells = InhomogeneousCells(operator, matrix, materials, material_index)
-    return cells.solve(applied_stress, prestrain, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
 
 
 def _by_component(matrices: NDArray[np.floating]) -> FloatArray:

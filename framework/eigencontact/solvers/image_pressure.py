@@ -22,9 +22,9 @@ from functools import partial
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, in_parallel
@@ -38,7 +38,6 @@ from eigencontact.solvers.eigenstrain import VolumeField
 
 __all__ = ["FullSpaceField", "ImagePressure", "ImagePressureVolume", "PressureKernel", "reflected"]
 
-FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
 
 _AXES = ("x", "y", "z")

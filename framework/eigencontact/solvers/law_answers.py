@@ -10,12 +10,11 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.errors import NotConverged, PluginError
 
 __all__ = ["Answer", "AnsweringLaw", "Law", "answer_of", "cell_answer_of", "place_of", "refuse"]
-
-FloatArray = NDArray[np.float64]
 
 #: A strain beyond which numbers that are not finite are blamed on the iteration, not on the law.
 _FAR = 1.0

@@ -18,6 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.products import product
@@ -27,7 +28,6 @@ from eigencontact.solvers.law_answers import Answer, AnsweringLaw, Law, answer_o
 
 __all__ = ["Around", "LawCells", "Remembered"]
 
-FloatArray = NDArray[np.float64]
 Remembered = dict[str, FloatArray]
 
 

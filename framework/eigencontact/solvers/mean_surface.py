@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.convolution import Convolver, Layout
 from eigencontact.convolution.backends import available_threads, in_parallel
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import require
@@ -34,8 +35,6 @@ from eigencontact.solvers.cells import Cells, snapped
 from eigencontact.solvers.subsurface import StressKernel
 
 __all__ = ["MeanStressKernel", "SurfaceAndCells"]
-
-FloatArray = NDArray[np.float64]
 
 # Gauss points along each edge of a cell.
 _POINTS = 2

@@ -17,13 +17,12 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.errors import NotConverged, require
 
 __all__ = ["Moved", "Pressed", "moved"]
 
-FloatArray = NDArray[np.float64]
 #: Contact pressure [Pa] from the worn depth [m], springs on the surface [m/Pa] and a pressure near by.
 Pressed = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-__all__ = ["Neighbourhood", "reach_of"]
+from eigencontact.core.array_types import FloatArray
 
-FloatArray = NDArray[np.float64]
+__all__ = ["Neighbourhood", "reach_of"]
 
 #: Means below this part of the largest are rounding of the transforms, and zero.
 _ROUNDING = 1e-12

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 
 __all__ = ["BoxOperator", "Coefficients", "Compliance"]
-
-FloatArray = NDArray[np.float64]
 
 # Operators kept for each grid: the box of the iteration and the check on the whole window, now and one box ago.
 _KEPT = 4

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import in_parallel
 from eigencontact.halfspace.forms import INSIDE, Form, Kernel, reduced
 from eigencontact.halfspace.potentials import HasCornerPotentials
@@ -31,7 +32,6 @@ __all__ = [
     "unit_of_length",
 ]
 
-FloatArray = NDArray[np.float64]
 Forms = tuple[tuple[Form, ...], ...]
 
 # Distance from an edge of the points around it, in shortest edges of a cell.

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.spectrum import parity_transform
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box
 from eigencontact.solvers.operator import Compliance
 
 __all__ = ["Circulant", "Preconditioner", "SpringPreconditioner"]
-
-FloatArray = NDArray[np.float64]
 
 # Largest ratio of the stiffest to the most compliant cell, springs included, for which one inverse serves all cells.
 _ALIKE = 10.0

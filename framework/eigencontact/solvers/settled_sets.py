@@ -16,17 +16,14 @@ sets as a semismooth Newton iteration).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import Array
 from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, relative, without_forces
 from eigencontact.solvers.rigid import dot
 
 __all__ = ["solve_settled"]
-
-Array = NDArray[Any]
 
 # A set is settled when its gaps have fallen by this factor. On a layer of .1 a at a contrast of 1e4, 31² to 256² cells,
 # 1e-3 took 9 to 12 sets and 264 to 467 iterations, 1e-2 up to 27 sets and as many iterations; 3e-2 did not always end.

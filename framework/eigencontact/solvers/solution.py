@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from eigencontact.solvers.report import SolveReport
+from eigencontact.core.array_types import FloatArray
+from eigencontact.solvers.report import Certificate, SolveReport
 
 __all__ = ["NormalOptions", "NormalSolution"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NormalOptions:
-    """Options of the solution; the other arguments of `solve_normal` define the problem.
+    """Options of the solution; the arguments of `NormalSolver.solve` define the problem.
 
     Parameters
     ----------
@@ -68,4 +64,4 @@ class NormalSolution:
     normal_load: float
     moment_x: float
     moment_y: float
-    report: SolveReport
+    report: SolveReport[Certificate]

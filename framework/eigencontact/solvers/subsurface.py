@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.convolution.backends import available_threads, in_parallel
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 
 __all__ = [
@@ -26,7 +27,6 @@ __all__ = [
     "tables_at",
 ]
 
-FloatArray = NDArray[np.float64]
 Made = TypeVar("Made")
 #: Table at depth `number` on a lattice of offsets (x, y), ``(n, ny, nx)``.
 TableAt = Callable[[int, FloatArray, FloatArray], FloatArray]

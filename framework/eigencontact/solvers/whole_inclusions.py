@@ -19,8 +19,9 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.elasticity import Elasticity, ElasticityOfCells
 from eigencontact.core.material import Material
 from eigencontact.core.products import norm_of
@@ -33,8 +34,6 @@ from eigencontact.solvers.gmres import gmres
 from eigencontact.solvers.report import Progress
 
 __all__ = ["UniformEigenstrains", "WholeInclusions"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,19 +69,18 @@ def solve_eigencontact(n: int, threads: int, precision: str) -> Solution:
     from eigencontact.core.grid import Grid
     from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
-    from eigencontact.solvers.normal import NormalOptions, solve_normal
+    from eigencontact.solvers.normal import NormalOptions, NormalSolver
     from eigencontact_plugins.surface_loads import PressureLoad
 
     problem = HertzProblem(n=n)
     grid = Grid(nx=n, ny=n, dx=problem.cell, dy=problem.cell)
     tolerance = 1e-6 if precision == "double" else 1e-5
-    solution = solve_normal(
+    solver = NormalSolver(
         grid,
-        problem.separation,
         PairCoefficients(PressureLoad(), (_steel_like(), None), "z"),
-        Control(normal_load=problem.load),
         NormalOptions(tolerance=tolerance, precision=precision, threads=threads),
     )
+    solution = solver.solve(problem.separation, Control(normal_load=problem.load))
     return solution.pressure, solution.report.iterations, solution.report.convolutions
 
 
@@ -199,7 +198,7 @@ CODES = {
                 "eigencontact.model.kernels",
                 "eigencontact_plugins.surface_loads",
             ),
-            settings="solve_normal, tolerance 1e-6",
+            settings="NormalSolver, tolerance 1e-6",
             solve=solve_eigencontact,
             stress=stress_eigencontact,
         ),

@@ -48,7 +48,7 @@ METHODS = {
         name="eigencontact",
         distribution="eigencontact",
         modules=_MODULES,
-        settings="VolumeField and SurfaceDisplacement, half-space, six components, every cell filled",
+        settings="VolumeField and PlaneFields, half-space, six components, every cell filled",
     )
 }
 # Points at which the closed form judges.
@@ -59,7 +59,7 @@ def _operator(task: Task) -> Any:
     """Operator of a task, all set up; lengths in edges of a cell, shear modulus 1."""
     from eigencontact.solvers.cells import Cells
     from eigencontact.solvers.eigenstrain import VolumeField
-    from eigencontact.solvers.eigenstrain_planes import SurfaceDisplacement
+    from eigencontact.solvers.eigenstrain_planes import PlaneFields
     from eigencontact_plugins.shapes.cuboid import Cuboid
 
     n, threads, precision = task.n, task.threads, task.precision
@@ -67,9 +67,10 @@ def _operator(task: Task) -> Any:
     box = Cells(first=(0.0, 0.0, 0.5), pitch=(1.0, 1.0, 1.0), shape=(n, n, n))
     if task.case == "stress":
         return VolumeField(cell, box, box, poisson_ratio=POISSON_RATIO, precision=precision, threads=threads)
-    return SurfaceDisplacement(
-        cell, box, target=(n, n), poisson_ratio=POISSON_RATIO, precision=precision, threads=threads
-    )
+    return PlaneFields(
+        cell, box, target=(n, n), depths=[0.0], poisson_ratio=POISSON_RATIO, quantity="displacement",
+        precision=precision, threads=threads,
+    )  # fmt: skip
 
 
 def bare_transforms(task: Task, workers: int) -> Callable[[], None]:
@@ -111,7 +112,7 @@ def cell_error(task: Task, operator: Any) -> float:
     found = np.asarray(operator.apply(strain), dtype=float)
     if task.case == "displacement":
         points[:, 2] = 0.0
-        values = found[:, index[:, 1], index[:, 2]]
+        values = found[:, 0, index[:, 1], index[:, 2]]
     else:
         values = from_mandel(found[:, index[:, 0], index[:, 1], index[:, 2]])
     exact = inclusion_field(

@@ -55,17 +55,16 @@ def press_eigencontact(problem: RoughProblem, separation: FloatArray, threads: i
     from eigencontact.core.material import Material
     from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
-    from eigencontact.solvers.normal import NormalOptions, solve_normal
+    from eigencontact.solvers.normal import NormalOptions, NormalSolver
     from eigencontact_plugins.surface_loads import PressureLoad
 
     n = problem.n
-    solution = solve_normal(
+    solver = NormalSolver(
         Grid(nx=n, ny=n, dx=problem.cell, dy=problem.cell),
-        separation,
         PairCoefficients(PressureLoad(), (Material(young_modulus=1.0 - 0.3**2, poisson_ratio=0.3), None), "z"),
-        Control(normal_load=problem.mean_pressure),
         NormalOptions(tolerance=1e-6, threads=threads, periodic=problem.periodic, allow_contact_at_edge=True),
     )
+    solution = solver.solve(separation, Control(normal_load=problem.mean_pressure))
     return solution.pressure, solution.report.iterations
 
 
@@ -158,7 +157,7 @@ METHODS = {
                 "eigencontact.model.kernels",
                 "eigencontact_plugins.surface_loads",
             ),
-            settings="solve_normal, tolerance 1e-6",
+            settings="NormalSolver, tolerance 1e-6",
             press=press_eigencontact,
         ),
         RoughCode(

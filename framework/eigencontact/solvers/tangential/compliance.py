@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.solvers.operator import Compliance
 from eigencontact.solvers.preconditioner import Circulant
 
 __all__ = ["MatrixOperator", "Pair", "ParityCoefficients"]
 
-FloatArray = NDArray[np.float64]
 #: (direction of the displacement, direction of the traction): ``("x", "y")``.
 Pair = tuple[str, str]
 

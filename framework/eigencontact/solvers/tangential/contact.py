@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import NotConverged
 from eigencontact.solvers.anderson import Anderson
@@ -21,8 +21,6 @@ from eigencontact.solvers.tangential.control import TangentialControl
 from eigencontact.solvers.tangential.solver import Overloaded, TangentialOptions, TangentialSolution, TangentialSolver
 
 __all__ = ["FrictionalContact", "FrictionalSolution", "Sliding"]
-
-FloatArray = NDArray[np.float64]
 
 #: Part of the tolerance that the normal and the tangential solve may use up in the last round of the coupling.
 _INNER = 0.2

@@ -18,14 +18,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.solvers.tangential.discs import RigidPlane, inner, length_of
 
 __all__ = ["DiscProblem", "DiscState", "solve_discs"]
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _TINY = np.finfo(float).tiny
 #: Conjugate-gradient steps in one Newton step at most.

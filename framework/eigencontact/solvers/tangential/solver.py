@@ -7,21 +7,17 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import NotConverged, SceneError, require
-from eigencontact.solvers.report import Progress
+from eigencontact.solvers.report import FrictionCertificate, Progress, SolveReport
 from eigencontact.solvers.tangential.compliance import MatrixOperator, Pair, ParityCoefficients
 from eigencontact.solvers.tangential.control import MODES, TangentialControl, mode_fields
 from eigencontact.solvers.tangential.discs import Infeasible, RigidPlane, length_of
 from eigencontact.solvers.tangential.newton import DiscProblem, DiscState, solve_discs
-from eigencontact.solvers.tangential.report import FrictionCertificate, TangentialReport
 
 __all__ = ["Overloaded", "TangentialOptions", "TangentialSolution", "TangentialSolver"]
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 #: Slip, relative to the largest tangential displacement in contact, that is round-off.
 _NOTHING = 1e-12
@@ -80,7 +76,7 @@ class TangentialSolution:
         δ_x, δ_y [m], φ_z [rad].
     forces : (3,) float64
         Q_x, Q_y [N], M_z [N m] of the shear.
-    report : TangentialReport
+    report : SolveReport
         Certificate, history, counts, time.
     """
 
@@ -90,7 +86,7 @@ class TangentialSolution:
     stick: BoolArray
     rigid: FloatArray
     forces: FloatArray
-    report: TangentialReport
+    report: SolveReport[FrictionCertificate]
 
 
 class TangentialSolver:
@@ -174,7 +170,7 @@ class TangentialSolver:
         SceneError
             A bound that is negative or not finite.
         """
-        began, report, before = perf_counter(), TangentialReport(), self.operator.applications
+        began, report, before = perf_counter(), SolveReport[FrictionCertificate](), self.operator.applications
         require(bound.shape == self.grid.shape, "friction", "bound", bound.shape, f"of shape {self.grid.shape}")
         if not (np.all(np.isfinite(bound)) and float(bound.min()) >= 0):
             raise SceneError(
@@ -208,7 +204,7 @@ class TangentialSolver:
         """
         shear = direction[:, None, None] * bound
         box = Box(0, self.grid.ny, 0, self.grid.nx) if self.options.periodic else Box.around(bound > 0)
-        report, fields = TangentialReport(), mode_fields(self.grid, self.components)
+        report, fields = SolveReport[FrictionCertificate](), mode_fields(self.grid, self.components)
         report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=0.0)
         displacement = np.zeros_like(shear)
         if box is not None:
@@ -228,7 +224,7 @@ class TangentialSolver:
         offset: FloatArray,
         control: TangentialControl,
         start: FloatArray | None,
-        report: TangentialReport,
+        report: SolveReport[FrictionCertificate],
         tolerance: float,
         progress: Progress | None,
     ) -> TangentialSolution:
@@ -295,7 +291,7 @@ class TangentialSolver:
         rigid: FloatArray,
         free: Mapping[int, float],
         scale: tuple[Box, float],
-        report: TangentialReport,
+        report: SolveReport[FrictionCertificate],
         tolerance: float,
     ) -> TangentialSolution:
         """Check the friction conditions with a convolution of their own, which also serves outside the contact."""
@@ -361,7 +357,7 @@ class TangentialSolver:
                 )
 
     def _without_contact(
-        self, offset: FloatArray, control: TangentialControl, report: TangentialReport
+        self, offset: FloatArray, control: TangentialControl, report: SolveReport[FrictionCertificate]
     ) -> TangentialSolution:
         """Solution where nothing touches: no shear, and the prescribed rigid displacements."""
         free = control.forces()
