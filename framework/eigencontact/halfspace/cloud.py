@@ -246,7 +246,7 @@ def _sum_of_sources(
     """
     import numba
 
-    from eigencontact.halfspace.cloud_kernels import sum_displacement, sum_stress
+    from eigencontact.halfspace.cloud_kernels import sum_sources
 
     nu = float(poisson_ratio)
     rows, *tables = sources.tables
@@ -254,16 +254,15 @@ def _sum_of_sources(
     rows[:, 3] *= (1.0 if quantity == "displacement" else 2.0) / (8.0 * np.pi * (1.0 - nu))
     half = True if space == "half" else None
     numba.set_num_threads(min(threads or available_threads(), numba.config.NUMBA_NUM_THREADS))
-    add = sum_displacement if quantity == "displacement" else sum_stress
     count = points[0].size
     if tree is None:
         out = np.zeros((QUANTITIES[quantity], count))
-        add(*points, _blocks(count), _NO_TREE, (rows, *tables), nu, half, out)
+        sum_sources(*points, _blocks(count), _NO_TREE, (rows, *tables), nu, half, out)
     else:
         everywhere = np.concatenate([np.array(points), tree.expansion_points.reshape(3, -1)], axis=1)
         summed = np.zeros((QUANTITIES[quantity], everywhere.shape[1]))
         nodes = (tree.nodes, tree.parents, APART)
-        add(*everywhere, tree.blocks, nodes, (rows, *tables), nu, half, summed)
+        sum_sources(*everywhere, tree.blocks, nodes, (rows, *tables), nu, half, summed)
         out = np.ascontiguousarray(summed[:, :count])
         values = summed[:, count:].reshape(len(summed), tree.expansion_points.shape[1], -1).transpose(1, 0, 2)
         tree.add(np.array(points), np.ascontiguousarray(values), out)
