@@ -256,7 +256,7 @@ class _Worker:
             n = rows.stop - rows.start
             key = (id(half), rows.start)
             if key not in self._forward_plans:
-                self._forward_plans[key] = self._fft.real_forward(self._padded[:n], half[rows])
+                self._forward_plans[key] = self._fft.forward(self._padded[:n], half[rows])
             self._padded[:n, start : start + self._layout.source[1]] = field[rows]
             self._forward_plans[key]()
 
@@ -395,7 +395,7 @@ class _Worker:
                 n = rows.stop - rows.start
                 key = (id(half[index]), rows.start)
                 if key not in self._inverse_plans:
-                    self._inverse_plans[key] = self._fft.real_inverse(half[index][rows], self._full[:n])
+                    self._inverse_plans[key] = self._fft.inverse(half[index][rows], self._full[:n])
                 self._inverse_plans[key]()
                 targets[index, rows] = self._full[:n, inner]
 

@@ -162,9 +162,9 @@ class _Worker:
         layout = self._layout
         x, ny, ty = layout.x, layout.y.sources, layout.y.targets
         self._padded, self._halved = self._empty(ny, x.length, real=True), self._empty(ny, x.half)
-        self._forward_x = self._fft.real_forward(self._padded, self._halved)
+        self._forward_x = self._fft.forward(self._padded, self._halved)
         self._unhalved, self._full = self._empty(ty, x.half), self._empty(ty, x.length, real=True)
-        self._inverse_x = self._fft.real_inverse(self._unhalved, self._full)
+        self._inverse_x = self._fft.inverse(self._unhalved, self._full)
 
     def _plan_y(self) -> None:
         # One column more than the transform repeats ky = 0 behind the last, so that -ky is a plain reversed slice.
