@@ -53,7 +53,7 @@ def influence(parity):
 
 
 def sample(layout, function):
-    return function(layout.lattice_y[:, None], layout.lattice_x[None, :])
+    return function(layout.y.lattice[:, None], layout.x.lattice[None, :])
 
 
 def offsets(source, target, origin, axis):
@@ -404,7 +404,7 @@ def test_reciprocity_of_two_boxes(source, target, origin, parity):
 # --- refusals ----------------------------------------------------------------------------------------------------
 
 SQUARE = Layout((4, 6), (4, 6))
-EVEN = SQUARE.spectrum(np.ones((len(SQUARE.lattice_y), len(SQUARE.lattice_x))), (1, 1))
+EVEN = SQUARE.spectrum(np.ones((len(SQUARE.y.lattice), len(SQUARE.x.lattice))), (1, 1))
 
 
 @pytest.mark.parametrize(

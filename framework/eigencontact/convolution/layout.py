@@ -149,16 +149,6 @@ class Layout:
         length = self.lengths[1] if self.lengths else None
         return Axis.plan(self.source[1], self.target[1], self.origin[1], periodic=self.periodic, length=length)
 
-    @property
-    def lattice_y(self) -> FloatArray:
-        """Offsets along y (in cells) at which kernel tables are sampled."""
-        return self.y.lattice
-
-    @property
-    def lattice_x(self) -> FloatArray:
-        """Offsets along x (in cells) at which kernel tables are sampled."""
-        return self.x.lattice
-
     def spectrum(
         self, table: FloatArray, parity: tuple[int, int], *, precision: str = "double", scale: float = 1.0
     ) -> Spectrum:

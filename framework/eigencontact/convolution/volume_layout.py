@@ -66,21 +66,6 @@ class VolumeLayout:
         return self._axis(2)
 
     @property
-    def lattice_x(self) -> FloatArray:
-        """Offsets along x (in cells) at which tables are sampled."""
-        return self.x.lattice
-
-    @property
-    def lattice_y(self) -> FloatArray:
-        """Offsets along y (in cells) at which tables are sampled."""
-        return self.y.lattice
-
-    @property
-    def lattice_z(self) -> FloatArray:
-        """Offsets along z (in cells) at which tables of convolutions are sampled."""
-        return self.z.lattice
-
-    @property
     def lattice_sum(self) -> FloatArray:
         """Sums of the indices of target and source along z, at which tables of correlations are sampled."""
         return np.arange(self.z.sources + self.z.targets - 1, dtype=np.float64)

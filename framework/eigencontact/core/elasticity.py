@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.core.array_types import FloatArray
-from eigencontact.core.tensors import COMPONENTS, SQRT2
+from eigencontact.core.tensors import INDICES, SQRT2
 from eigencontact.errors import require
 
 __all__ = [
@@ -183,10 +183,9 @@ def mandel_rotation(rotation: ArrayLike) -> FloatArray:
     [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]
     """
     R = np.asarray(rotation, dtype=float)
-    pairs = [("xyz".index(name[0]), "xyz".index(name[1])) for name in COMPONENTS]
     out = np.empty((*R.shape[:-2], 6, 6))
-    for row, (i, j) in enumerate(pairs):
-        for column, (k, l) in enumerate(pairs):
+    for row, (i, j) in enumerate(INDICES):
+        for column, (k, l) in enumerate(INDICES):
             products = R[..., i, k] * R[..., j, l] + R[..., i, l] * R[..., j, k]
             out[..., row, column] = products * (SQRT2 if row > 2 else 1.0) / (SQRT2 if column > 2 else 2.0)
     return out

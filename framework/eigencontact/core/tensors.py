@@ -15,6 +15,7 @@ from eigencontact.core.array_types import FloatArray
 
 __all__ = [
     "COMPONENTS",
+    "INDICES",
     "SQRT2",
     "deviatoric_norm",
     "from_mandel",
@@ -28,6 +29,8 @@ __all__ = [
 
 #: Order of the components everywhere.
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+#: Their rows and columns in matrices.
+INDICES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 SQRT2 = float(np.sqrt(2.0))
 
 

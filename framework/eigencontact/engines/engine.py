@@ -75,14 +75,18 @@ class Engine(Protocol):
         ...
 
 
-class ThisProcess:
-    """Performs tasks one after the other, here."""
+class _Local:
+    """Engine that holds nothing between its tasks."""
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         return
+
+
+class ThisProcess(_Local):
+    """Performs tasks one after the other, here."""
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
@@ -93,7 +97,7 @@ class ThisProcess:
             yield task, function(task, state)
 
 
-class Processes:
+class Processes(_Local):
     """Performs tasks in processes of this machine, which share its threads and memory evenly.
 
     Parameters
@@ -110,12 +114,6 @@ class Processes:
     def __init__(self, workers: int) -> None:
         refuse_unguarded(f"workers={workers}")
         self._workers = workers
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        return
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]

@@ -29,7 +29,7 @@ from eigencontact.halfspace.points import field_at_points, unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 from eigencontact.halfspace.theorem import QUANTITIES
 
-__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed", "uses_point_sources"]
+__all__ = ["cloud_sources", "expansions_pay", "field_of_cloud", "is_large", "relaxed"]
 
 # A shape whose far field takes more points than this is cheaper by its own formulas.
 _MOST_SOURCES = 800
@@ -54,11 +54,6 @@ _SMALL = 2_000_000
 _HASH = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64).astype(np.int64)
 # Nodes, the nodes above them, and how far apart a region must be: none.
 _NO_TREE = (np.zeros((0, 5)), np.zeros(0, dtype=np.intp), 0.0)
-
-
-def uses_point_sources(shape: HasPotentials) -> bool:
-    """Whether a shape in a cloud is replaced by its point sources beyond their distance."""
-    return cloud_sources(shape) is not None
 
 
 def cloud_sources(shape: HasPotentials) -> PointSources | None:

@@ -39,6 +39,7 @@ from eigencontact.core.elasticity import (
     mandel_rotation,
 )
 from eigencontact.core.material import Material
+from eigencontact.core.tensors import INDICES, SQRT2
 from eigencontact.errors import require
 
 __all__ = [
@@ -203,13 +204,7 @@ def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
     nu, G = matrix.poisson_ratio, matrix.shear_modulus
     n = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     planes = np.eye(3) - n[:, :, None] * n[:, None, :]
-    trace = np.stack(
-        [
-            planes[:, i, j] * (1.0 if i == j else np.sqrt(2.0))
-            for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-        ],
-        axis=1,
-    )
+    trace = np.stack([planes[:, i, j] * (1.0 if i == j else SQRT2) for i, j in INDICES], axis=1)
     return np.asarray(2.0 * G * (mandel_rotation(planes) + nu / (1.0 - nu) * trace[:, :, None] * trace[:, None, :]))
 
 

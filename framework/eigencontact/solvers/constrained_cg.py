@@ -21,7 +21,7 @@ from eigencontact.core.array_types import Array
 from eigencontact.solvers.rigid import RigidModes, dot
 from eigencontact.solvers.sweeps import Sweeps
 
-__all__ = ["BoxProblem", "BoxState", "relative", "solve_box", "without_forces"]
+__all__ = ["BoxProblem", "BoxState", "relative", "solve_box"]
 
 # Iterations without half the best residual after which the loaded cells only change sides.
 _STALLED = 60
@@ -339,14 +339,6 @@ class _Iteration:
             self.g = problem.apply(self.p)
             self.gauge(problem.separation)
         return state
-
-
-def without_forces(modes: RigidModes, direction: Array, loaded: Array, share: Array | None) -> None:
-    """Take the forces out of a search direction, in place."""
-    if share is None:
-        modes.remove(direction, loaded)
-    else:
-        modes.unload(direction, loaded * share)
 
 
 def relative(worst: float, deflection: float) -> float:

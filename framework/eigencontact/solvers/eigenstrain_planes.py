@@ -130,7 +130,7 @@ class PlaneFields:
             forms = tuple(tuple(form.on_surface().replaced(reduced) for form in row) for row in forms)
         x, y = (
             nodes_around(lattice, pitch, self._unit)
-            for lattice, pitch in ((self._layout.lattice_x, dx), (self._layout.lattice_y, dy))
+            for lattice, pitch in ((self._layout.x.lattice, dx), (self._layout.y.lattice, dy))
         )
         # Offsets of the real cells descend with the layer: sampled in reverse.
         offsets = {"image": depth + layers, "real": (depth - layers)[::-1]}

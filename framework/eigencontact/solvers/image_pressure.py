@@ -124,7 +124,7 @@ class ImagePressure:
         grid, names = self.grid, self._names(quantity)
         layout = Layout(grid.shape, (out.shape[2], out.shape[3]), origin)
         convolver = Convolver(layout, threads=self.threads)
-        x, y, widths = layout.lattice_x * grid.dx, layout.lattice_y * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
+        x, y, widths = layout.x.lattice * grid.dx, layout.y.lattice * grid.dy, (0.5 * grid.dx, 0.5 * grid.dy)
         for k, depth in enumerate(depths):
             tables = self.kernel.sample(_kernel_of(quantity), names, x, y, abs(float(depth)), widths, self.material)
             unit = float(np.abs(tables).max())

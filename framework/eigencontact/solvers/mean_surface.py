@@ -138,7 +138,7 @@ class SurfaceAndCells:
 
     def _fill(self, traction: int, layer: int, kernel: MeanStressKernel) -> None:
         (dx, dy, _), z = self.cells.pitch, float(self.cells.centres(2)[layer])
-        x, y = self._down.lattice_x * dx, self._down.lattice_y * dy
+        x, y = self._down.x.lattice * dx, self._down.y.lattice * dy
         tables = kernel.table(list(COMPONENTS), x, y, z, (0.5 * dx, 0.5 * dy))
         for row, (name, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
             parity = kernel.parity(name)

@@ -20,7 +20,7 @@ _WORTH_THREADS = 200_000
 
 
 class Coefficients(Protocol):
-    """Influence coefficients of one response to one traction; both even in x and y for the normal problem."""
+    """Influence coefficients of one response to one traction; of the normal problem even in x and y."""
 
     def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
         """Response at offsets x, y [m] of a rectangle of the given half-widths under unit traction, ``(ny, nx)``."""
@@ -122,7 +122,7 @@ class Compliance:
             layout = Layout(window.shape, window.shape, periodic=True)
             return self._operator(layout, self._whole)
         layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
-        y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
+        y, x = np.abs(layout.y.lattice).astype(int), np.abs(layout.x.lattice).astype(int)
         table = self.table(int(y.max()) + 1, int(x.max()) + 1)
         if not (layout.y.symmetric and layout.x.symmetric):
             table = table[np.ix_(y, x)]
@@ -132,7 +132,7 @@ class Compliance:
         """Sample at once what both this pair of boxes and smaller ones will need."""
         if not self.periodic:
             layout = Layout(source.shape, target.shape, (target.y0 - source.y0, target.x0 - source.x0))
-            y, x = np.abs(layout.lattice_y), np.abs(layout.lattice_x)
+            y, x = np.abs(layout.y.lattice), np.abs(layout.x.lattice)
             self.table(int(y.max()) + 1, int(x.max()) + 1)
 
     def _operator(self, layout: Layout, spectrum: Spectrum) -> BoxOperator:

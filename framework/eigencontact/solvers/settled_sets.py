@@ -20,7 +20,7 @@ from collections.abc import Callable
 import numpy as np
 
 from eigencontact.core.array_types import Array
-from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, relative, without_forces
+from eigencontact.solvers.constrained_cg import BoxProblem, BoxState, relative
 from eigencontact.solvers.rigid import dot
 
 __all__ = ["solve_settled"]
@@ -71,7 +71,10 @@ def solve_settled(
             z = problem.precondition(r) * c
             before, slope = slope, dot(r, z)
             direction = z + dtype.type(slope / before if before > 0 else 0.0) * direction
-            without_forces(modes, direction, c, share)
+            if share is None:
+                modes.remove(direction, c)
+            else:
+                modes.unload(direction, c * share)
             response = problem.apply(direction)
             curvature = dot(direction, response)
             if not curvature > 0:

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from eigencontact.core.array_types import FloatArray
 from eigencontact.solvers.report import Certificate, SolveReport
 
-__all__ = ["NormalOptions", "NormalSolution"]
+__all__ = ["NormalOptions", "NormalSolution", "SolverOptions"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class NormalOptions:
-    """Options of the solution; the arguments of `NormalSolver.solve` define the problem.
+class SolverOptions:
+    """Options of the solution; the arguments of `solve` define the problem.
 
     Parameters
     ----------
     tolerance : float
-        Bound on each residual of the `Certificate` [-].
+        Bound on each residual of the certificate [-].
     max_iterations : int
         Iterations allowed on the finest grid.
     precision : {"double", "single"}
@@ -26,8 +26,6 @@ class NormalOptions:
         Cores; all by default.
     periodic : bool
         The window repeats in x and y.
-    allow_contact_at_edge : bool
-        Accept contact that reaches the edge of the window.
     """
 
     tolerance: float = 1e-6
@@ -35,6 +33,12 @@ class NormalOptions:
     precision: str = "double"
     threads: int | None = None
     periodic: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalOptions(SolverOptions):
+    """Options of the normal contact; `allow_contact_at_edge` accepts contact at the edge of the window."""
+
     allow_contact_at_edge: bool = False
 
 

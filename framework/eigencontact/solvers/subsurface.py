@@ -253,7 +253,7 @@ class SubsurfaceStress:
     def _coefficients(self, kernels: list[StressKernel]) -> list[Callable[[], None]]:
         """Tasks that fill in the spectra of one depth each from tables of coefficients."""
         dx, dy = self.grid.dx, self.grid.dy
-        x, y = self._layout.lattice_x * dx, self._layout.lattice_y * dy
+        x, y = self._layout.x.lattice * dx, self._layout.y.lattice * dy
         below, left = mirrored(y), mirrored(x)
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
         prepared = all_tables(kernels, self.depths, (0.5 * dx, 0.5 * dy), reach, self._threads)

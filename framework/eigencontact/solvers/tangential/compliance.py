@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
-from eigencontact.solvers.operator import Compliance
+from eigencontact.solvers.operator import Coefficients, Compliance
 from eigencontact.solvers.preconditioner import Circulant
 
 __all__ = ["MatrixOperator", "Pair", "ParityCoefficients"]
@@ -22,20 +21,12 @@ Pair = tuple[str, str]
 _KEPT = 4
 
 
-class ParityCoefficients(Protocol):
-    """Influence coefficients of one response to one traction, with their parity."""
+class ParityCoefficients(Coefficients, Protocol):
+    """Influence coefficients of one response to one traction [m/Pa], with their parity."""
 
     @property
     def parity(self) -> tuple[int, int]:
         """Parity (in y, in x)."""
-        ...
-
-    def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
-        """Response at offsets x, y [m] of a rectangle under unit traction, ``(ny, nx)`` [m/Pa]."""
-        ...
-
-    def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
-        """Amplitude of the response to a unit traction wave; for periodic contact."""
         ...
 
 
@@ -114,11 +105,11 @@ class MatrixOperator:
             ky, kx = layout.wavenumbers(self.grid.dy, self.grid.dx)
             response = self._coefficients[pair].response(kx[None, :], ky[:, None])
             return layout.spectrum_from_response(response, parity, precision=self.precision)
-        y, x = np.abs(layout.lattice_y).astype(int), np.abs(layout.lattice_x).astype(int)
+        y, x = np.abs(layout.y.lattice).astype(int), np.abs(layout.x.lattice).astype(int)
         table = self._table(pair, int(y.max()) + 1, int(x.max()) + 1)
         if not (layout.y.symmetric and layout.x.symmetric):
-            sign_y = np.sign(layout.lattice_y) if parity[0] < 0 else np.ones(y.size)
-            sign_x = np.sign(layout.lattice_x) if parity[1] < 0 else np.ones(x.size)
+            sign_y = np.sign(layout.y.lattice) if parity[0] < 0 else np.ones(y.size)
+            sign_x = np.sign(layout.x.lattice) if parity[1] < 0 else np.ones(x.size)
             table = table[np.ix_(y, x)] * (sign_y[:, None] * sign_x[None, :])
         return layout.spectrum(table, parity, precision=self.precision)
 

@@ -12,6 +12,7 @@ from eigencontact.core.array_types import BoolArray, FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.errors import NotConverged, SceneError, require
 from eigencontact.solvers.report import FrictionCertificate, Progress, SolveReport
+from eigencontact.solvers.solution import SolverOptions
 from eigencontact.solvers.tangential.compliance import MatrixOperator, Pair, ParityCoefficients
 from eigencontact.solvers.tangential.control import MODES, TangentialControl, mode_fields
 from eigencontact.solvers.tangential.discs import Infeasible, RigidPlane, length_of
@@ -38,24 +39,10 @@ class Overloaded(SceneError):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TangentialOptions:
-    """Options of the tangential solver.
+class TangentialOptions(SolverOptions):
+    """Options of the tangential solver: the tolerance bounds the `FrictionCertificate`, iterations are Newton steps."""
 
-    Parameters
-    ----------
-    tolerance : float
-        Bound on each residual of the `FrictionCertificate` [-].
-    max_iterations : int
-        Newton steps allowed.
-    precision, threads, periodic
-        As in `eigencontact.solvers.solution.NormalOptions`.
-    """
-
-    tolerance: float = 1e-6
     max_iterations: int = 200
-    precision: str = "double"
-    threads: int | None = None
-    periodic: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
