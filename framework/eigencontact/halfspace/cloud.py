@@ -123,64 +123,9 @@ def field_of_cloud(
         else:
             out += field_at_points(shape, eigenstrains[number], (x, y, z), space=space, **options)
     if distant:
-        finder = _Finder(x, y, z)
-        if large:
-            out += _hierarchical(shapes, distant, eigenstrains, finder, tolerance, space=space, **options)
-        else:
-            sources = _Sources(list(distant.values()), eigenstrains[list(distant)])
-            # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
-            order = finder.order
-            out[:, order] += _sum_of_sources(sources, (x[order], y[order], z[order]), space=space, **options)
-        _near_fields(shapes, distant, eigenstrains, finder, space, options, out)
-    return out
-
-
-def _hierarchical(
-    shapes: Sequence[HasPotentials],
-    distant: Mapping[int, PointSources],
-    eigenstrains: FloatArray,
-    finder: _Finder,
-    tolerance: float,
-    *,
-    space: str,
-    **options: Any,
-) -> FloatArray:
-    """Sum of the point sources with an error below `tolerance` of its largest value, by expansions where these pay.
-
-    The error is the largest difference at points drawn at random from the sum without expansions, times a factor for
-    points that were not drawn. A sum that is not good enough is taken again with a tenth of the tolerance.
-    """
-    points = np.ascontiguousarray(finder.points.T)
-    count = points.shape[1]
-    checked = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
-    x, y, z = np.ascontiguousarray(points[:, checked])
-    strains = eigenstrains[list(distant)]
-    exact = _sum_of_sources(_Sources(list(distant.values()), strains), (x, y, z), space=space, **options)
-    out = np.empty((len(exact), count))
-    node_tolerance = tolerance
-    while True:
-        regions = _relaxed(shapes, distant, tolerance)
-        tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions, count) else None
-        order = finder.order if tree is None else tree.order
-        x, y, z = np.ascontiguousarray(points[:, order])
-        out[:, order] = _sum_of_sources(_Sources(regions, strains), (x, y, z), space=space, tree=tree, **options)
-        error = _UNSEEN * float(np.abs(out[:, checked] - exact).max())
-        if error <= node_tolerance * float(np.abs(out).max()) or tolerance < _LEAST:
-            return out
-        tolerance *= 0.1
-
-
-def _relaxed(
-    shapes: Sequence[HasPotentials], distant: Mapping[int, PointSources], tolerance: float
-) -> list[PointSources]:
-    """The point sources of regions for a tolerance; like shapes are asked once."""
-    distances: dict[Hashable, list[float]] = {}
-    out = []
-    for number, far in distant.items():
-        likeness = _likeness(shapes[number])
-        if likeness not in distances:
-            distances[likeness] = distances_for(far, tolerance)
-        out.append(_at_distances(far, distances[likeness]))
+        regions = _DistantRegions(shapes, distant, eigenstrains, _Finder(x, y, z), space, options)
+        regions.add_far_fields(out, tolerance if large else None)
+        regions.add_near_fields(out)
     return out
 
 
@@ -218,11 +163,12 @@ class _Sources:
         self.tables = (rows, np.column_stack([centers, reaches, distances]), starts, table)
 
 
-def _blocks(count: int, node: int = -1, role: int = 0, first: int = 0) -> IntArray:
-    """Blocks of so many points, rows (first, stop, node, role)."""
-    starts = np.arange(first, first + count, _BLOCK)
-    stops = np.minimum(starts + _BLOCK, first + count)
-    return np.column_stack([starts, stops, np.full(starts.size, node), np.full(starts.size, role)])
+def _blocks(count: int) -> IntArray:
+    """Blocks of so many points, rows (first, stop, node, role), without a tree."""
+    starts = np.arange(0, count, _BLOCK)
+    return np.column_stack(
+        [starts, np.minimum(starts + _BLOCK, count), np.full_like(starts, -1), np.zeros_like(starts)]
+    )
 
 
 def _sum_of_sources(
@@ -278,70 +224,120 @@ def _likeness(shape: Any) -> Hashable:
     return (type(shape), *values)
 
 
-def _near_fields(
-    shapes: Sequence[HasPotentials],
-    distant: Mapping[int, PointSources],
-    eigenstrains: FloatArray,
-    finder: _Finder,
-    space: str,
-    options: dict[str, Any],
-    out: FloatArray,
-) -> None:
-    """Add the fields of regions at points too close to them for their point sources, and likewise of their images."""
-    alike: dict[Hashable, list[int]] = {}
-    for number in distant:
-        alike.setdefault(_likeness(shapes[number]), []).append(number)
-    pairs = _Pairs(out)
-    for members in alike.values():
-        _add_pairs(shapes, distant, members, eigenstrains, finder, ("full",), options, pairs)
-    if space == "half":
-        level: dict[Hashable, list[int]] = {}  # an image depends on the depth
-        for number, far in distant.items():
-            if far.distance > far.center[2]:
-                level.setdefault((_likeness(shapes[number]), float(far.center[2])), []).append(number)
-        for members in level.values():
-            _add_pairs(shapes, distant, members, eigenstrains, finder, ("half", "full"), options, pairs)
-    pairs.flush()
+class _DistantRegions:
+    """Regions with point sources, and the points at which their fields are summed.
 
+    Parameters
+    ----------
+    shapes, eigenstrains
+        Of all regions.
+    sources : mapping of int to PointSources
+        Point sources by number of the region.
+    finder : _Finder
+        The points.
+    space, options
+        Arguments of `field_at_points`.
+    """
 
-def _add_pairs(
-    shapes: Sequence[HasPotentials],
-    distant: Mapping[int, PointSources],
-    members: Sequence[int],
-    eigenstrains: FloatArray,
-    finder: _Finder,
-    spaces: tuple[str, ...],
-    options: dict[str, Any],
-    pairs: _Pairs,
-) -> None:
-    """Fields of like regions in the first space minus that in the second, at the points near them or their images."""
-    canonical, far = shapes[members[0]], distant[members[0]]
-    side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
-    near_points = [finder.within(distant[member].center * side, far.distance) for member in members]
-    index = np.concatenate(near_points)
-    if not index.size:
-        return
-    owner = np.repeat(np.asarray(members), [near.size for near in near_points])
-    centers = np.array([distant[member].center for member in members])
-    offsets = finder.points[index] - np.repeat(centers, [near.size for near in near_points], axis=0)
-    first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
-    if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
-        rounded = np.round(offsets / (1e-12 * far.distance)).astype(np.int64)
-        _, first, inverse = np.unique(rounded @ _HASH, return_index=True, return_inverse=True)
-        if not np.array_equal(rounded[first][inverse], rounded):  # two of them have one hash
-            first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
-    at = np.ascontiguousarray((offsets[first] + far.center).T)
-    for start in range(0, first.size, _PAIRS):
-        chunk = slice(start, start + _PAIRS)
-        fields = [unit_fields_at_points(canonical, tuple(at[:, chunk]), space=space, **options) for space in spaces]
-        unit = fields[0] - fields[1] if len(fields) == 2 else fields[0]
-        pairs_of_chunk = (
-            np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS)) if first.size > _PAIRS else slice(None)
-        )
-        place = inverse[pairs_of_chunk] - start
-        pairs.add(
-            index[pairs_of_chunk], np.einsum("ucn,nu->cn", unit[:, :, place], eigenstrains[owner[pairs_of_chunk]])
-        )
+    def __init__(
+        self, shapes: Sequence[HasPotentials], sources: Mapping[int, PointSources], eigenstrains: FloatArray,
+        finder: _Finder, space: str, options: dict[str, Any],
+    ) -> None:  # fmt: skip
+        self._shapes, self._sources, self._eigenstrains = shapes, sources, eigenstrains
+        self._finder, self._space, self._options = finder, space, options
+
+    def add_far_fields(self, out: FloatArray, tolerance: float | None) -> None:
+        """Add the point sources: one by one, or hierarchically to a tolerance."""
+        if tolerance is not None:
+            out += self._hierarchical(tolerance)
+            return
+        # Neighbours in space are neighbours in the sum, so that a block of points can do with few sources.
+        order = self._finder.order
+        out[:, order] += self._sum(list(self._sources.values()), self._finder.points[order].T)
+
+    def _sum(self, regions: Sequence[PointSources], points: FloatArray, tree: Tree | None = None) -> FloatArray:
+        x, y, z = np.ascontiguousarray(points)
+        sources = _Sources(regions, self._eigenstrains[list(self._sources)])
+        return _sum_of_sources(sources, (x, y, z), space=self._space, tree=tree, **self._options)
+
+    def _hierarchical(self, tolerance: float) -> FloatArray:
+        """Sum of the point sources with an error below `tolerance` of its largest value, by expansions if these pay.
+
+        The error is the largest difference at points drawn at random from the sum without expansions, times a factor
+        for points that were not drawn. A sum that is not good enough is repeated with a tenth of the tolerance.
+        """
+        points = np.ascontiguousarray(self._finder.points.T)
+        count = points.shape[1]
+        checked = np.random.default_rng(0).choice(count, min(_CHECKED, 1 + count // 16), replace=False)
+        exact = self._sum(list(self._sources.values()), points[:, checked])
+        out = np.empty((len(exact), count))
+        node_tolerance = tolerance
+        while True:
+            regions = self._relaxed(tolerance)
+            tree = Tree.over(points, degree_for(tolerance)) if expansions_pay(regions, count) else None
+            order = self._finder.order if tree is None else tree.order
+            out[:, order] = self._sum(regions, points[:, order], tree)
+            error = _UNSEEN * float(np.abs(out[:, checked] - exact).max())
+            if error <= node_tolerance * float(np.abs(out).max()) or tolerance < _LEAST:
+                return out
+            tolerance *= 0.1
+
+    def _relaxed(self, tolerance: float) -> list[PointSources]:
+        """Point sources for a tolerance; equal shapes share one search."""
+        distances: dict[Hashable, list[float]] = {}
+        regions = []
+        for number, far in self._sources.items():
+            likeness = _likeness(self._shapes[number])
+            if likeness not in distances:
+                distances[likeness] = distances_for(far, tolerance)
+            regions.append(_at_distances(far, distances[likeness]))
+        return regions
+
+    def add_near_fields(self, out: FloatArray) -> None:
+        """Add the fields at points too close to a region, or to its image, for the point sources."""
+        alike: dict[Hashable, list[int]] = {}
+        for number in self._sources:
+            alike.setdefault(_likeness(self._shapes[number]), []).append(number)
+        pairs = _Pairs(out)
+        for members in alike.values():
+            self._add_pairs(members, ("full",), pairs)
+        if self._space == "half":
+            level: dict[Hashable, list[int]] = {}  # an image depends on the depth
+            for number, far in self._sources.items():
+                if far.distance > far.center[2]:
+                    level.setdefault((_likeness(self._shapes[number]), float(far.center[2])), []).append(number)
+            for members in level.values():
+                self._add_pairs(members, ("half", "full"), pairs)
+        pairs.flush()
+
+    def _add_pairs(self, members: Sequence[int], spaces: tuple[str, ...], pairs: _Pairs) -> None:
+        """Fields of like regions in the first space minus that in the second, at points near them or their images."""
+        canonical, far = self._shapes[members[0]], self._sources[members[0]]
+        side = (1.0, 1.0, 1.0 if len(spaces) == 1 else -1.0)
+        centers = np.array([self._sources[member].center for member in members])
+        near_points = [self._finder.within(center * side, far.distance) for center in centers]
+        index = np.concatenate(near_points)
+        if not index.size:
+            return
+        counts = [near.size for near in near_points]
+        owner = np.repeat(np.asarray(members), counts)
+        offsets = self._finder.points[index] - np.repeat(centers, counts, axis=0)
+        first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
+        if len(members) > 1:  # offsets that agree to round-off are one: regular arrays on a grid share their work
+            rounded = np.round(offsets / (1e-12 * far.distance)).astype(np.int64)
+            _, first, inverse = np.unique(rounded @ _HASH, return_index=True, return_inverse=True)
+            if not np.array_equal(rounded[first][inverse], rounded):  # two of them have one hash
+                first, inverse = np.arange(len(offsets)), np.arange(len(offsets))
+        at = np.ascontiguousarray((offsets[first] + far.center).T)
+        for start in range(0, first.size, _PAIRS):
+            points = tuple(at[:, start : start + _PAIRS])
+            fields = [unit_fields_at_points(canonical, points, space=space, **self._options) for space in spaces]
+            unit = fields[0] - fields[1] if len(fields) == 2 else fields[0]
+            chunk: Any = slice(None)
+            if first.size > _PAIRS:
+                chunk = np.flatnonzero((inverse >= start) & (inverse < start + _PAIRS))
+            strains = self._eigenstrains[owner[chunk]]
+            pairs.add(index[chunk], np.einsum("ucn,nu->cn", unit[:, :, inverse[chunk] - start], strains))
 
 
 class _Pairs:
