@@ -32,15 +32,12 @@ class Backend(Protocol):
 
     def forward(self, source: Array, target: Array) -> Plan:
         """Plan of a forward transform, complex, or real ``(n, F)`` to ``(n, F//2 + 1)``; the source is kept."""
-        ...
 
     def inverse(self, source: Array, target: Array) -> Plan:
         """Plan of an inverse transform, complex, or ``(n, F//2 + 1)`` to real ``(n, F)``; destroys the source maybe."""
-        ...
 
     def empty(self, shape: tuple[int, ...], dtype: Any) -> Array:
         """Array aligned for this library; its values are arbitrary."""
-        ...
 
 
 class _FFTW:

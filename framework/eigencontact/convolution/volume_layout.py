@@ -82,10 +82,6 @@ class VolumeLayout:
             return self.x.half, self.y.half, self.z.half
         return self.x.half, self.y.length, self.z.length
 
-    def table_shape(self, *, correlation: bool) -> tuple[int, int, int]:
-        """Shape of a table ``[x, y, z]``."""
-        return self.x.lattice.size, self.y.lattice.size, (self.lattice_sum if correlation else self.z.lattice).size
-
 
 class VolumeKernels:
     """Spectra of several kernels of one layout, ``values[kx, kernel, part, ky, kz]``, parts real and imaginary.
@@ -135,7 +131,8 @@ class VolumeKernels:
     def fill(self, number: int, table: FloatArray, scale: float = 1.0) -> None:
         """Transform the table ``[x, y, z]`` of one kernel, sampled on the layout's lattice, and keep the spectrum."""
         layout, parity, correlation = self.layout, self.parities[number], self.correlations[number]
-        expected = layout.table_shape(correlation=correlation)
+        along_z = layout.lattice_sum if correlation else layout.z.lattice
+        expected = (layout.x.lattice.size, layout.y.lattice.size, along_z.size)
         require(table.shape == expected, "convolution", "table", table.shape, f"of shape {expected}")
         points = layout.x.length * layout.y.length * layout.z.length
         factor = scale / points

@@ -31,6 +31,7 @@ __all__ = [
     "factors_of_compliance",
     "factors_of_stiffness",
     "frame_of",
+    "isotropic",
     "isotropic_factors",
     "isotropic_stiffness",
     "mandel_rotation",
@@ -48,7 +49,6 @@ class Elasticity(Protocol):
 
     def factors(self, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
         """``soft`` [1/Pa] and ``stiff`` [-], ``(6, 6)``, for the shear modulus [Pa] of the material around."""
-        ...
 
 
 @runtime_checkable
@@ -57,7 +57,6 @@ class ElasticityOfCells(Protocol):
 
     def of_cells(self, index: NDArray[np.intp]) -> Elasticity:
         """Elasticity of chosen cells, by flat index; its factors are ``(n, 6, 6)``."""
-        ...
 
 
 def factors_of_stiffness(stiffness: ArrayLike, shear_modulus: float) -> tuple[FloatArray, FloatArray]:
@@ -108,7 +107,7 @@ def isotropic_factors(
     squeeze = E + np.where(void, 2.0 * G, 2.0 * G * (1.0 - 2.0 * nu))
     soft_volume = np.where(void, 1.0, 1.0 - 2.0 * nu) / squeeze
     shear = E + 2.0 * G * (1.0 + nu)
-    soft, stiff = _isotropic(soft_volume, (1.0 + nu) / shear), _isotropic(E / squeeze, E / shear)
+    soft, stiff = isotropic(soft_volume, (1.0 + nu) / shear), isotropic(E / squeeze, E / shear)
     return soft, stiff
 
 
@@ -142,10 +141,10 @@ def isotropic_stiffness(young_modulus: ArrayLike, poisson_ratio: ArrayLike) -> F
     E, nu = np.broadcast_arrays(np.asarray(young_modulus, dtype=float), np.asarray(poisson_ratio, dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
         volume = np.where(E == 0.0, 0.0, E / (1.0 - 2.0 * nu))
-    return _isotropic(volume, E / (1.0 + nu))
+    return isotropic(volume, E / (1.0 + nu))
 
 
-def _isotropic(of_volume: FloatArray, of_shear: FloatArray) -> FloatArray:
+def isotropic(of_volume: FloatArray, of_shear: FloatArray) -> FloatArray:
     """Isotropic matrices from their values for pure dilatation and for shear."""
     volume = np.zeros((6, 6))
     volume[:3, :3] = 1.0 / 3.0

@@ -20,7 +20,6 @@ class Sized(Protocol):
     @property
     def nbytes(self) -> int:
         """Memory [bytes]."""
-        ...
 
 
 Made = TypeVar("Made", bound=Sized)

@@ -52,11 +52,9 @@ class Engine(Protocol):
 
     def __enter__(self) -> Self:
         """Take what is needed."""
-        ...
 
     def __exit__(self, *_: object) -> None:
         """Give everything back."""
-        ...
 
     def map(
         self, function: Callable[[Task, Held], Answer], tasks: Sequence[Task], begin: Callable[[Share], Held]
@@ -72,7 +70,6 @@ class Engine(Protocol):
         begin : callable
             Called once in each process; makes what the tasks of that process share.
         """
-        ...
 
 
 class _Local:

@@ -87,8 +87,6 @@ class LayeredInfluence:
         material: Material | Medium,
     ) -> FloatArray:
         """Displacement at points; see `SurfaceInfluence.displacement`."""
-        if isinstance(material, Material):
-            return self.base.displacement(components, x, y, z, half_widths, material)
         return self._at_points("displacement", components, (x, y, z), half_widths, material)
 
     def stress(
@@ -101,8 +99,6 @@ class LayeredInfluence:
         material: Material | Medium,
     ) -> FloatArray:
         """Mandel stress at points; see `SurfaceInfluence.stress`."""
-        if isinstance(material, Material):
-            return self.base.stress(components, x, y, z, half_widths, material)
         return self._at_points("stress", components, (x, y, z), half_widths, material)
 
     def sample(
@@ -220,9 +216,12 @@ class LayeredInfluence:
         components: Sequence[str],
         points: tuple[FloatArray, FloatArray, FloatArray | float],
         half_widths: HalfWidths,
-        medium: Medium,
+        medium: Material | Medium,
     ) -> FloatArray:
-        """Field at scattered points, one depth after the other."""
+        """Field at scattered points, one depth after the other; of a material by the installed influence."""
+        if isinstance(medium, Material):
+            evaluate = self.base.displacement if quantity == "displacement" else self.base.stress
+            return evaluate(components, *points, half_widths, medium)
         x, y, z = np.broadcast_arrays(*(np.asarray(coordinate, dtype=float) for coordinate in points))
         depths, place = np.unique(z, return_inverse=True)
         place = place.reshape(z.shape)

@@ -60,7 +60,6 @@ class HasResponseAtDepths(Protocol):
 
         The depths come in any order, and may come twice.
         """
-        ...
 
 
 def response_at_depths(

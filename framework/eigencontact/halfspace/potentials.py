@@ -51,15 +51,12 @@ class HasPotentials(Protocol):
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Lowest and highest coordinates of the region [m]."""
-        ...
 
     def phi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Phi, ``(len(orders), ...)`` [m^(2 - order)]; x, y, z have one shape."""
-        ...
 
     def psi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Psi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
-        ...
 
 
 @runtime_checkable
@@ -78,13 +75,11 @@ class HasSidedPotentials(Protocol):
         self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
     ) -> FloatArray:
         """See `HasPotentials.phi`."""
-        ...
 
     def psi(
         self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray, side: FloatArray | float = 0.0
     ) -> FloatArray:
         """See `HasPotentials.psi`."""
-        ...
 
 
 def derivatives(
@@ -110,7 +105,6 @@ class HasMirrorPotential(Protocol):
 
     def chi(self, orders: Sequence[Order], x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Derivatives of Chi, ``(len(orders), ...)`` [m^(4 - order)]; x, y, z have one shape."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -157,7 +151,6 @@ class HasFarField(Protocol):
 
     def far_field(self) -> PointSources:
         """Point sources, exact to round-off beyond their distance."""
-        ...
 
 
 @runtime_checkable
@@ -175,7 +168,6 @@ class HasCornerPotentials(Protocol):
         x, y, z broadcast; they must not lie on a coordinate plane's singular line (lattice nodes never do). For chi
         z is the distance along Z, positive.
         """
-        ...
 
 
 @runtime_checkable
@@ -197,4 +189,3 @@ class HasVolumeFractions(Protocol):
         shape : (nz, ny, nx)
             Numbers of cells.
         """
-        ...

@@ -8,7 +8,7 @@ that over a sphere of sqrt(3/5) of the radius, and what limits the mean is how w
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -17,7 +17,7 @@ import numpy as np
 
 from eigencontact.core.array_types import FloatArray, IntArray
 from eigencontact.errors import require
-from eigencontact.halfspace.cloud import _likeness, _Sources, _sum_of_sources, cloud_sources
+from eigencontact.halfspace.cloud import _Sources, _sum_of_sources, cloud_sources
 from eigencontact.halfspace.points import unit_fields_at_points
 from eigencontact.halfspace.potentials import HasFarField, HasPotentials, PointSources
 
@@ -110,7 +110,7 @@ class RegionMeans:
         """Target, source and matrix of all that the sum over point sources leaves out or gets wrong."""
         count = len(self._shapes)
         self.own = np.zeros((count, 6, 6))
-        corrections: dict[Hashable, FloatArray] = {}
+        corrections: dict[bytes, FloatArray] = {}
         targets, sources, matrices = [], [], []
         for source in range(count):
             near = self._near(source) if source in self._far else np.arange(count)
@@ -148,7 +148,7 @@ class RegionMeans:
         x, y, z = points
         return unit_fields_at_points(self._shapes[source], (x, y, z), space=space, threads=1, **self._given)
 
-    def _fields(self, source: int, points: FloatArray, corrections: dict[Hashable, FloatArray]) -> FloatArray:
+    def _fields(self, source: int, points: FloatArray, corrections: dict[bytes, FloatArray]) -> FloatArray:
         """Stress ``(6 eigenstrains, 6, points)`` of a region."""
         if source not in self._far:
             return self._exact(source, points, self._space)
@@ -158,9 +158,8 @@ class RegionMeans:
         out = self._sums(source, points, self._space)
         offsets = points.T - far.center
         close = np.flatnonzero(np.einsum("ni,ni->n", offsets, offsets) < far.distance**2)
-        # In full space stress does not depend on the size: all balls share one matrix, and so do equal shapes.
-        rounded = np.round(offsets[close] / (1e-12 * far.distance))
-        key = ("ball" if _is_ball(far) else _likeness(self._shapes[source]), rounded.tobytes())
+        # In full space stress does not depend on the size: all balls share one matrix.
+        key = np.round(offsets[close] / (1e-12 * far.distance)).tobytes()
         if key not in corrections:
             corrections[key] = self._exact(source, points[:, close], "full") - self._sums(
                 source, points[:, close], "full"

@@ -26,11 +26,9 @@ class Region(Protocol):
     @property
     def bounds(self) -> tuple[Point, Point]:
         """Lowest and highest coordinates."""
-        ...
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie inside."""
-        ...
 
 
 class Voxels:

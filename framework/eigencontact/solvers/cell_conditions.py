@@ -35,6 +35,7 @@ from eigencontact.core.elasticity import (
     ElasticityOfCells,
     checked_stiffness,
     factors_of_stiffness,
+    isotropic,
     isotropic_factors,
     mandel_rotation,
 )
@@ -181,7 +182,8 @@ def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint:
     (P1, Q1, _), (P2, Q2, _) = first, second
     own1, own2 = Q1 - P1 @ constraint, Q2 - P2 @ constraint
     # What the difference of the two eigenstrains adds to the mean condition, by what it does to their difference.
-    weight = _right_divided(own1 - own2, (1.0 - f) * own1 + f * own2)
+    mean = (1.0 - f) * own1 + f * own2
+    weight = np.linalg.solve(mean.swapaxes(1, 2), (own1 - own2).swapaxes(1, 2)).swapaxes(1, 2)
     stress = f * P1 + (1.0 - f) * P2 - f * (1.0 - f) * weight @ (P1 - P2)
     strain = f * Q1 + (1.0 - f) * Q2 - f * (1.0 - f) * weight @ (Q1 - Q2)
     return Condition(stress, strain, Q1 - (1.0 - f) * weight @ Q1)
@@ -190,10 +192,8 @@ def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint:
 def constraint_of_ball(matrix: Material) -> FloatArray:
     """T = C_m (I - S) [Pa] of a ball in the matrix, ``(6, 6)``; finite for ν = 0.5."""
     nu, G = matrix.poisson_ratio, matrix.shear_modulus
-    volume = np.zeros((6, 6))
-    volume[:3, :3] = 1.0 / 3.0
-    shear = 2.0 * G * (7.0 - 5.0 * nu) / (15.0 * (1.0 - nu))
-    return np.asarray(4.0 * G * (1.0 + nu) / (3.0 * (1.0 - nu)) * volume + shear * (np.eye(6) - volume))
+    of_volume = 4.0 * G * (1.0 + nu) / (3.0 * (1.0 - nu))
+    return isotropic(np.array(of_volume), np.array(2.0 * G * (7.0 - 5.0 * nu) / (15.0 * (1.0 - nu))))
 
 
 def constraint_of_layer(matrix: Material, normals: FloatArray) -> FloatArray:
@@ -214,8 +214,3 @@ def compliance(material: Material) -> FloatArray:
     out = (1.0 + nu) * np.eye(6)
     out[:3, :3] -= nu
     return out / material.young_modulus
-
-
-def _right_divided(a: FloatArray, b: FloatArray) -> FloatArray:
-    """``a b^-1``."""
-    return np.asarray(np.linalg.solve(b.swapaxes(1, 2), a.swapaxes(1, 2)).swapaxes(1, 2))

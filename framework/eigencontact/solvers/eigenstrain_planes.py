@@ -22,7 +22,7 @@ from eigencontact.convolution import Convolver, Layout, Spectrum
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
-from eigencontact.halfspace.forms import Form, Kernel, reduced
+from eigencontact.halfspace.forms import Kernel, reduced
 from eigencontact.halfspace.potentials import HasCornerPotentials
 from eigencontact.halfspace.theorem import QUANTITIES
 from eigencontact.solvers.cells import Cells, snapped
@@ -220,14 +220,10 @@ def _weights(forms: Forms, kernels: Sequence[Kernel], depth: float) -> FloatArra
     out = np.zeros((len(forms), 6, len(kernels)))
     for row, columns in enumerate(forms):
         for column, form in enumerate(columns):
-            _add(out[row, column], form, numbers, depth)
+            for power, kernel, value in form:
+                if kernel in numbers:
+                    out[row, column, numbers[kernel]] += value * depth**power
     return out
-
-
-def _add(out: FloatArray, form: Form, numbers: dict[Kernel, int], depth: float) -> None:
-    for power, kernel, value in form:
-        if kernel in numbers:
-            out[numbers[kernel]] += value * depth**power
 
 
 def _parity(quantity: str, component: int, strain: int) -> tuple[int, int]:

@@ -52,7 +52,6 @@ class StressOperator(Protocol):
 
     def apply(self, eigenstrain: ArrayLike) -> NDArray[np.floating]:
         """Stress [Pa] of an eigenstrain, both ``(6, nz, ny, nx)``."""
-        ...
 
 
 class InhomogeneousCells(InclusionSystem):

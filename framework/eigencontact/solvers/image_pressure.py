@@ -63,7 +63,6 @@ class PressureKernel(Protocol):
         material: Material,
     ) -> FloatArray:
         """Displacement or Mandel stress per unit pressure on a lattice of offsets, ``(n, ny, nx)``."""
-        ...
 
 
 def reflected(quantity: str, field: FloatArray) -> FloatArray:

@@ -26,21 +26,17 @@ class Law(Protocol):
     @property
     def key(self) -> Any:
         """Name in messages."""
-        ...
 
     @property
     def advice(self) -> str:
         """Advice to the user where the law softens."""
-        ...
 
     @property
     def variables(self) -> Any:
         """Mapping of names to what is remembered, with ``components`` each."""
-        ...
 
     def update(self, strain: FloatArray, before: Mapping[str, FloatArray], step: Any) -> Any:
         """Stress, tangent and variables after."""
-        ...
 
 
 @runtime_checkable
@@ -51,7 +47,6 @@ class AnsweringLaw(Protocol):
         self, foreign: FloatArray, prestrain: FloatArray, around: Any, before: Mapping[str, FloatArray], step: Any
     ) -> tuple[FloatArray, Mapping[str, FloatArray]]:
         """Eigenstrain of the cells, and variables after."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

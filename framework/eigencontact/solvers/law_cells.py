@@ -37,12 +37,10 @@ class Around(Protocol):
     @property
     def shear_stiffness(self) -> float:
         """Deviatoric stress that a unit of its own eigenstrain takes from a ball [Pa]."""
-        ...
 
     @property
     def bulk_stiffness(self) -> float:
         """The same of the means."""
-        ...
 
 
 #: Most Newton steps of one sweep.

@@ -24,11 +24,9 @@ class Coefficients(Protocol):
 
     def table(self, x: FloatArray, y: FloatArray, half_widths: tuple[float, float]) -> FloatArray:
         """Response at offsets x, y [m] of a rectangle of the given half-widths under unit traction, ``(ny, nx)``."""
-        ...
 
     def response(self, kx: FloatArray, ky: FloatArray) -> NDArray[np.complex128]:
         """Amplitude of the response to a unit traction wave, ``(nky, nkx)``; for periodic contact."""
-        ...
 
 
 class BoxOperator:

@@ -46,21 +46,17 @@ class StressKernel(Protocol):
     @property
     def components(self) -> Sequence[str]:
         """Components of the stress, or of the displacement."""
-        ...
 
     def parity(self, component: str) -> tuple[int, int]:
         """Parity (in y, in x)."""
-        ...
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Values on a lattice of offsets at one depth, ``(n, ny, nx)``."""
-        ...
 
     def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
         """Amplitudes for a traction wave at one depth, ``(n, nky, nkx)``."""
-        ...
 
 
 @runtime_checkable
@@ -71,13 +67,11 @@ class HasDepths(Protocol):
         self, components: list[str], depths: FloatArray, half_widths: tuple[float, float], reach: float
     ) -> TableAt:
         """Prepare tables at depths ``(nz,)`` for offsets up to `reach` [m]; they may be asked for in threads."""
-        ...
 
     def responses(
         self, components: list[str], kx: FloatArray, ky: FloatArray, depths: FloatArray
     ) -> Iterable[NDArray[np.complex128]]:
         """Amplitudes for a traction wave at depths ``(nz,)``, one after the other, ``(n, nky, nkx)`` each."""
-        ...
 
 
 @runtime_checkable
@@ -93,7 +87,6 @@ class HasSums(Protocol):
         load: FloatArray,
     ) -> SumAt | None:
         """Prepare sums of a load ``(ny, nx)``, else as `HasDepths.at_depths`; None where tables are as good."""
-        ...
 
 
 def tables_at(kernel: StressKernel, depths: FloatArray, half_widths: tuple[float, float], reach: float) -> TableAt:

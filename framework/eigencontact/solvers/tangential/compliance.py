@@ -27,7 +27,6 @@ class ParityCoefficients(Coefficients, Protocol):
     @property
     def parity(self) -> tuple[int, int]:
         """Parity (in y, in x)."""
-        ...
 
 
 class MatrixOperator:
@@ -58,7 +57,9 @@ class MatrixOperator:
     ) -> None:
         self.grid, self.targets, self.sources = grid, targets, sources
         self.periodic, self.precision, self.threads = periodic, precision, threads
-        self._coefficients = {pair: coefficients[pair] for pair in coefficients if self._couples(pair)}
+        self._coefficients = {
+            pair: coefficients[pair] for pair in coefficients if pair[0] in targets and pair[1] in sources
+        }
         self._tables: dict[Pair, FloatArray] = {}
         self._unit: float | None = None
         self._operators: dict[tuple[Box, Box], tuple[Convolver, list[list[Spectrum | None]]]] = {}
@@ -66,9 +67,6 @@ class MatrixOperator:
         self._diagonal: dict[str, Compliance] = {}
         #: Times that all displacements were computed.
         self.applications = 0
-
-    def _couples(self, pair: Pair) -> bool:
-        return pair[0] in self.targets and pair[1] in self.sources
 
     def apply(self, tractions: FloatArray, source: Box, target: Box) -> FloatArray:
         """Displacements on a box ``(len(targets), ny, nx)`` by the tractions on another ``(len(sources), ny, nx)``."""

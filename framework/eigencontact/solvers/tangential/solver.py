@@ -189,15 +189,22 @@ class TangentialSolver:
         TangentialSolution
             Its slip is that beside the way that it slides.
         """
-        shear = direction[:, None, None] * bound
-        box = Box(0, self.grid.ny, 0, self.grid.nx) if self.options.periodic else Box.around(bound > 0)
-        report, fields = SolveReport[FrictionCertificate](), mode_fields(self.grid, self.components)
-        report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=0.0)
-        displacement = np.zeros_like(shear)
+        shear, window = direction[:, None, None] * bound, Box(0, self.grid.ny, 0, self.grid.nx)
+        box = window if self.options.periodic else Box.around(bound > 0)
+        report, displacement = SolveReport[FrictionCertificate](), np.zeros_like(shear)
         if box is not None:
-            window, before = Box(0, self.grid.ny, 0, self.grid.nx), self.operator.applications
+            before = self.operator.applications
             displacement = self.operator.apply(shear[:, *box.slices], box, window)
             report.convolutions = self.operator.applications - before
+        return self._without_stick(shear, displacement, offset, rigid, report, tolerance=0.0)
+
+    def _without_stick(
+        self, shear: FloatArray, displacement: FloatArray, offset: FloatArray, rigid: FloatArray,
+        report: SolveReport[FrictionCertificate], *, tolerance: float,
+    ) -> TangentialSolution:  # fmt: skip
+        """Exact solution in which no cell sticks."""
+        fields = mode_fields(self.grid, self.components)
+        report.certificate = FrictionCertificate(bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=tolerance)
         return TangentialSolution(
             shear=shear, displacement=displacement, rigid=rigid, report=report,
             slip=displacement + offset - np.einsum("m,mkij->kij", rigid, fields),
@@ -354,11 +361,4 @@ class TangentialSolver:
         for mode, value in control.displacements().items():
             rigid[mode] = value
         zero = np.zeros((len(self.components), *self.grid.shape))
-        report.certificate = FrictionCertificate(
-            bound=0.0, stick=0.0, alignment=0.0, load=0.0, tolerance=self.options.tolerance
-        )
-        slip = offset - np.einsum("m,mkij->kij", rigid, mode_fields(self.grid, self.components))
-        return TangentialSolution(
-            shear=zero, displacement=zero.copy(), slip=slip, stick=np.zeros(self.grid.shape, dtype=bool),
-            rigid=rigid, forces=np.zeros(len(MODES)), report=report,
-        )  # fmt: skip
+        return self._without_stick(zero, zero.copy(), offset, rigid, report, tolerance=self.options.tolerance)
