@@ -27,20 +27,19 @@ _LEFT = 1e-2
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """Answer of one sweep.
+    """Result of one sweep.
 
     Attributes
     ----------
     image : (6, nz, ny, nx)
-        Eigenstrain that the cells would take; cells of no law the prestrain alone.
+        Eigenstrain of each cell under the present eigenstrain of the others; without a law the prestrain alone.
     residual : float
-        Root mean square, over the cells of other laws, of what each would still add by itself, relative to the load's
-        strain σ / 2G, or where that is less to a hundredth of the eigenstrain at the start of the increment; without
-        either to the answer.
+        Root mean square of the change, over the cells of laws, relative to the load's strain σ / 2G, or if that is less
+        to a hundredth of the eigenstrain at the start of the increment; without either to the result.
     size : float
-        What the residual is relative to: root of the sum over the cells of the squares of a strain.
+        Reference of the residual: root of the sum over the cells of the squares of a strain.
     remembered : list of mappings
-        What the cells of each law that is not linear would then remember.
+        History variables of the cells of each law that is not linear.
     """
 
     image: FloatArray

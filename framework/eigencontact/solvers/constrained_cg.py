@@ -29,7 +29,7 @@ _STALLED = 60
 
 @dataclass(frozen=True, slots=True)
 class BoxProblem:
-    """A contact problem on one box, in the solver's own units.
+    """A contact problem on one box, in units in which all numbers are of order one.
 
     Attributes
     ----------
@@ -44,15 +44,14 @@ class BoxProblem:
     forces : (m,) array
         Their forces: ``sum(mode * p)``.
     share : (ny, nx) array, optional
-        What each loaded cell takes part in a rigid motion: where cells give way very differently, one that yields to
-        the least pressure must not be asked for as much as the others. By default all the same.
+        Weight of each loaded cell in a rigid motion, 1 by default: cells that yield to the least pressure have less.
     least_deflection : float
         Gaps are measured against the largest deflection of loaded cells, but never against less than this.
     energy : callable, optional
-        Sum of a pressure times its displacement, roughly: it tells the cells to release before the displacement of a
-        step is computed, which is then computed once and not twice.
+        Approximate sum of a pressure times its displacement. It selects the cells to release before the displacement of
+        a step is computed, which is then computed once and not twice.
     threads : int
-        Cores for the fields; they do not change the answer.
+        Cores for the fields; they do not change the result.
     """
 
     apply: Callable[[Array], Array]
@@ -88,19 +87,13 @@ def solve_box(
 
     Parameters
     ----------
-    problem : BoxProblem
-        The problem.
     pressure : (ny, nx) array
         Start; positive at loaded cells. Its memory is used.
     loaded : (ny, nx) bool array
         Loaded cells of the start (a pressure of zero may still count as loaded).
     on_iteration : callable
-        Told the residual of each iteration.
-
-    Returns
-    -------
-    BoxState
-        ``residual`` tells whether it got there; of moments that no pressure on the box carries it is the part missed.
+        Called with the residual of each iteration. The residual of the result is the part of moments that no pressure
+        on the box carries, where that is larger than the tolerance.
     """
     return _Iteration(problem, pressure, loaded).run(tolerance, max_iterations, on_iteration)
 

@@ -60,14 +60,13 @@ class InhomogeneousCells(InclusionSystem):
     Parameters
     ----------
     operator : StressOperator
-        Stress by eigenstrain in the same cells, for the matrix's constants. Take the means over the cells
-        (`eigencontact.solvers.mean_stress.MeanVolumeField`); with values in the centres cells of less than a fifth of
-        the matrix's stiffness may need a thousand iterations, and voids have no answer.
+        Stress by eigenstrain in the same cells, for the matrix's constants, in the mean over each cell
+        (`eigencontact.solvers.mean_stress.MeanVolumeField`). With values in the centres, cells of less than a fifth of
+        the matrix's stiffness may need a thousand iterations, and voids have no solution.
     matrix : Material
         The material around; ν up to 0.5.
     materials : sequence of Elasticity, ElasticityOfCells or (6, 6)
-        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`), the same in all its cells or not, or a
-        Mandel stiffness [Pa].
+        Material 1, 2, ...: elastic constants (`eigencontact.core.elasticity`) or a Mandel stiffness [Pa].
     material_index : (nz, ny, nx) of int
         Material of each cell, 0 is the matrix.
     fraction : (nz, ny, nx), optional
@@ -75,13 +74,11 @@ class InhomogeneousCells(InclusionSystem):
     beside : (nz, ny, nx) of int, optional
         Material of the rest of cells with a fraction below 1; by default 0, the matrix.
     normal : (3, nz, ny, nx), optional
-        Normal of the boundary in cells with a fraction below 1, of any length and sign; zero, or left out: unknown.
+        Normal of the boundary in cells with a fraction below 1, of any length and sign; zero if unknown.
 
-    Notes
-    -----
-    The answer of a cell alone is found once, by six applications of the operator to the middle cell. Where cells are
-    more than about a hundred times stiffer than the matrix, their mean stress is found as well as elsewhere, but not
-    how it is distributed among them: it barely strains them, and the steps of a boundary made of cells spoil it.
+    Notes ----- Six applications of the operator to the middle cell determine the response of a cell alone. Where cells
+    are more than about a hundred times stiffer than the matrix, their mean stress is as good as elsewhere, but not its
+    distribution among them: it barely strains them, and the steps of a boundary made of cells spoil it.
     """
 
     tolerance, max_iterations, restart = 1e-6, 500, 60

@@ -68,12 +68,12 @@ class LawCells:
         Stress in a cell by its own eigenstrain [Pa].
     groups : sequence of (law, cells)
         Flat indices of the cells of each law.
-    around : Surroundings, optional
-        The matrix as laws that answer as cells are told of it; without it no law is asked so.
+    around : Around, optional
+        The matrix, for laws that answer as cells (`AnsweringLaw`); without it no law is asked so.
     shape : (int, int, int), optional
-        Of the box that the indices count in, for messages.
+        Of the box, for messages.
     threads : int, optional
-        In which laws are asked for the answers of cells; by default all cores that this process may use.
+        For laws that answer as cells; by default all cores that this process may use.
     """
 
     def __init__(

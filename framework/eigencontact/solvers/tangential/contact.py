@@ -140,8 +140,8 @@ class FrictionalContact:
     grid : Grid
         Cells.
     coefficients : mapping of (str, str) to ParityCoefficients
-        By directions of displacement and traction, of ``"x"``, ``"y"``, ``"z"``. Which are given is the coupling: only
-        equal directions (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
+        By directions of displacement and traction, ``"x"``, ``"y"``, ``"z"``. The pairs decide the coupling: equal
+        directions only (none); also x with y (partial); also x and y by z (one-way: Goodman's approximation); all
         (full). ``("z", "z")`` and one tangential direction are needed.
     bound : callable
         Shear bound [Pa] ``(ny, nx)`` from the pressure and the state at the start of the increment.
@@ -206,18 +206,16 @@ class FrictionalContact:
             End of the last increment; at rest by default.
         offset : (k, ny, nx) float64, optional
             Tangential displacement by anything but pressure and shear, body 1 less body 2 [m].
-        tolerance : float, optional
-            Instead of that of the options: an outer iteration need not solve to the end at once.
         start : FrictionalSolution, optional
-            An answer near by: that of the same increment under another offset.
+            A solution near by: that of the same increment under another offset.
         slide : (k,) float64, optional
-            Way that body 2 slides on body 1 all over the contact [m]: the shear is at its bound everywhere, against it,
-            whatever `tangential` says. The way is not counted among the rigid displacements.
+            Distance that body 2 slides on body 1 all over the contact [m], not counted among the rigid displacements.
+            The shear is at its bound everywhere, against it; `tangential` is not used.
         moved : bool
-            Whether the separation is another than that at the end of the last increment: the bound at the start is then
-            not known, and friction works with that of the end alone.
-        progress : callable, optional
-            Told the residual of each iteration.
+            Whether the separation has changed since the end of the last increment: the bound at the start is then
+            unknown, and friction works with that of the end alone.
+        tolerance, progress
+            See `eigencontact.solvers.normal.NormalSolver.solve`.
 
         Raises
         ------

@@ -85,22 +85,15 @@ def solve_discs(
 
     Parameters
     ----------
-    problem : DiscProblem
-        The problem.
     start : (k, ny, nx) array
-        Any tractions; they are brought into the discs first.
+        Any tractions; they are moved into the discs first.
     tolerance : float
         Bound on the wrong part of the slip (all of it in stick, across the traction in slip), relative to the largest
         displacement by the tractions.
     max_iterations : int
         Newton steps allowed.
     on_iteration : callable
-        Told the residual of each iterate.
-
-    Returns
-    -------
-    DiscState
-        ``residual`` tells whether it got there.
+        Called with the residual of each iterate; the last is that of the result.
 
     Raises
     ------

@@ -142,11 +142,9 @@ class TangentialSolver:
         control : TangentialControl
             Forces or rigid displacements at the end of the increment.
         start : (k, ny, nx) float64, optional
-            Shear near the answer: that of the last step.
-        tolerance : float, optional
-            Instead of that of the options: an outer iteration need not solve to the end at once.
-        progress : callable, optional
-            Told the residual of each iteration.
+            Shear near the solution: that of the last step.
+        tolerance, progress
+            See `eigencontact.solvers.normal.NormalSolver.solve`.
 
         Raises
         ------
@@ -173,21 +171,16 @@ class TangentialSolver:
     def slid(
         self, bound: FloatArray, offset: FloatArray, direction: FloatArray, rigid: FloatArray
     ) -> TangentialSolution:
-        """Shear of a contact in which everything has slid far, one way.
+        """Shear of a contact that slides one way in all cells.
 
         Parameters
         ----------
         bound, offset : (ny, nx), (k, ny, nx) float64
             See `solve`.
         direction : (k,) float64
-            In which body 2 slides on body 1, of length 1.
+            Direction in which body 2 slides on body 1, of length 1.
         rigid : (3,) float64
-            Rigid displacements that are counted [m, m, rad]; the way that it slides is not among them.
-
-        Returns
-        -------
-        TangentialSolution
-            Its slip is that beside the way that it slides.
+            Other rigid displacements [m, m, rad]; the slip of the solution counts them, not the sliding distance.
         """
         shear, window = direction[:, None, None] * bound, Box(0, self.grid.ny, 0, self.grid.nx)
         box = window if self.options.periodic else Box.around(bound > 0)
