@@ -1,12 +1,12 @@
-"""Many regions at once: point sources wherever they hold, the shapes' own potentials only near by.
+"""Fields of many regions: point sources at a distance, the shapes' own potentials near by.
 
-Beyond a distance a shape is a few points (a sphere is one, everywhere outside), further away fewer. All of them are
-summed over all field points in one compiled loop. What is left are pairs of a region and a point close to it: equal
-shapes hand theirs in together, and pairs that look alike, as those of a regular array on a grid do, are evaluated once.
+Beyond a distance a shape is replaced by a few points (a sphere by one, everywhere outside), further away by fewer. All
+of them are summed over all field points in one compiled loop. The pairs of a region and a point close to it remain:
+equal shapes evaluate theirs together, and equal pairs, as of a regular array on a grid, are evaluated once.
 
-With a tolerance, large sums are hierarchical: what is far from many points reaches them by an expansion (`expansions`),
-and a region is as few points as the tolerance allows. The error is then measured at points drawn at random, where the
-regions are summed one by one as well, and found too large the sum is taken again, more exactly.
+With a tolerance, large sums are hierarchical: regions far from many points act by an expansion (`expansions`), with as
+few points as the tolerance allows. The error is measured at points drawn at random, where the regions are also summed
+one by one; if it is too large, the sum is repeated with a smaller tolerance.
 """
 
 from __future__ import annotations

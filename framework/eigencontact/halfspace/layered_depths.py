@@ -211,9 +211,9 @@ class LayeredDepths:
             depths = list(places)
             step = max(1, TOGETHER // (x.size * y.size))
             for begin in range(0, len(depths), step):
-                some = depths[begin : begin + step]
-                fields = self._closed(components, x, y[:, None], np.array(some)[:, None, None], solid)
-                for number, depth in enumerate(some):
+                chunk = depths[begin : begin + step]
+                fields = self._closed(components, x, y[:, None], np.array(chunk)[:, None, None], solid)
+                for number, depth in enumerate(chunk):
                     for row, weight in places[depth]:
                         out[:, row] += weight * fields[:, number]
         return out

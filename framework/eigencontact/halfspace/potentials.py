@@ -87,7 +87,7 @@ def derivatives(
 ) -> FloatArray:
     """Derivatives of ``"phi"`` or ``"psi"`` of a shape; z of -0.0 is the surface seen from above.
 
-    Shapes that want to be told the side are, so that only the framework needs to know of signed zeros.
+    A shape with ``takes_side`` receives the side, so that only the framework needs to know of signed zeros.
     """
     if isinstance(shape, HasSidedPotentials) and shape.takes_side:
         side = np.where(z == 0, np.where(np.signbit(z), -1.0, 1.0), 0.0)

@@ -180,10 +180,10 @@ def mixed(first: Condition, second: Condition, fraction: FloatArray, constraint:
     """Conditions of cut cells, all ``(n, 6, 6)``; `fraction` ``(n,)`` is the share of the first material."""
     f = fraction[:, None, None]
     (P1, Q1, _), (P2, Q2, _) = first, second
-    own1, own2 = Q1 - P1 @ constraint, Q2 - P2 @ constraint
+    difference1, difference2 = Q1 - P1 @ constraint, Q2 - P2 @ constraint
     # What the difference of the two eigenstrains adds to the mean condition, by what it does to their difference.
-    mean = (1.0 - f) * own1 + f * own2
-    weight = np.linalg.solve(mean.swapaxes(1, 2), (own1 - own2).swapaxes(1, 2)).swapaxes(1, 2)
+    mean = (1.0 - f) * difference1 + f * difference2
+    weight = np.linalg.solve(mean.swapaxes(1, 2), (difference1 - difference2).swapaxes(1, 2)).swapaxes(1, 2)
     stress = f * P1 + (1.0 - f) * P2 - f * (1.0 - f) * weight @ (P1 - P2)
     strain = f * Q1 + (1.0 - f) * Q2 - f * (1.0 - f) * weight @ (Q1 - Q2)
     return Condition(stress, strain, Q1 - (1.0 - f) * weight @ Q1)

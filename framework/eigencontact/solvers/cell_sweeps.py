@@ -1,8 +1,8 @@
-"""Cells of any law, swept: one application of the volume operator, then the answer of every cell by itself.
+"""Cells of any law, swept: one application of the volume operator, then each cell by itself.
 
-A sweep gives every cell the eigenstrain that it would take if the others stayed as they are. Repeated, and sped up by
-Anderson's combination, it converges for ratios of stiffness up to about 20 in fewer applications than a Krylov solve in
-every round with a contact, and it is the same for laws that yield or degrade. A contact is solved inside the iteration.
+A sweep computes the eigenstrain of every cell under the present eigenstrain of the others. With Anderson's combination
+it converges for ratios of stiffness up to about 20 in fewer applications than a Krylov solve in every round with a
+contact, also for laws that yield or degrade. A contact is solved inside the iteration.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class CellSweeps:
         # Where the cells of the laws are the whole box in its order, nothing is copied.
         fills_box = np.array_equal(laws.cells, np.arange(int(np.prod(linear.shape))))
         self._at: slice | NDArray[np.intp] = slice(None) if fills_box else laws.cells
-        self._own: tuple[FloatArray, FloatArray] | None = None
+        self._prestrain_stress: tuple[FloatArray, FloatArray] | None = None
         self._last: tuple[FloatArray, FloatArray] | None = None
         self.applications = 0
 
@@ -129,9 +129,9 @@ class CellSweeps:
 
     def _size(self, applied_stress: FloatArray, prestrain: FloatArray) -> float:
         """Strain of the load in the cells, as `InclusionReport` measures by it."""
-        if self._own is None or self._own[0] is not prestrain:
-            self._own = prestrain, self._stress_of(prestrain)
-        load = (applied_stress + self._own[1]).reshape(6, -1)
+        if self._prestrain_stress is None or self._prestrain_stress[0] is not prestrain:
+            self._prestrain_stress = prestrain, self._stress_of(prestrain)
+        load = (applied_stress + self._prestrain_stress[1]).reshape(6, -1)
         sizes = [norm_of(load[:, cells]) for cells in (self._linear.cells, self._at)]
         return float(np.hypot(sizes[0], sizes[1])) / (2.0 * self._linear.matrix.shear_modulus)
 

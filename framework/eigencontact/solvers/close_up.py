@@ -1,8 +1,8 @@
 """Field of the eigenstrain in a box of cells on a lattice much finer than the cells, over a small part of the box.
 
-What cells near the part cause is summed exactly: a fine lattice is a set of lattices of the cells' own pitch, shifted
-by parts of a cell, and each of these is one convolution. What all other cells cause is smooth there; it is found once
-on the cells' pitch and interpolated.
+The field of cells near the part is summed exactly: a fine lattice is a set of lattices of the cells' own pitch, shifted
+by parts of a cell, each of them one convolution. The field of all other cells is smooth there; it is computed once on
+the cells' pitch and interpolated.
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ class _Iteration:
         self.c = loaded.astype(bool)
         if not self.modes.carries(self.p, problem.forces):  # these cells cannot: start with all of the box
             self.p, self.c = self.modes.carry(np.ones_like(pressure), problem.forces), np.ones_like(self.c)
-        self.rest = pressure if self.p is not pressure else np.empty_like(pressure)
+        self.trial = pressure if self.p is not pressure else np.empty_like(pressure)
         self.r, self.r_old = np.empty_like(self.p), np.zeros_like(self.p)
         self.direction = np.empty_like(self.p)
         self.z = self.r  # of the preconditioner, then what a step adds to the pressure
@@ -214,10 +214,10 @@ class _Iteration:
         return sum(self.sweep(correct_block))
 
     def go(self, step: float) -> tuple[float, Array]:
-        """Pressure after a step, to `rest`, zero where it would pull; its smallest value before, and its forces."""
+        """Pressure after a step, to `trial`, zero where it would pull; its smallest value before, and its forces."""
 
         def step_block(k: int, rows: slice) -> tuple[float, Array]:
-            stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.rest[rows])
+            stepped = np.multiply(self.direction[rows], self.dtype.type(step), out=self.trial[rows])
             stepped += self.p[rows]
             least = float(stepped.min())
             if least < 0:
@@ -228,12 +228,12 @@ class _Iteration:
         return min(least), sum(forces)
 
     def carry(self, forces: Array) -> bool:
-        """Scale `rest` from its present forces to the prescribed ones; returns whether a positive pressure can."""
+        """Scale `trial` from its present forces to the prescribed ones; returns whether a positive pressure can."""
         factor = self.modes.factor(forces, self.problem.forces)
         if factor is None:
-            self.rest = self.modes.carry(self.rest, self.problem.forces)
-            return self.modes.carries(self.rest, self.problem.forces)
-        self.rest *= self.dtype.type(factor)
+            self.trial = self.modes.carry(self.trial, self.problem.forces)
+            return self.modes.carries(self.trial, self.problem.forces)
+        self.trial *= self.dtype.type(factor)
         return True
 
     def release(self, descent: float) -> bool | None:
@@ -251,12 +251,12 @@ class _Iteration:
             return None
         if not self.carry(forces):
             return False
-        self.sweep(lambda _, rows: np.subtract(self.rest[rows], self.p[rows], out=self.z[rows]))
+        self.sweep(lambda _, rows: np.subtract(self.trial[rows], self.p[rows], out=self.z[rows]))
         response = problem.apply(self.z)
         sums = self.sweep(lambda _, rows: (dot(self.r[rows], self.z[rows]), dot(self.z[rows], response[rows])))
         if sum(gain for gain, _ in sums) < 0.5 * sum(cost for _, cost in sums):
             return False
-        self.p, self.rest = self.rest, self.p
+        self.p, self.trial = self.trial, self.p
         self.hold()
         self.gauge(response)
         return True
@@ -310,7 +310,7 @@ class _Iteration:
             step = descent / curvature
             least, forces = self.go(step)
             if least >= 0:
-                self.p, self.rest = self.rest, self.p
+                self.p, self.trial = self.trial, self.p
                 self.gauge(response, step)
                 del response
                 continue
@@ -318,7 +318,7 @@ class _Iteration:
             releasing = problem.energy is not None
             del self.g, response
             if self.carry(forces):
-                self.p, self.rest = self.rest, self.p
+                self.p, self.trial = self.trial, self.p
                 self.hold()
             else:  # too few cells are left for the moments: go to the first that would pull, and release that one
                 careful = True

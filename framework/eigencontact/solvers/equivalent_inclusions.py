@@ -5,7 +5,7 @@ compliance M_m),
 
     σ = σ_0 + A ε*,    C_i (M_m σ + ε* - ε_p) = σ,
 
-where A gives the stress that all eigenstrains cause, and M_m σ + ε* is the total strain. The unknown is the part x
+where A ε* is the stress by all eigenstrains, and M_m σ + ε* is the total strain. The unknown is the part x
 that the difference of the constants adds, ε* = ε_p + x. The condition of each cell is multiplied by (C_i + 2 μ_m)^-1,
 so that neither a void (it then says σ = 0) nor a rigid cell (total strain = ε_p) nor C_m, infinite for an
 incompressible matrix, makes an entry large; and then by the inverse of what the cell would answer if it were alone.
@@ -42,7 +42,7 @@ __all__ = [
 
 
 class StressOperator(Protocol):
-    """Operator that gives the stress in the cells of an eigenstrain (``MeanVolumeField``)."""
+    """Stress in the cells by their eigenstrain (``MeanVolumeField``)."""
 
     source: Cells
     target: Cells

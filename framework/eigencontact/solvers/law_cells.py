@@ -1,10 +1,9 @@
 """Cells with a constitutive law: each cell finds the eigenstrain that satisfies its law under the others' stress.
 
-The stress of a cell is ``σ = σ_f + A e``: what the others cause, and its own eigenstrain e by the answer A of a cell
-alone. Its strain is ``M σ + e``, M the compliance of the matrix. The law must give σ for the strain less the
-prestrain: six equations for e in each cell, solved by Newton's method with the tangent of the law. A law that answers
-as cells do (`AnsweringLaw`) is asked for e itself, with the answer of a ball in place of A: the local step need not be
-exact, and the answer of a ball serves cells of any shape.
+The stress of a cell is ``σ = σ_f + A e``: that by the other cells, and that by its own eigenstrain e. Its strain is
+``M σ + e``, M the compliance of the matrix. The law must return σ for the strain less the prestrain: six equations for
+e in each cell, solved by Newton's method with the tangent of the law. An `AnsweringLaw` computes e itself, with the
+response of a ball in place of A: the local step need not be exact, and the ball serves cells of any shape.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-r"""A contact and cells of eigenstrain below it, each seen by the other in the mean over a cell.
+r"""Mean stress in cells by tractions on the surface, and mean displacement of the surface by eigenstrain in the cells.
 
-Betti's theorem joins the two: the mean displacement of a surface cell of area A by an eigenstrain ε* in a cell of
+Betti's theorem relates the two: the mean displacement of a surface cell of area A by an eigenstrain ε* in a cell of
 volume V, and the mean stress in that cell by a unit traction t on that of the surface, obey
 
     A ū_t = V σ̄_t : ε*.
 
-With one table of coefficients for both, what the cells answer to the contact is a symmetric operator, and so is the
-compliance of the surface that follows: positive for any inhomogeneity if the means are exact. With values in the
-centres instead it is not, and a stiff coating at the surface lets the pressure alternate from cell to cell.
+With one table of coefficients for both, the response of the cells to the contact is a symmetric operator, and so is the
+compliance of the surface: positive for any inhomogeneity if the means are exact. With values in the centres it is not,
+and a stiff coating at the surface lets the pressure alternate from cell to cell.
 
 References
 ----------

@@ -136,10 +136,10 @@ def sample_tables(
         last = np.empty((len(group), 0, y.size - 1, z.size - 1), x.dtype)
         for begin in range(first, stop + 1, planes):
             end = min(begin + planes, stop + 1)
-            some = x[begin:end], y, z
-            values = cell.corner(name, orders, *_open(some))
+            planes_of_nodes = x[begin:end], y, z
+            values = cell.corner(name, orders, *_open(planes_of_nodes))
             if singular:
-                _around_edges(values, partial(cell.corner, name, orders), some, around)
+                _around_edges(values, partial(cell.corner, name, orders), planes_of_nodes, around)
             values = values[..., 1:] - values[..., :-1]
             values = values[:, :, 1:] - values[:, :, :-1]
             np.subtract(values[:, 1:], values[:, :-1], out=out[:, begin : end - 1], casting="same_kind")

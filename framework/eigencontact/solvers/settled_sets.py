@@ -1,11 +1,10 @@
-"""Contact conditions on one box where `constrained_cg` gets no further: loaded cells change only when all is settled.
+"""Contact conditions on one box where `constrained_cg` stalls: the loaded cells change only when their gaps are closed.
 
-`constrained_cg` changes the loaded cells in every iteration. Where a body bends like a plate, as under a thin stiff
-layer on a soft ground, a cell that is taken in or released moves the gaps far away: cells change sides in turn, and no
-search direction lives long enough to bend the plate. Here the conjugate gradients of one set of cells run until its
-gaps are closed; pressures may be negative until then. Then every cell that pulls is released and every one that
-overlaps is taken in, which is a Newton iteration of the contact conditions: some ten sets of thirty to fifty iterations
-each, whatever the size of the grid.
+Where a body bends like a plate, as under a thin stiff layer on a soft ground, a cell that is loaded or released moves
+the gaps far away, and no search direction of `constrained_cg` lasts long enough to bend the plate. Here the conjugate
+gradients of one set of cells run until its gaps are closed; pressures may be negative until then. Then every cell that
+pulls is released and every one that overlaps is loaded, which is a Newton iteration of the contact conditions: some ten
+sets of thirty to fifty iterations each, whatever the size of the grid.
 
 References
 ----------

@@ -331,9 +331,9 @@ def stress_at_points(
     loads = [np.ascontiguousarray(traction[box.slices][::-1, ::-1]) for traction in tractions]
     workers = threads or available_threads()
     for begin in range(0, len(points), _POINTS):
-        some = points[begin : begin + _POINTS]
-        depths, place = np.unique(some[:, 2], return_inverse=True)
-        reach = max(float(np.abs(some[:, 0, None] - x).max()), float(np.abs(some[:, 1, None] - y).max()))
+        chunk = points[begin : begin + _POINTS]
+        depths, place = np.unique(chunk[:, 2], return_inverse=True)
+        reach = max(float(np.abs(chunk[:, 0, None] - x).max()), float(np.abs(chunk[:, 1, None] - y).max()))
         pairs = zip(kernels, loads, strict=True)
         sums = _side_by_side(
             workers, [partial(_sums_at, item, depths, half_widths, reach, load) for item, load in pairs]
@@ -341,9 +341,9 @@ def stress_at_points(
 
         def superpose(numbers: range) -> None:
             for number in numbers:
-                px, py, _ = some[number]  # noqa: B023
+                px, py, _ = chunk[number]  # noqa: B023
                 for sum_at in sums:  # noqa: B023
                     out[:, begin + number] += sum_at(int(place[number]), px - x, py - y)  # noqa: B023
 
-        in_parallel(workers, [partial(superpose, range(k, len(some), workers)) for k in range(workers)])
+        in_parallel(workers, [partial(superpose, range(k, len(chunk), workers)) for k in range(workers)])
     return out

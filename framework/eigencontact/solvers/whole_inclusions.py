@@ -66,10 +66,10 @@ class WholeInclusions(InclusionSystem):
         require(not maps, where, "materials", "a map", "uniform in each inclusion; resolve maps by cells")
         self.matrix, self.shape = matrix, (count,)
         self._means = RegionMeans(shapes, poisson_ratio=matrix.poisson_ratio, space=space, threads=threads)
-        self._own = matrix.shear_modulus * self._means.own
+        self._self_stress = matrix.shear_modulus * self._means.self_stress
         conditions: dict[int, Condition] = {}  # the same object for many inclusions is the rule
         responses = []
-        for item, self_stress in zip(materials, self._own, strict=True):
+        for item, self_stress in zip(materials, self._self_stress, strict=True):
             stress, strain, _ = conditions.setdefault(id(item), condition_of(item, matrix))
             responses.append(np.linalg.solve(stress @ self_stress + strain, stress))
         self._answers = np.array(responses)
@@ -85,7 +85,7 @@ class WholeInclusions(InclusionSystem):
 
     def _residual(self, x: FloatArray, stress: FloatArray) -> FloatArray:
         """Residual of each inclusion's condition, as the eigenstrain that removes it in this inclusion."""
-        foreign = stress - np.einsum("nij,jn->in", self._own, x)
+        foreign = stress - np.einsum("nij,jn->in", self._self_stress, x)
         return np.asarray(-np.einsum("nij,jn->in", self._answers, foreign) - x)
 
     def _stress_of(self, eigenstrain: FloatArray) -> FloatArray:

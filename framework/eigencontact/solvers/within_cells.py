@@ -37,7 +37,7 @@ _ON_FACE = 1e-9
 
 
 class WithinCells:
-    """Takes the sawtooth off at some points.
+    """Correction of fields at points inside cells by the sawtooth.
 
     Parameters
     ----------

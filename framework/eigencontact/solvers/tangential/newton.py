@@ -27,7 +27,7 @@ __all__ = ["DiscProblem", "DiscState", "solve_discs"]
 _TINY = np.finfo(float).tiny
 #: Conjugate-gradient steps in one Newton step at most.
 _INNER = 80
-#: Part of the loaded cells that may change between stick and slip for the Newton steps to be worth some precision.
+#: Part of the loaded cells that may change between stick and slip before Newton steps are precise.
 _SETTLED = 0.01
 #: Residual of a Newton step, relative to its first, while more cells change.
 _ROUGH = 0.4
