@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from close import close
 from eigencontact.convolution import Convolver, Layout, convolver
-from eigencontact.convolution.backends import backend, in_parallel
+from eigencontact.convolution.backends import backend
 from eigencontact.convolution.layout import fast_even
+from eigencontact.core.parallel import in_parallel
 from eigencontact.errors import SceneError
 
 BOUND = {"double": 8e-15, "single": 2e-6}

@@ -17,10 +17,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from eigencontact.core.array_types import Array
-from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
-__all__ = ["Backend", "available_threads", "backend", "in_parallel"]
+__all__ = ["Backend", "backend"]
 
 Plan = Callable[[], Any]
 

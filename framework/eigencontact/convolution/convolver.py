@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eigencontact.convolution.backends import Backend, Plan, available_threads, backend, in_parallel
+from eigencontact.convolution.backends import Backend, Plan, backend
 from eigencontact.convolution.compiling import planes_repay
 from eigencontact.convolution.layout import Layout
 from eigencontact.convolution.spectrum import Spectrum
 from eigencontact.core.array_types import Array
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["Convolver"]

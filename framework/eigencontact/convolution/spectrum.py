@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.convolution.backends import available_threads
 from eigencontact.core.array_types import FloatArray
+from eigencontact.core.parallel import available_threads
 
 if TYPE_CHECKING:
     from eigencontact.convolution.layout import Axis

@@ -14,11 +14,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eigencontact.convolution.backends import available_threads, backend, in_parallel
+from eigencontact.convolution.backends import backend
 from eigencontact.convolution.compiling import volumes_repay
 from eigencontact.convolution.contraction import BlockContraction, CompiledContraction
 from eigencontact.convolution.weighted_sums import WeightedSums
 from eigencontact.core.array_types import Array
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.errors import require
 
 __all__ = ["VolumeConvolver"]

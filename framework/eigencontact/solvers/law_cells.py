@@ -85,7 +85,7 @@ class LawCells:
         threads: int | None = None,
     ) -> None:
         self._around, self._shape, self._threads = around, shape, threads or available_threads()
-        self._body = _Body(alone, compliance(matrix), 2.0 * matrix.shear_modulus)
+        self.alone, self.compliance, self.modulus = alone, compliance(matrix), 2.0 * matrix.shear_modulus
         self.cells = np.concatenate([cells for _, cells in groups]) if groups else np.zeros(0, dtype=np.intp)
         stops = np.cumsum([0, *(cells.size for _, cells in groups)])
         self.groups = [
@@ -123,8 +123,8 @@ class LawCells:
                 if self._around is not None and isinstance(law, AnsweringLaw):
                     remembered.append(self._cell_answers(law, out[:, cells], e, s, fixed, records, step))
                     continue
-                foreign = s - product(self._body.alone, e)
-                solution = _solved(_Question(self._body, law, foreign, fixed, records, step), e)
+                foreign = s - product(self.alone, e)
+                solution = _solved(_Question(self, law, foreign, fixed, records, step), e)
                 out[:, cells] = solution.eigenstrain
                 remembered.append(solution.answer.variables)
         return out, remembered
@@ -198,7 +198,7 @@ class LawCells:
         A stress beyond what a law bears is such a difference, so this is its yield condition as well. See `answer` for
         the parameters.
         """
-        strain = product(self._body.compliance, stress) + eigenstrain - prestrain
+        strain = product(self.compliance, stress) + eigenstrain - prestrain
         worst = 0.0
         for (law, cells), records, step in zip(self.groups, before, steps, strict=True):
             count = cells.stop - cells.start
@@ -220,19 +220,10 @@ class LawCells:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Body:
-    """Matrix around a cell: stress of the cell by its own eigenstrain, compliance, 2 G."""
-
-    alone: FloatArray
-    compliance: FloatArray
-    size: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class _Question:
     """Equations of the cells of one law."""
 
-    body: _Body
+    body: LawCells
     law: Law
     foreign: FloatArray
     prestrain: FloatArray
@@ -251,9 +242,9 @@ class _Question:
     def limit(self, state: _State) -> FloatArray:
         """Residual that is round-off."""
         sizes = [np.linalg.norm(tensor, axis=0) for tensor in (state.eigenstrain, self.prestrain, self.foreign)]
-        strain = sizes[0] + sizes[1] + sizes[2] / self.body.size
+        strain = sizes[0] + sizes[1] + sizes[2] / self.body.modulus
         stiffness = np.linalg.norm(state.answer.tangent, axis=(1, 2))
-        scale = np.maximum.reduce([self.body.size * sizes[0], self.body.size * sizes[1], sizes[2]])
+        scale = np.maximum.reduce([self.body.modulus * sizes[0], self.body.modulus * sizes[1], sizes[2]])
         return np.asarray(_ROUND_OFF * scale + _ROUNDINGS * stiffness * strain + np.finfo(float).tiny)
 
 

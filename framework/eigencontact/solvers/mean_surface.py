@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eigencontact.convolution import Convolver, Layout
-from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Grid
+from eigencontact.core.parallel import available_threads, in_parallel
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.errors import require
 from eigencontact.solvers.cells import Cells, snapped

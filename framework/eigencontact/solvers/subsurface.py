@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Convolver, Layout, Spectrum
-from eigencontact.convolution.backends import available_threads, in_parallel
 from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
+from eigencontact.core.parallel import available_threads, in_parallel
 
 __all__ = [
     "HasDepths",

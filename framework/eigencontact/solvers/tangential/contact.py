@@ -224,14 +224,13 @@ class FrictionalContact:
         """
         before = before or Sliding.at_rest(self.grid, self.components)
         increment = _Increment(separation, control, tangential, before, offset, tolerance, slide, moved, progress)
-        last = None if start is None else self._as_round(start, before)
+        last = None
+        if start is not None:
+            bound = self.bound(start.normal.pressure, before)
+            last = _Round(start.normal, start.tangential, start.tangential_by_pressure, bound, (0, 0))
         if self._by_shear is None:
             return self._solution(increment, self._round(increment, last, before.lift, tolerance), before.lift, 1, 0.0)
         return self._agreed(increment, last, before.lift if start is None else start.sliding.lift)
-
-    def _as_round(self, start: FrictionalSolution, before: Sliding) -> _Round:
-        bound = self.bound(start.normal.pressure, before)
-        return _Round(start.normal, start.tangential, start.tangential_by_pressure, bound, (0, 0))
 
     def _agreed(self, increment: _Increment, last: _Round | None, lift: FloatArray) -> FrictionalSolution:
         """Rounds of normal and tangential contact until the normal displacement by the shear does not change."""
