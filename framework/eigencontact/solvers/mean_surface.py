@@ -17,13 +17,12 @@ E. Betti 1872, Nuovo Cimento 7, 69 (reciprocity); T. Mura 1987, Micromechanics o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from eigencontact.convolution import Convolver, Layout
 from eigencontact.core.array_types import FloatArray
@@ -42,7 +41,6 @@ _POINTS = 2
 _FLUSH = 3
 
 
-@dataclass(frozen=True, slots=True)
 class MeanStressKernel:
     """Stress coefficients averaged over cells around the points.
 
@@ -54,34 +52,22 @@ class MeanStressKernel:
         Of the cells [m]; along x and y they are as wide as the loaded rectangle.
     """
 
-    kernel: StressKernel
-    height: float
-
-    @property
-    def components(self) -> Sequence[str]:
-        """See `StressKernel`."""
-        return self.kernel.components
-
-    def parity(self, component: str) -> tuple[int, int]:
-        """Parity (in y, in x)."""
-        return self.kernel.parity(component)
+    def __init__(self, kernel: StressKernel, height: float) -> None:
+        self._kernel, self._height, self.components = kernel, height, kernel.components
+        self.parity, self.response = kernel.parity, kernel.response  # waves have no cells to average over
 
     def table(
         self, components: list[str], x: FloatArray, y: FloatArray, z: float, half_widths: tuple[float, float]
     ) -> FloatArray:
         """Means over the cells around a lattice of offsets, at one depth of their middles, ``(n, ny, nx)``."""
-        count = _FLUSH if z < 0.75 * self.height else _POINTS
+        count = _FLUSH if z < 0.75 * self._height else _POINTS
         points, weights = np.polynomial.legendre.leggauss(count)
         rule = list(zip(0.5 * points, 0.5 * weights, strict=True))
         out = np.zeros((len(components), y.size, x.size))
         for (k, of_z), (j, of_y), (i, of_x) in product(rule, repeat=3):
-            at = x + 2.0 * i * half_widths[0], y + 2.0 * j * half_widths[1], z + k * self.height
-            out += of_z * of_y * of_x * self.kernel.table(components, *at, half_widths)
+            at = x + 2.0 * i * half_widths[0], y + 2.0 * j * half_widths[1], z + k * self._height
+            out += of_z * of_y * of_x * self._kernel.table(components, *at, half_widths)
         return out
-
-    def response(self, components: list[str], kx: FloatArray, ky: FloatArray, z: float) -> NDArray[np.complex128]:
-        """Amplitudes for a traction wave at one depth: those of the kernel, which has no cells here."""
-        return self.kernel.response(components, kx, ky, z)
 
 
 class SurfaceAndCells:
