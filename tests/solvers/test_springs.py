@@ -15,6 +15,7 @@ from eigencontact.solvers.levels import restrict_springs
 from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.operator import Compliance
 from eigencontact.solvers.preconditioner import Circulant, SpringPreconditioner
+from eigencontact.solvers.solution import SolverOptions
 from eigencontact_verification.oracles import dense
 from solvers.contacts import halfspace, paraboloid, square_grid
 
@@ -241,7 +242,7 @@ def test_iterations_over_twelve_decades_of_springs(name):
 @pytest.mark.parametrize("size", [0.0, 1e-3, 1.0, 1e5])
 def test_the_preconditioner_is_positive_and_exact_for_uniform_springs(size):
     grid = Grid(nx=8, ny=6, dx=1.0, dy=1.0)
-    circulant = Circulant(Compliance(grid, halfspace(), periodic=False, precision="double", threads=1), Box(0, 6, 0, 8))
+    circulant = Circulant(Compliance(grid, halfspace(), SolverOptions(threads=1)), Box(0, 6, 0, 8))
     units = np.eye(48).reshape(48, 6, 8)
 
     def matrix(apply):

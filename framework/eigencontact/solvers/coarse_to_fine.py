@@ -189,7 +189,7 @@ class CoarseToFine:
         unit = compliance.unit
         separation = fixed[box.slices]
         modes, forces, _ = self._modes(grid, box)
-        dtype = np.float64 if compliance.precision == "double" else np.float32
+        dtype = np.float64 if compliance.options.precision == "double" else np.float32
         # Lengths in units of a typical deflection, pressures of length/unit: all numbers are of order one.
         length = unit * self.free[0] / grid.cell_area if 0 in self.free else -float(fixed.min())
         scale = length / unit
@@ -211,7 +211,7 @@ class CoarseToFine:
             forces=forces / (scale * grid.cell_area),
             least_deflection=self._least_deflection(compliance) / length,
             energy=energy,
-            threads=compliance.threads or available_threads(),
+            threads=compliance.options.threads or available_threads(),
         )
         if grid in self._springs:
             springs = self._springs[grid][box.slices] / unit

@@ -114,14 +114,7 @@ class NormalSolver:
         round-off of the input grow to 1e-9 of the pressure, and scaled scenes must agree to 1e-10.
         """
         if grid not in self._compliances:
-            options = self.options
-            self._compliances[grid] = Compliance(
-                grid,
-                self.coefficients,
-                periodic=options.periodic,
-                precision=options.precision,
-                threads=options.threads,
-            )
+            self._compliances[grid] = Compliance(grid, self.coefficients, self.options)
         return self._compliances[grid]
 
     def circulant(self, compliance: Compliance, box: Box) -> Circulant:

@@ -54,7 +54,7 @@ class Circulant:
             spectrum[0, 0] = top if top > 0 else 1.0
         self.spectrum: FloatArray = np.maximum(spectrum, 1e-6 * float(spectrum[0, 0]))
         layout = Layout(box.shape, box.shape, periodic=True, lengths=lengths)
-        self._precision = compliance.precision
+        self._precision = compliance.options.precision
         self._cells = lengths[0] * lengths[1]
         self._convolver = compliance.convolver(layout)
 

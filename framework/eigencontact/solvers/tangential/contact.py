@@ -175,10 +175,7 @@ class FrictionalContact:
     ) -> MatrixOperator | None:
         if not any((i, j) in coefficients for i in targets for j in sources):
             return None
-        return MatrixOperator(
-            self.grid, coefficients, targets, sources, periodic=self.options.periodic,
-            precision=self.options.precision, threads=self.options.threads,
-        )  # fmt: skip
+        return MatrixOperator(self.grid, coefficients, targets, sources, self.options)
 
     def step(
         self,

@@ -113,10 +113,7 @@ class TangentialSolver:
         options: TangentialOptions | None = None,
     ) -> None:
         self.grid, self.components, self.options = grid, components, options or TangentialOptions()
-        self.operator = MatrixOperator(
-            grid, coefficients, components, components, periodic=self.options.periodic,
-            precision=self.options.precision, threads=self.options.threads,
-        )  # fmt: skip
+        self.operator = MatrixOperator(grid, coefficients, components, components, self.options)
 
     def solve(
         self,
