@@ -114,29 +114,10 @@ class LayeredInfluence:
         """Influence coefficients on a lattice; see `SurfaceInfluence.sample`."""
         if isinstance(material, Material):
             return self.base.sample(quantity, components, x, y, z, half_widths, material)
-        return self.sample_with_bound(quantity, components, x, y, z, half_widths, material)[0]
-
-    def sample_with_bound(
-        self,
-        quantity: str,
-        components: Sequence[str],
-        x: FloatArray,
-        y: FloatArray,
-        z: float,
-        half_widths: HalfWidths,
-        medium: Medium,
-    ) -> tuple[FloatArray, float]:
-        """Influence coefficients of layers as `sample` gives them, and a bound of their error.
-
-        Returns
-        -------
-        values : (len(components), ny, nx) float64
-        bound : float
-            See `LayeredDepths.bounds`.
-        """
         reach = max(float(np.abs(x).max()), float(np.abs(y).max()))
-        at = self.at_depths(quantity, components, np.array([float(z)]), half_widths, reach, medium)
-        return at.on_lattice(0, x, y), float(at.bounds[0])
+        return self.at_depths(quantity, components, np.array([float(z)]), half_widths, reach, material).on_lattice(
+            0, x, y
+        )
 
     def at_depths(
         self,
