@@ -70,8 +70,8 @@ class Problem:
         self.eigen = rng.standard_normal((len(SOURCES), *self.layout.source))
 
     def sample(self, function, *, correlation):
-        z = self.layout.lattice_sum + MIRROR if correlation else self.layout.lattice_z
-        return function(z, self.layout.lattice_y[:, None], self.layout.lattice_x[:, None, None])
+        z = self.layout.lattice_sum + MIRROR if correlation else self.layout.z.lattice
+        return function(z, self.layout.y.lattice[:, None], self.layout.x.lattice[:, None, None])
 
     def sums(self):
         return WeightedSums(self.kernels, self.table, sources=SOURCES, outputs=OUTPUTS)

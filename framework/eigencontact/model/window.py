@@ -13,7 +13,7 @@ from eigencontact.model.contact_estimate import ContactEstimate
 from eigencontact.model.sizes import cut_down, most, refuse_more
 from eigencontact.scene.schema import GridSpec
 from eigencontact.solvers.control import Control
-from eigencontact.solvers.normal import NormalOptions, solve_normal
+from eigencontact.solvers.normal import NormalOptions, NormalSolver
 from eigencontact.solvers.operator import Coefficients
 
 __all__ = ["Separation", "automatic_grid", "close_estimate", "coarse_contact", "estimate_contact"]
@@ -42,7 +42,7 @@ def coarse_contact(
     h = np.broadcast_to(np.asarray(separation(x, y), dtype=float), coarse.shape)
     options = NormalOptions(tolerance=1e-2, periodic=periodic, allow_contact_at_edge=True)
     try:
-        return coarse, solve_normal(coarse, h, coefficients, control, options).pressure
+        return coarse, NormalSolver(coarse, coefficients, options).solve(h, control).pressure
     except SceneError:  # a body that is refused, not a contact that is not found
         raise
     except EigencontactError:

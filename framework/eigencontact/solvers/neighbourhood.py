@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Neighbourhood", "reach_of"]
+from eigencontact.core.array_types import FloatArray
 
-FloatArray = NDArray[np.float64]
+__all__ = ["Neighbourhood", "reach_of"]
 
 #: Means below this part of the largest are rounding of the transforms, and zero.
 _ROUNDING = 1e-12

@@ -64,17 +64,16 @@ def press_eigencontact(separation: FloatArray, side: float, load: float, **optio
     from eigencontact.core.grid import Grid
     from eigencontact.model.kernels import PairCoefficients
     from eigencontact.solvers.control import Control
-    from eigencontact.solvers.normal import NormalOptions, solve_normal
+    from eigencontact.solvers.normal import NormalOptions, NormalSolver
     from eigencontact_plugins.surface_loads import PressureLoad
 
     n = len(separation)
-    solution = solve_normal(
+    solver = NormalSolver(
         Grid(nx=n, ny=n, dx=side / n, dy=side / n),
-        separation,
         PairCoefficients(PressureLoad(), (_steel_like(), None), "z"),
-        Control(normal_load=load),
         NormalOptions(**options),
     )
+    solution = solver.solve(separation, Control(normal_load=load))
     return solution.pressure, solution.report.iterations, solution.report.convolutions
 
 
@@ -201,7 +200,7 @@ CODES = {
     code.name: code
     for code in (
         Code(
-            name="eigencontact", distribution="eigencontact", settings="solve_normal, tolerance 1e-6",
+            name="eigencontact", distribution="eigencontact", settings="NormalSolver, tolerance 1e-6",
             modules=(*NORMAL, "eigencontact.solvers.subsurface", *KERNELS), solve=solve_eigencontact,
             stress=stress_eigencontact,
         ),

@@ -104,7 +104,7 @@ METHODS = {
     for code in (
         RoughCode(
             name="eigencontact", distribution="eigencontact", modules=(*codes.NORMAL, *codes.KERNELS),
-            settings="solve_normal, tolerance 1e-6", press=press_eigencontact,
+            settings="NormalSolver, tolerance 1e-6", press=press_eigencontact,
         ),
         RoughCode(
             name="tamaas", press=press_tamaas, **codes.TAMAAS,

@@ -105,7 +105,7 @@ class Cellwise:
         from eigencontact.scene.installed import installed_plugins
         from eigencontact.solvers.cells import Cells
         from eigencontact.solvers.eigenstrain import VolumeField
-        from eigencontact.solvers.eigenstrain_planes import SurfaceDisplacement
+        from eigencontact.solvers.eigenstrain_planes import PlaneFields
 
         cell = installed_cell(installed_plugins())((0.0, 0.0, 1.0), (1.0, 1.0, 1.0))
         box, nu, surface = self.box, self.matrix.poisson_ratio, not points[:, 2].any()
@@ -116,8 +116,9 @@ class Cellwise:
         nx, ny, nz = (int(count) for count in high - low)
         if surface:
             shift = (float(low[1]), float(low[0]))
-            operator: Any = SurfaceDisplacement(cell, box, target=(ny, nx), origin=shift, poisson_ratio=nu)
-            values = np.asarray(operator.apply(self.eigenstrain))[:, None]
+            operator: Any = PlaneFields(
+                cell, box, target=(ny, nx), origin=shift, depths=[0.0], poisson_ratio=nu, quantity="displacement"
+            )
             place, start, low = place * (1, 1, 0), start * (1, 1, 0), low * (1, 1, 0)
         else:
             x, y, z = (float(box.first[axis] + low[axis] * box.pitch[axis]) for axis in range(3))
@@ -125,7 +126,7 @@ class Cellwise:
             operator = VolumeField(
                 cell, box, target, poisson_ratio=nu, quantity=quantity, shear_modulus=self.matrix.shear_modulus
             )
-            values = np.asarray(operator.apply(self.eigenstrain))
+        values = np.asarray(operator.apply(self.eigenstrain))
         (wx, ix), (wy, iy), (wz, iz) = (_cubic(place[:, axis], start[:, axis], low[axis]) for axis in range(3))
         if surface:
             wz, iz = np.ones((len(points), 1)), np.zeros((len(points), 1), dtype=int)
@@ -232,7 +233,7 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
     from eigencontact.core.grid import Box
     from eigencontact.model.installed import installed_cell
     from eigencontact.scene.installed import installed_plugins
-    from eigencontact.solvers.equivalent_inclusions import solve_equivalent_inclusions
+    from eigencontact.solvers.equivalent_inclusions import InhomogeneousCells
     from eigencontact.solvers.mean_stress import MeanVolumeField
     from eigencontact.solvers.subsurface import SubsurfaceStress
 
@@ -255,7 +256,8 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
         applied = load.apply([pressure])
     prestrain = np.zeros_like(applied)
     prestrain[:3] = problem.prestrain * inside
-    found = solve_equivalent_inclusions(operator, matrix, [problem.stiffness], inside.astype(int), applied, prestrain)
+    cells = InhomogeneousCells(operator, matrix, [problem.stiffness], inside.astype(int))
+    found = cells.solve(applied, prestrain)
     return Cellwise(box=box, eigenstrain=found.eigenstrain, matrix=matrix)
 
 

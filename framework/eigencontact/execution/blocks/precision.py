@@ -96,7 +96,7 @@ def plane_round_off() -> float:
     """
     n, fields = 64, []
     layout = Layout((n, n), (n, n))
-    y, x = layout.lattice_y[:, None], layout.lattice_x[None, :]
+    y, x = layout.y.lattice[:, None], layout.x.lattice[None, :]
     source = np.random.default_rng(1).standard_normal((n, n))
     for precision in ("double", "single"):
         kernel = layout.spectrum(1.0 / np.sqrt(1.0 + x**2 + y**2), (1, 1), precision=precision)

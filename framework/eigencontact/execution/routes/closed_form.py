@@ -54,10 +54,10 @@ class ClosedForms(Route):
 
     def _cloud_pace(self, source: Source) -> float:
         """Time of one point on one thread [s], for one shape of many: by its distance, near by its potentials."""
-        from eigencontact.halfspace.cloud import is_large, relaxed, uses_point_sources
+        from eigencontact.halfspace.cloud import cloud_sources, is_large, relaxed
 
         shape = cast("HasPotentials", source.shape)
-        if not uses_point_sources(shape):
+        if cloud_sources(shape) is None:
             return self._point_pace(source)
         finest, points = cast("HasFarField", shape).far_field(), self._some_points()
         tolerance, expanded = self.half_space.numerics.cloud_tolerance, np.inf
