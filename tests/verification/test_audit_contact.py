@@ -100,7 +100,7 @@ def coated(thickness="2 um"):
         geometry={"type": "sphere", "radius": "20 um"},
         grid={"cells_per_contact_radius": 24, "margin": 1.6},
         steps={"normal_load": "0.12 N"},
-        output={"pictures": False},
+        output={"pictures": False, "vtk": False},
     )
 
 
@@ -135,7 +135,7 @@ def test_a_yield_stress_that_was_another_is_caught(tmp_path):
         geometry={"type": "sphere", "radius": "105 um"},
         grid={"cells_per_contact_radius": 10, "margin": 1.5},
         steps=[{"normal_load": "0.65 N", "increments": 2}, {"normal_load": 0.0}],
-        output={"pictures": False},
+        output={"pictures": False, "vtk": False},
     )
     ec.run(scene, tmp_path / "run").dataset.close()
     (case,), _ = contact_cases_of(tmp_path / "run")
@@ -161,7 +161,7 @@ def test_what_is_not_covered_is_said(tmp_path, change, reason):
     given = {
         "name": "other", "body1": STEEL, "geometry": {"type": "sphere", "radius": "105 um"},
         "grid": {"cells": 16, "spacing": ["1.5 um", "1.5 um"]}, "steps": {"normal_load": "0.3 N"},
-        "numerics": {"allow_contact_at_edge": True, "allow_coarse": True}, "output": {"pictures": False},
+        "numerics": {"allow_contact_at_edge": True, "allow_coarse": True}, "output": {"pictures": False, "vtk": False},
     }  # fmt: skip
     ec.run(ec.Scene(**{**given, **change}), tmp_path / "run").dataset.close()
     cases, (gap,) = contact_cases_of(tmp_path / "run")
@@ -174,7 +174,7 @@ def test_the_table_says_what_it_leaves_out(tmp_path, capsys):
     scene = ec.Scene(
         name="rolls", body1=STEEL, geometry={"type": "cylinder", "radius": "1 mm", "length": "20 um"},
         grid={"cells": 16, "spacing": ["1.5 um", "1.5 um"]}, steps={"normal_load": "0.3 N"},
-        numerics={"allow_contact_at_edge": True, "allow_coarse": True}, output={"pictures": False},
+        numerics={"allow_contact_at_edge": True, "allow_coarse": True}, output={"pictures": False, "vtk": False},
     )  # fmt: skip
     ec.run(scene, tmp_path / "run").dataset.close()
     page = tmp_path / "page.md"

@@ -59,7 +59,7 @@ geometry = { type = "sphere", radius = 100e-6 }
 grid = { cells = "= 2 * round(2 * fine)", size = "26 um" }
 steps = [{ normal-load = "= load" }]
 numerics = { allow-coarse = true }
-output = { pictures = false }
+output = { pictures = false, vtk = false }
 
 [reference]
 words = "the body as it is"
@@ -415,7 +415,7 @@ geometry = { type = "sphere", radius = "105 um" }
 grid = { cells = "= 3 * cells", size = "= 3 * a" }
 steps = [{ normal-load = "0.65 N" }]
 numerics = { allow-coarse = true }
-output = { pictures = false }
+output = { pictures = false, vtk = false }
 """
 
 

@@ -15,6 +15,7 @@ from close import close
 from eigencontact.errors import SceneError
 from eigencontact.execution.interiors.cells import Cells
 from eigencontact.results.store import ResultStore
+from eigencontact.scene.installed import installed_plugins
 from eigencontact_plugins.laws import j2
 from eigencontact_verification.conformance import ConformanceError, checks_for
 from eigencontact_verification.crosscheck import plastic_cases
@@ -58,7 +59,7 @@ def test_every_bundled_hardening_is_judged():
     """And both ways to ask for yield with damage, a layer, what is below it, inclusions, prior stress, cycles."""
     tables = [case.parameters["law"] for case in CASES.values() if case.parameters["law"]]
     used = {one["type"] for table in tables for one in table["hardening"]}
-    assert used == {entry.key for entry in ec.library.installed_plugins().of_kind("hardening-law")}
+    assert used == {entry.key for entry in installed_plugins().of_kind("hardening-law")}
     assert {table.get("yield_on", "nominal") for table in tables if "damage" in table} == {"nominal", "effective"}
     kinds = {region["kind"] for case in CASES.values() for region in case.parameters["regions"]}
     assert kinds == {"layer", "ball", "disc"}

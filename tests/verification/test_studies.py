@@ -172,11 +172,17 @@ def test_a_study_of_a_user(own, tmp_path, command, monkeypatch):
         ('"geometry.radius" = [', '"geometri.radius" = [', "every variant is refused; .*geometri"),
     ],
 )
-def test_what_is_refused(own, tmp_path, before, after, words):
+def test_what_is_refused(own, finished_runs, before, after, words):
     assert before in OWN
     own.write_text(OWN.replace(before, after).replace(', "0.8 N", "600 N"', ""), encoding="utf-8")
     with pytest.raises(SceneError, match=words):
-        _judged(own, tmp_path)
+        _judged(own, finished_runs)
+
+
+@pytest.fixture(scope="module")
+def finished_runs(tmp_path_factory):
+    """Folder of runs that studies with equal scenes share."""
+    return tmp_path_factory.mktemp("runs")
 
 
 def _judged(path, folder):

@@ -169,11 +169,12 @@ def check_energy(law: Any) -> None:
     one, other = some_strains(), some_strains(seed=5)
     other *= np.linalg.norm(one, axis=0) / np.linalg.norm(other, axis=0)
     angle = 2.0 * np.pi * np.arange(2 * count + 1)[:, None, None] / count
-    for what, across in (("to and fro", 0.0), ("round a loop", 1.0), ("round a loop the other way", -1.0)):
-        path = (1.0 - np.cos(angle)) * one + across * np.sin(angle) * other
-        path[count] = path[-1] = 0.0
-        stress = np.stack([np.zeros(one.shape), *(answer.stress for answer in along(law, path[1:]))])
-        parts = 0.5 * (stress[1:] + stress[:-1]) * np.diff(path, axis=0)
+    ways = {"to and fro": 0.0, "round a loop": 1.0, "round a loop the other way": -1.0}
+    path = np.concatenate([(1.0 - np.cos(angle)) * one + a * np.sin(angle) * other for a in ways.values()], axis=-1)
+    path[count] = path[-1] = 0.0
+    stress = np.stack([np.zeros(path[0].shape), *(answer.stress for answer in along(law, path[1:]))])
+    work_of_parts = 0.5 * (stress[1:] + stress[:-1]) * np.diff(path, axis=0)
+    for what, parts in zip(ways, np.split(work_of_parts, len(ways), axis=-1), strict=True):
         size = np.abs(parts).sum(axis=(0, 1)) + np.finfo(float).tiny
         for turns in (1, 2):
             work = parts[: turns * count].sum(axis=(0, 1)) / size
