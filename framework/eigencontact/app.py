@@ -275,7 +275,7 @@ def _run_in(
         from eigencontact.viz.movie import refuse_animation
 
         planes = any(request.shape == "plane" for request in planned.scene.stress)
-        refuse_animation(wanted.animation, planned.steps, shows=bool(planned.geometries) or planes)
+        refuse_animation(wanted.animation, planned.steps, shows=bool(planned.scene.geometry) or planes)
     refuse_foreign(
         folder, regions, summary=True, pictures=wanted.pictures, vtk=wanted.vtk, animation=bool(wanted.animation)
     )
@@ -335,7 +335,7 @@ def _solve(
     except DomainTooSmall as problem:
         from eigencontact.planning.room import with_room
 
-        raise with_room(problem, planned, problem.step) from problem
+        raise with_room(problem, planned.model, problem.step) from problem
     assert last is not None
     return _Solved(last, solving)
 
@@ -345,7 +345,8 @@ def _noted(planned: Plan, store: Store, last: StepRecord) -> dict[str, Any]:
     from eigencontact.warnings_.after import noticed
 
     history = store.history(last)
-    return {"history": history, "warnings": [caution.to_dict() for caution in noticed(planned, last, history)]}
+    cautions = noticed(planned.model, planned.blocks, last, history)
+    return {"history": history, "warnings": [caution.to_dict() for caution in cautions]}
 
 
 def _summary(

@@ -50,8 +50,8 @@ def test_the_contact_follows_the_bodies_of_a_surface():
         mechanics.pressed(surface, control, {}, None, None)
         for mechanics, surface in (
             (running, new),
-            (running, replace(new, bodies=thick.bodies)),
-            (running, replace(new, bodies=thin.bodies)),
+            (running, replace(new, solids=thick.model.bodies.solids)),
+            (running, replace(new, solids=thin.model.bodies.solids)),
             (started(thin), new),
         )
     ]

@@ -29,7 +29,7 @@ def outlines(model: Model) -> dict[str, FloatArray]:
     sources = [source for source in model.sources if not source.guessed]
     nodes = _NODES if len(sources) <= _MANY else _NODES // 2
     found = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
-    for request in model.requests:
+    for request in model.cells.requests:
         if request.shape == "plane":
             inner = [source for source in sources if source.body == request.body]
             found[request.label] = [section_outline(source, request.normal, request.at, nodes) for source in inner]

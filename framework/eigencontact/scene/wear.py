@@ -90,3 +90,14 @@ class Wear(ComponentTable):
     def error(self) -> float | None:
         """Error that the jumps may make; None where the scene gives their size."""
         return None if self.cycles_per_update is not None else self.jump_error or 1e-2
+
+    def solved_cycles(self, repeat: int) -> int:
+        """Repeats of a cycle that will be solved; where their number follows from errors, a guess.
+
+        Of 100, 5000 and 10⁶ repeats of a partial slip that wears from nothing to all that can wear, 8 to 24, 15 to 45
+        and 43 to 50 were solved at an error of 0.01, and about half as many at 0.1.
+        """
+        if self.error is None:
+            return min(repeat, 3 + repeat // (self.cycles_per_update or 1))
+        more: float = (0.01 / self.error) ** 0.3
+        return min(repeat, 3 + round(2 * more * repeat.bit_length()))

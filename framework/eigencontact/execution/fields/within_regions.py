@@ -14,7 +14,6 @@ from eigencontact.errors import SceneError
 from eigencontact.execution.interiors.empty_regions import is_empty, uniform_elasticity
 from eigencontact.execution.routes.cell_strain import fractions_in, place_in
 from eigencontact.model.boxes import CellBox
-from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Inhomogeneity
 from eigencontact.solvers.cell_conditions import compliance
@@ -22,7 +21,7 @@ from eigencontact.solvers.cell_conditions import compliance
 if TYPE_CHECKING:
     from eigencontact.solvers.within_cells import WithinCells
 
-__all__ = ["empty_points", "read_by_own_laws", "rises", "whole_cells"]
+__all__ = ["empty_points", "read_by_own_laws", "whole_cells"]
 
 #: A share of a cell smaller than this is no part of it, as in `eigencontact.execution.interiors.material_cells`.
 _LEAST = 1e-3
@@ -32,11 +31,6 @@ _SOFTER = 1.0 - 1e-9
 
 FloatArray = NDArray[np.float64]
 Points = tuple[FloatArray, FloatArray, FloatArray]
-
-
-def rises(model: Model, body: int) -> bool:
-    """Whether the regions of a body rise as its surface wears, so that they are no longer where the scene puts them."""
-    return model.scene.wear is not None and body in model.scene.wear.parts
 
 
 def whole_cells(box: CellBox, sources: Sequence[Inhomogeneity], grid: Grid, points: Points) -> NDArray[np.int_]:

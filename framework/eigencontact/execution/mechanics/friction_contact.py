@@ -31,22 +31,23 @@ from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.execution.mechanics.normal_contact import (
     NORMAL_FIELDS,
     NORMAL_NUMBERS,
-    beyond_homogeneous,
     cell_deflection,
+    layers_cost,
     normal_cost,
     normal_scalars,
     normal_work,
     scaled_normal,
+    surface_kernels,
 )
-from eigencontact.model.bodies import kernel_key
 from eigencontact.model.coupling import Coupling
-from eigencontact.model.kernels import KernelUse, PairCoefficients
-from eigencontact.model.model import Model
+from eigencontact.model.exposed import Exposed
+from eigencontact.model.interface import Interface
+from eigencontact.model.window import Window
 from eigencontact.plugin import FrictionState
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.holding import TRAVEL
-from eigencontact.scene.schema import Numerics, Scene
+from eigencontact.scene.schema import Numerics, Step
 from eigencontact.solvers.contact_area import contact_area
 from eigencontact.solvers.control import Control
 from eigencontact.solvers.tangential.control import MODES, mode_fields
@@ -111,34 +112,45 @@ def friction_fields(components: str) -> frozenset[str]:
 
 
 class ContactWithFriction(Contact):
-    """Pressure, shear, stick and slip. What a step needs of the last one is taken from its stored record alone."""
+    """Pressure, shear, stick and slip. A step needs nothing of the last one but its stored record.
+
+    Parameters
+    ----------
+    interface : Interface
+        With a friction law.
+    window : Window
+    numerics : Numerics
+    exposed : Exposed or None
+        Materials at the surface, for laws that distinguish them.
+    ramps : sequence of Step
+        Load history, for the predicted time.
+    coupled : bool
+        Whether inhomogeneities are iterated on with the contact.
+    """
 
     name, why = "frictional-contact", "pressure and shear with friction, stick and slip"
     numbers = (*NORMAL_NUMBERS, *FRICTION_NUMBERS)
     accumulated = frozenset({"slip_distance", "dissipated_energy_density"})
 
-    def __init__(self, model: Model) -> None:
-        assert model.coupling is not None
-        assert model.friction is not None
-        grid, box, coupling = model.grid, model.contact_box, model.coupling
-        self._law, self._grid = model.friction, grid
-        self._numerics, self.precisions = contact_precision(model)
-        self._facts = partial(exposed_facts, model.exposed)
-        if model.exposed is not None:
+    def __init__(
+        self, interface: Interface, window: Window, numerics: Numerics, exposed: Exposed | None,
+        ramps: Sequence[Step], *, coupled: bool,
+    ) -> None:  # fmt: skip
+        assert interface.friction is not None
+        coupling, pairs = interface.coupling, interface.coupling.pairs
+        self._law, self._grid = interface.friction, window.grid
+        self._numerics, self.precisions = contact_precision(numerics, window.box, coupled=coupled)
+        self._facts = partial(exposed_facts, exposed)
+        if exposed is not None:
             self.requires = self.requires | {"exposed_material"}
-        self._components, self._periodic = coupling.components, model.periodic
+        self._components, self._periodic = coupling.components, numerics.boundary == "periodic"
         self.directions = f"{coupling.components}z"
         self.fields = NORMAL_FIELDS | friction_fields(coupling.components)
-        self._coefficients = {
-            (i, j): PairCoefficients(model.influences[ALONG[j].name], model.bodies, i) for i, j in coupling.pairs
-        }
-        text = f"surface, {box[1]} x {box[0]} of {grid.nx} x {grid.ny} cells"
-        keys = {j: kernel_key(model.influences[ALONG[j].name], model.bodies) for _, j in coupling.pairs}
-        self.kernels = tuple(
-            KernelUse(f"displacement {i}", ALONG[j].words, keys[j], text) for i, j in coupling.pairs
-        )  # fmt: skip
-        self.cost = friction_cost(grid.shape, box, coupling, self._numerics, _pressed(model.scene))
-        self.cost += beyond_homogeneous(model, [ALONG[j].name for _, j in coupling.pairs])
+        self._coefficients = {(i, j): interface.pair(i, j) for i, j in pairs}
+        self.kernels = surface_kernels(interface, window, pairs)
+        tractions = [ALONG[j].name for _, j in pairs]
+        self.cost = friction_cost(window.grid.shape, window.box, coupling, self._numerics, _pressed(ramps))
+        self.cost += layers_cost(interface, window, tractions, periodic=self._periodic)
 
     def start(self) -> None:
         """See `Contact.start`."""
@@ -355,12 +367,12 @@ def _scaled(solution: FrictionalSolution, factor: float) -> FrictionalSolution:
     )
 
 
-def _pressed(scene: Scene) -> float:
-    """Part of the steps in which the pressure is not that of the step before."""
-    if any(ramp.slides for ramp in scene.ramps):
+def _pressed(ramps: Sequence[Step]) -> float:
+    """Share of the increments that change the pressure."""
+    if any(ramp.slides for ramp in ramps):
         return 1.0
     counts, changed, before = 0, 0, None
-    for ramp in scene.ramps:
+    for ramp in ramps:
         prescribed = [getattr(ramp, name) for name in _NORMAL]
         counts += ramp.increments
         changed += ramp.increments * (prescribed != before)

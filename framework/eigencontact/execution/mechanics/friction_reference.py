@@ -14,7 +14,7 @@ from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.exposed import Exposed
-from eigencontact.model.kernels import Bodies
+from eigencontact.model.kernels import Solids
 from eigencontact.plugin import FrictionLaw, FrictionState, HasReferencePressure
 from eigencontact.plugin.friction import checked_shear_bound
 from eigencontact.results.records import StepRecord
@@ -77,9 +77,9 @@ class ReferenceShear(Stateless):
     provides = frozenset({"reference_shear_x", "reference_shear_y"})
     wanted = dict.fromkeys(("reference_shear_x", "reference_shear_y"), "pictures")
 
-    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, bodies: Bodies) -> None:
+    def __init__(self, geometry: HasReferencePressure, key: str, grid: Grid, solids: Solids) -> None:
         self._grid, self._geometry = grid, geometry
-        self._modulus = contact_modulus(*without_layers(bodies))
+        self._modulus = contact_modulus(*without_layers(solids))
         self.why = f"geometry {key!r} has a closed form of the shear while it rises in one direction"
 
     def advance(self, step: Step) -> None:

@@ -22,7 +22,6 @@ from eigencontact.execution.blocks.precision import Precision
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.installed import CellMaker, installed_cell
-from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice
 from eigencontact.model.sources import Lattice, Source
 from eigencontact.scene.schema import Numerics
@@ -59,15 +58,6 @@ class HalfSpace:
     registry: Registry
     full: bool = False
     steps: int = 1
-
-    @classmethod
-    def of(cls, model: Model, body: int) -> HalfSpace:
-        """One body of a model."""
-        full = model.numerics.half_space in ("full-space", "image-pressure")
-        return cls(
-            body=body, material=model.half_space(body), grid=model.grid, numerics=model.numerics,
-            registry=model.registry, full=full, steps=model.steps,
-        )  # fmt: skip
 
     @property
     def space(self) -> str:

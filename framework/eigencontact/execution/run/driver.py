@@ -18,10 +18,10 @@ from eigencontact.execution.run.loading import (
     start_of_ramp,
     tangential_control_at,
 )
-from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.results.records import StepRecord
 from eigencontact.scene.schema import Scene
 from eigencontact.scene.steps import Step as Ramp
+from eigencontact.solvers.contact_growth import ContactGrowth
 
 __all__ = ["Watcher", "drive"]
 

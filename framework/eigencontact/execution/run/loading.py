@@ -8,7 +8,6 @@ from math import hypot
 
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.blocks.surface import Slide
-from eigencontact.model.contact_growth import ContactGrowth
 from eigencontact.scene.holding import held_steps, held_travel
 from eigencontact.scene.steps import (
     Segment,
@@ -19,6 +18,7 @@ from eigencontact.scene.steps import (
     spaced_by_radius,
     start_of_normal,
 )
+from eigencontact.solvers.contact_growth import ContactGrowth
 from eigencontact.solvers.control import MODES, Control
 from eigencontact.solvers.tangential.control import MODES as TANGENTIAL_MODES
 from eigencontact.solvers.tangential.control import TangentialControl

@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact.model.contact_estimate import ContactEstimate
+from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.control import Control
 
 __all__ = ["ContactGrowth", "contact_growth"]
