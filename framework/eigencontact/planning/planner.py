@@ -79,6 +79,6 @@ def _check_memory(plan: Plan) -> None:
         largest = max(plan.parts, key=lambda part: part.cost.peak)
         raise PlanError(
             f"plan must fit into memory, {total / 2**30:.3g} GiB (got {predicted / 2**30:.3g} GiB, most of it for "
-            f"block {largest.name!r}); use about 1/{ceil(predicted / (MEMORY_SHARE * total))} of the cells or depths, or "
-            "numerics.precision = 'single' or, with a larger tolerance, 'auto'"
+            f"block {largest.name!r}); use about 1/{ceil(predicted / (MEMORY_SHARE * total))} of the cells or depths, "
+            "or numerics.precision = 'single' or, with a larger tolerance, 'auto'"
         )
