@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial, reduce
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import PlanError, SceneError
 from eigencontact.model.bodies import without_layers
 from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import PairCoefficients
 from eigencontact.model.resolution import refuse_coarse
-from eigencontact.model.separation import sum_separations
 from eigencontact.model.sizes import cut_down, most, refuse_more
 from eigencontact.model.window import Window, given_grid
 from eigencontact.plugin import HasNativeGrid
@@ -31,7 +30,6 @@ from eigencontact.solvers.operator import Coefficients
 
 __all__ = ["contact_window", "contacts_of_steps"]
 
-FloatArray = NDArray[np.float64]
 
 #: Share of the window that a contact takes at least where a coarse solve over all of it shows its size.
 _PLAIN = 0.3
@@ -90,11 +88,10 @@ def _grid(scene: Scene, interface: Interface) -> tuple[Grid, str]:
         )
     pairs = zip(_controls(scene), held_travel(scene.ramps), strict=True)
     controls = [(control, travel) for control, travel in pairs if 0.0 not in (control.normal_load, control.approach)]
-    separation = partial(sum_separations, geometries)
     # The search for a first window takes cells of a hundred sizes: it leaves layers out.
     bare = PairCoefficients(normal.influence, without_layers(normal.bodies), "z")
-    start = max((_first_window(separation, bare, control) for control, _ in controls), default=1.0)
-    grid = _automatic_grid(spec, separation, normal, controls, start)
+    start = max((_first_window(interface.separation, bare, control) for control, _ in controls), default=1.0)
+    grid = _automatic_grid(spec, interface.separation, normal, controls, start)
     return grid, f"automatic: {spec.cells_per_contact_radius:g} cells per contact radius, margin {spec.margin:g}"
 
 
@@ -203,7 +200,7 @@ def contacts_of_steps(scene: Scene, grid: Grid, interface: Interface) -> list[St
     for control, (x0, y0) in zip(_controls(scene), held_travel(scene.ramps), strict=True):
 
         def separation(x: FloatArray, y: FloatArray, x0: float = x0, y0: float = y0) -> FloatArray:
-            return sum_separations(interface.geometries, x - x0, y - y0)
+            return interface.separation(x - x0, y - y0)
 
         contact = estimate_contact(grid, separation, interface.normal, control, periodic=periodic)
         if contact is not None:

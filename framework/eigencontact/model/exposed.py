@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError, nearest
 from eigencontact.model.kernels import Solids
 from eigencontact.model.sources import Inhomogeneity
@@ -18,7 +19,6 @@ from eigencontact.plugin.materials import SUBSTRATE
 
 __all__ = ["Exposed", "exposed_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Halvings of a depth in search of an interface.
 _BISECTIONS = 10

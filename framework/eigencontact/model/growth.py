@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.model.sources import Inhomogeneity, Lattice
 
 __all__ = ["enlarged", "filling", "lattice_of"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 #: Growth beyond a face that is reached, in parts of the size of the box, and at least [cells].

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 
 if TYPE_CHECKING:
     from eigencontact.results.records import HistoryRecord
 
 __all__ = ["InitialState", "overlaps"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of other runs are the same where edges and places differ by less than this part of an edge.
 _SAME = 1e-6

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from eigencontact.core.arrays import real_answer
 from eigencontact.core.tractions import ALONG, Traction
+from eigencontact.core.types import FloatArray
 from eigencontact.hooks.registry import Registry
 from eigencontact.model.bodies import influence_for, kernel_key
 from eigencontact.model.coupling import Coupling, coupling_of
@@ -57,6 +61,20 @@ class Interface:
     def kernel_key(self, traction: str) -> str:
         """Names of the plugins behind the kernels of the traction along a direction."""
         return kernel_key(self.influences[ALONG[traction].name], self.solids)
+
+    def separation(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Initial gap at points that broadcast [m]: the sum of all geometries.
+
+        Raises
+        ------
+        PluginError
+            Names a geometry that does not return real numbers of this shape.
+        """
+        shape = np.broadcast_shapes(x.shape, y.shape)
+        total = np.zeros(shape)
+        for geometry in self.geometries:
+            total += real_answer(geometry.separation(x, y), f"separation of geometry {geometry.key!r}", shape)
+        return total
 
     @property
     def measured(self) -> bool:

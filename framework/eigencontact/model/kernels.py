@@ -13,6 +13,7 @@ from eigencontact.core.material import Material
 from eigencontact.core.symmetry import parity
 from eigencontact.core.tensors import COMPONENTS
 from eigencontact.core.tractions import TRACTIONS, side
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import PlanError
 from eigencontact.plugin import HasWavenumberResponse, LayeredMedium, SurfaceInfluence
 
@@ -22,8 +23,6 @@ __all__ = ["KernelUse", "PairCoefficients", "Solid", "Solids", "StressCoefficien
 #: (`eigencontact.model.bodies.influence_for`), which takes it where others take a Material.
 Solid = Material | LayeredMedium
 Solids = tuple[Solid | None, Solid | None]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

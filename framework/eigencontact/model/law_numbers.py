@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.numbers import Number, by_name
+from eigencontact.core.types import FloatArray
 from eigencontact.plugin import ConstitutiveLaw
 
 __all__ = ["measured", "numbers_of_laws"]
-
-FloatArray = NDArray[np.float64]
 
 
 def numbers_of_laws(laws: Iterable[ConstitutiveLaw]) -> tuple[Number, ...]:

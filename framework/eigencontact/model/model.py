@@ -18,7 +18,7 @@ from eigencontact.model.interface import Interface, build_interface
 from eigencontact.model.observing import Observing, observing
 from eigencontact.model.sources import Source
 from eigencontact.model.wear import WearModel, wear_model
-from eigencontact.model.window import Window, choose_window
+from eigencontact.model.window import Window, window_of_regions
 from eigencontact.plugin import Component, ConstitutiveLaw, FrictionLaw
 from eigencontact.scene.files import anchored
 from eigencontact.scene.schema import Numerics, Scene
@@ -135,7 +135,7 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
     scene, files = anchored(scene, registry)
     bodies = build_bodies(scene, registry)
     elastic = build_interface(scene, registry, bodies.solids)
-    window = choose_window(scene, bodies, elastic)
+    window = _window(scene, bodies, elastic)
     sources = place_sources(scene, registry, bodies, elastic, window, initial)
     cells = cut_cells(scene, window, sources, initial)
     wear = wear_model(scene, registry)
@@ -153,3 +153,12 @@ def build_model(scene: Scene, registry: Registry, initial: Mapping[int, InitialS
         exposed=exposed_of(bodies.solids, cells.inhomogeneities, window.grid, laws, scene.losses),
         initial=initial,
     )
+
+
+def _window(scene: Scene, bodies: Bodies, interface: Interface | None) -> Window:
+    """Window around the contact; without one, around the regions."""
+    if interface is None:
+        return window_of_regions(scene, bodies)
+    from eigencontact.model.contact_window import contact_window
+
+    return contact_window(scene, interface)

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from eigencontact.core.borders import border
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.model.model import Model
 from eigencontact.model.sources import Patch, Source
 
 __all__ = ["outlines", "section_outline"]
 
-FloatArray = NDArray[np.float64]
 
 _NODES = 49
 #: With more regions than this their outlines are drawn on fewer nodes.

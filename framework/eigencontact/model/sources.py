@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError, require
 from eigencontact.halfspace.potentials import HasMirrorPotential, HasPotentials
 from eigencontact.hooks.registry import Registry
-from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape
+from eigencontact.plugin import ConstitutiveLaw, EigenstrainField, InclusionShape, LinearLaw
 from eigencontact.scene.components import build_component
 from eigencontact.scene.inclusions import eigenstrain_table
 from eigencontact.scene.schema import Scene
@@ -33,7 +34,6 @@ __all__ = [
     "region_of_patch",
 ]
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 #: A region may reach above the surface by this part of its size: rounding of coordinates.
@@ -165,6 +165,16 @@ class Inhomogeneity(Source):
     def material(self) -> str | None:
         """Key of its law."""
         return self.law.key
+
+    @property
+    def uniform_law(self) -> LinearLaw | None:
+        """Linear law with the same constants all over; None for others."""
+        return self.law if isinstance(self.law, LinearLaw) and not self.law.varies else None
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether the region carries no stress; the factors are bounded for every material, also a rigid one."""
+        return self.uniform_law is not None and not np.any(self.uniform_law.factors(1.0)[1])
 
     @property
     def material_name(self) -> str:

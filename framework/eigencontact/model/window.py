@@ -11,14 +11,13 @@ import numpy as np
 from eigencontact.core.grid import Grid
 from eigencontact.errors import shown
 from eigencontact.model.bodies import Bodies
-from eigencontact.model.interface import Interface
 from eigencontact.model.sizes import comfortable, refuse_more
 from eigencontact.model.sources import region_of_patch
 from eigencontact.scene.schema import GridSpec, Scene
 from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.contact_growth import ContactGrowth
 
-__all__ = ["Window", "choose_window", "given_grid"]
+__all__ = ["Window", "given_grid", "window_of_regions"]
 
 Point = tuple[float, float, float]
 
@@ -51,18 +50,8 @@ class Window:
     growth: ContactGrowth | None = None
 
 
-def choose_window(scene: Scene, bodies: Bodies, interface: Interface | None) -> Window:
-    """Window of a scene: around its contact, or around its regions.
-
-    Raises
-    ------
-    SceneError, PlanError
-        More cells than fit, cells too coarse for the contact, or a contact that no window holds.
-    """
-    if interface is not None:
-        from eigencontact.model.contact_window import contact_window
-
-        return contact_window(scene, interface)
+def window_of_regions(scene: Scene, bodies: Bodies) -> Window:
+    """Window of a scene without a contact: given, or around its regions."""
     grid, reason = given_grid(scene.grid), "given in the scene"
     if grid is None:
         bounds = [source.shape.bounds for source in (*bodies.prescribed, *bodies.inhomogeneities)]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
+from eigencontact.core.types import FloatArray
 from eigencontact.core.units import readable
 from eigencontact.errors import EigencontactError, NotUnique, SceneError, require
 from eigencontact.hooks.registry import Registry
@@ -34,7 +35,6 @@ from eigencontact.solvers.elastic_zone import ACROSS, ElasticStress, Tractions, 
 
 __all__ = ["SAFETY", "YieldingBody", "yielding_bodies"]
 
-FloatArray = NDArray[np.float64]
 _Bounds = tuple[FloatArray, FloatArray]
 
 #: Stress that is tried, as a multiple of the elastic one: the coarse contact errs by some 3 %.

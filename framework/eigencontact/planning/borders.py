@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.model.model import Model
 from eigencontact.model.outlines import section_outline
 from eigencontact.model.regions import region_lattice
@@ -17,7 +18,6 @@ from eigencontact.results.borders import LineBorders, Section
 
 __all__ = ["line_borders", "sections_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Halvings that find a border between two points of a line.
 _HALVINGS = 30

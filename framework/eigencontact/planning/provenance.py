@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Source
 from eigencontact.planning.plan import Plan
 from eigencontact.results.ownership import RESULTS
@@ -114,7 +113,7 @@ def _digest(plan: Plan, resolved: dict[str, Any]) -> str:
     if plan.model.interface is not None:
         y, x = plan.grid.axes()
         # Another surface is another scene.
-        digest.update(sum_separations(plan.model.interface.geometries, x, y).tobytes())
+        digest.update(plan.model.interface.separation(x, y).tobytes())
     for given in plan.model.files:
         path = given / RESULTS if given.is_dir() else given  # of an earlier run
         if path.is_file():

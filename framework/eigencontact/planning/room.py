@@ -5,21 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from math import floor, log10
 
-import numpy as np
-from numpy.typing import NDArray
-
 from eigencontact.core.units import readable
 from eigencontact.errors import DomainTooSmall
 from eigencontact.execution.blocks.step import Step
 from eigencontact.model.model import Model
-from eigencontact.model.separation import sum_separations
 from eigencontact.plugin import HasNativeGrid
 from eigencontact.solvers.coarse_contact import estimate_contact
 from eigencontact.solvers.control import Control
 
 __all__ = ["load_that_fits", "with_room"]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells each way of the solves that look for a load that fits, the smallest part of the load, and the halvings of its
 #: logarithm: the load is found to 3 %.
@@ -76,8 +71,8 @@ def load_that_fits(model: Model, step: Step) -> float | None:
     control = step.control
     assert control is not None
     _, value, _ = _driven(control)
-    assert model.interface is not None
-    pressure, geometries = model.interface.normal, model.interface.geometries
+    interface = model.interface
+    assert interface is not None
     x0, y0 = step.travel
 
     def inside(part: float) -> bool:
@@ -86,8 +81,8 @@ def load_that_fits(model: Model, step: Step) -> float | None:
         forces |= {name: part * given for name in names if (given := getattr(control, name)) is not None}
         contact = estimate_contact(
             model.grid,
-            lambda x, y: sum_separations(geometries, x - x0, y - y0),
-            pressure,
+            lambda x, y: interface.separation(x - x0, y - y0),
+            interface.normal,
             replace(control, **forces),
             periodic=False,
             cells=_CELLS,

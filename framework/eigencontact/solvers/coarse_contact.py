@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Box, Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import EigencontactError, SceneError
 from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.control import Control
@@ -16,7 +16,6 @@ from eigencontact.solvers.operator import Coefficients
 
 __all__ = ["Separation", "close_estimate", "coarse_contact", "estimate_contact", "settled_estimate"]
 
-FloatArray = NDArray[np.float64]
 Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
 #: Cells across the window of a coarse solve, and of the last one, whose window is that of the contact.

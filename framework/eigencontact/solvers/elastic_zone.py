@@ -17,10 +17,10 @@ from scipy import fft
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import COMPONENTS, SQRT2
+from eigencontact.core.types import FloatArray
 
 __all__ = ["ACROSS", "ElasticStress", "Exceeds", "Tractions", "Zone", "elastic_zone", "overload"]
 
-FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 #: Tractions [Pa] on a window, by name; pressure is ``"p"``.
 Tractions = tuple[Grid, Mapping[str, FloatArray]]

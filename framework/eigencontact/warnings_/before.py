@@ -23,7 +23,6 @@ from eigencontact.model.resolution import (
     percent,
     pressure_error,
 )
-from eigencontact.model.separation import sum_separations
 from eigencontact.model.sources import Inhomogeneity, Patch
 from eigencontact.plugin import HasNativeGrid
 from eigencontact.scene.holding import held_steps
@@ -95,8 +94,11 @@ def _of_the_contact(model: Model) -> Iterator[Caution]:
 
 def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     """Measured and random surfaces whose points the cells miss, or that do not fit to their own repetition."""
-    grid, geometries = model.grid, () if model.interface is None else model.interface.geometries
-    native = [(geometry.key, geometry.native_grid()) for geometry in geometries if isinstance(geometry, HasNativeGrid)]
+    grid, interface = model.grid, model.interface
+    if interface is None:
+        return
+    measured = [geometry for geometry in interface.geometries if isinstance(geometry, HasNativeGrid)]
+    native = [(geometry.key, geometry.native_grid()) for geometry in measured]
     for key, points in native:
         wide, given = max(((grid.dx, points.dx), (grid.dy, points.dy)), key=lambda pair: pair[0] / pair[1])
         if wide > 1.001 * given:
@@ -110,8 +112,8 @@ def _of_the_surfaces(model: Model) -> Iterator[Caution]:
     y, x = grid.axes()
     ends = [0, 1, -2, -1]
     lines = {
-        "x": sum_separations(geometries, x[:, ends], y).T,
-        "y": sum_separations(geometries, x, y[ends]),
+        "x": interface.separation(x[:, ends], y).T,
+        "y": interface.separation(x, y[ends]),
     }
     seams = []
     for axis, (first, second, last_but_one, last) in lines.items():

@@ -87,7 +87,7 @@ def _coated(task: Task) -> Sample:
         for name, body in bodies.items()
     }
     y, x = planned.grid.axes()
-    separation, control = interface.geometries[0].separation(x, y), Control(normal_load=scene.steps[0].normal_load)
+    separation, control = interface.separation(x, y), Control(normal_load=scene.steps[0].normal_load)
     first: dict[str, float] = {}
     again: dict[str, list[float]] = {name: [] for name in solvers}
     counts: dict[str, int] = {}

@@ -7,10 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from eigencontact.core.numbers import Number
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Part
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.results.records import StepRecord
@@ -21,7 +19,6 @@ from eigencontact.solvers.tangential.control import TangentialControl
 
 __all__ = ["COUPLING_RESIDUAL", "Contact", "ContactAnswer", "Fields", "normal_options", "scaled_forces"]
 
-FloatArray = NDArray[np.float64]
 Fields = Mapping[str, FloatArray]
 _Control = TypeVar("_Control", Control, TangentialControl)
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.model.kernels import Solids
 
 __all__ = ["Slide", "Surface"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

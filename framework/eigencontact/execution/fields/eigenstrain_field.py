@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import ResultsError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.fields.cause import Cause
 from eigencontact.execution.fields.within_regions import empty_points, read_by_own_laws, whole_cells
 from eigencontact.execution.interiors.interior import eigenstrain_name
 from eigencontact.execution.routes.prescribed import PrescribedField
@@ -26,12 +28,11 @@ if TYPE_CHECKING:
 
 __all__ = ["EigenstrainField"]
 
-FloatArray = NDArray[np.float64]
 
 _WORDS = {"displacement": "displacement x, y, z", "strain": "strain (6 components)", "stress": "stress (6 components)"}
 
 
-class EigenstrainField:
+class EigenstrainField(Cause):
     """Fields of one body; steps store the eigenstrain of inhomogeneities."""
 
     def __init__(self, subsurface: Subsurface, request: StressRequest, lattice: RegionLattice) -> None:
@@ -42,7 +43,6 @@ class EigenstrainField:
         self.cost = Cost()
         self._prescribed: dict[str, PrescribedField] = {}
         self._solved: dict[str, Route] = {}
-        self.note, self.mean_above = "", 0.0
         self.precisions: list[Precision] = []
         for quantity in request.fields:
             if subsurface.prescribed:

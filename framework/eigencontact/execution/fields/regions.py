@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.numbers import Number
 from eigencontact.core.tensors import from_mandel, hydrostatic, principal, tresca, von_mises
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Block, Cost, Run, Running
-from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.blocks.step import Step
+from eigencontact.execution.fields.cause import Cause
 from eigencontact.model.interface import Interface
-from eigencontact.model.kernels import KernelUse
 from eigencontact.model.model import Model
 from eigencontact.model.regions import RegionLattice, region_lattice
 from eigencontact.results.records import RegionRecord
@@ -24,7 +22,6 @@ from eigencontact.scene.schema import StressRequest
 
 __all__ = ["Region", "RunningRegion", "region_of", "regions_of"]
 
-FloatArray = NDArray[np.float64]
 
 _SCALARS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "von_mises": von_mises,
@@ -32,6 +29,9 @@ _SCALARS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "principal": principal,
     "hydrostatic": hydrostatic,
 }
+
+#: Causes of the fields of a region, made for an interface.
+CausesOf = Callable[[Interface | None], Iterator[Cause]]
 
 
 class Region(Block):
@@ -74,13 +74,12 @@ class Region(Block):
         asker: str = "",
     ) -> None:  # fmt: skip
         self.numbers = Region.numbers if not asker and "stress" in request.fields else ()
-        self._request, self._lattice, label = request, lattice, request.label
-        self._causes, self._interface = causes, interface
+        self.request, self.lattice, self.causes, self.interface = request, lattice, causes, interface
+        self.stored, label = not asker, request.label
         self.name = f"stress-{label}"
-        self._stored = not asker
         self.why = f"{asker or '[[stress]]'} asks for {request.shape} {label!r} in body {request.body}"
         self.provides = frozenset({f"stress:{label}"})
-        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self._stored else {}
+        self.wanted = {f"stress:{label}": f"[[stress]] {label!r}"} if self.stored else {}
         parts = list(causes(interface))
         if not parts:
             raise SceneError(
@@ -96,18 +95,15 @@ class Region(Block):
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return RunningRegion(self._request, self._lattice, self._causes, self._interface, stored=self._stored)
+        return RunningRegion(self)
 
 
 class RunningRegion:
     """Fields of a region in one run, with causes that hold operators."""
 
-    def __init__(
-        self, request: StressRequest, lattice: RegionLattice, causes: CausesOf, interface: Interface | None, *,
-        stored: bool,
-    ) -> None:  # fmt: skip
-        self._request, self._lattice, self._stored = request, lattice, stored
-        self._causes_of, self._interface, self._causes = causes, interface, list(causes(interface))
+    def __init__(self, region: Region) -> None:
+        self._region, self._interface = region, region.interface
+        self._causes = list(region.causes(region.interface))
 
     def advance(self, step: Step) -> None:
         """See `Running.advance`."""
@@ -115,66 +111,21 @@ class RunningRegion:
         solids, interface = step.surface.solids, self._interface
         if solids is not None and interface is not None and solids != interface.solids:
             self._interface = replace(interface, solids=solids)
-            self._causes = list(self._causes_of(self._interface))
+            self._causes = list(self._region.causes(self._interface))
         for cause in self._causes:
             for quantity, values in cause.fields(step).items():
                 fields[quantity] = fields[quantity] + values if quantity in fields else values
         for cause in self._causes:
             cause.amend(fields, step)
-        record, stress = region_record(self._request, self._lattice, fields)
+        record, stress = region_record(self._region.request, self._region.lattice, fields)
         record = replace(
             record,
             note="; ".join(cause.note for cause in self._causes if cause.note),
             mean_above=max(cause.mean_above for cause in self._causes),
         )
-        (step.regions if self._stored else step.looks)[record.name] = record
-        if self._stored and stress is not None:
+        (step.regions if self._region.stored else step.looks)[record.name] = record
+        if self._region.stored and stress is not None:
             note_largest(step, record, stress)
-
-
-class Cause(Protocol):
-    """Cause of a field at the points of a region."""
-
-    @property
-    def requires(self) -> frozenset[str]:
-        """Quantities that it needs of a step."""
-        ...
-
-    @property
-    def kernels(self) -> Sequence[KernelUse]:
-        """Influence coefficients that it builds."""
-        ...
-
-    @property
-    def cost(self) -> Cost:
-        """Price of them, and of a step."""
-        ...
-
-    @property
-    def precisions(self) -> Sequence[Precision]:
-        """See `Part`."""
-        ...
-
-    @property
-    def note(self) -> str:
-        """Remark on its values, for `explain` and results; may be empty."""
-        ...
-
-    @property
-    def mean_above(self) -> float:
-        """Depth [m] above which its stress is a mean over each cell; 0 where none is."""
-        ...
-
-    def fields(self, step: Step) -> dict[str, FloatArray]:
-        """Its fields by quantity, ``(3 or 6, *lattice.shape)``."""
-        ...
-
-    def amend(self, fields: dict[str, FloatArray], step: Step) -> None:
-        """Correct the sum of all causes."""
-        ...
-
-
-CausesOf = Callable[[Interface | None], Iterator[Cause]]
 
 
 def region_of(model: Model, request: StressRequest, asker: str = "") -> Region:

@@ -6,17 +6,18 @@ from collections.abc import Hashable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Box
 from eigencontact.core.kept import kept_or_made
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import plane_round_off, settled
 from eigencontact.execution.blocks.sampling import sampling_seconds, section_cost, spectra_cost
 from eigencontact.execution.blocks.step import Step as LoadStep
+from eigencontact.execution.fields.cause import Cause
 from eigencontact.execution.interiors.interior import loads
 from eigencontact.model.bodies import kernel_key
 from eigencontact.model.interface import Interface
@@ -28,7 +29,6 @@ from eigencontact.solvers.surface_means import depth_of_means
 
 __all__ = ["TractionField", "moves"]
 
-FloatArray = NDArray[np.float64]
 
 #: Note on a region that has points next to the surface.
 _NOTE = "stress by tractions above a depth of {:.3g} m is a mean over each cell, linear between their centres"
@@ -39,7 +39,7 @@ _TABLES, _MEANS = 4, 4
 _AT_ONCE = 16
 
 
-class TractionField:
+class TractionField(Cause):
     """Field of one body; the spectra are kept as long as the contact stays in the box that they were made for.
 
     Body 2 is loaded by the same pressure and the opposite shear; seen along its own z axis, which points into it, its
@@ -141,9 +141,6 @@ class TractionField:
         evaluate = self._on_lattice if self._lattice.points is None else self._at_points
         fields = {quantity: evaluate(quantity, tractions) for quantity in self._quantities}
         return fields | ({"strain": self._strain(fields["stress"])} if "strain" in self._fields else {})
-
-    def amend(self, fields: dict[str, FloatArray], step: LoadStep) -> None:
-        """See `eigencontact.execution.fields.regions.Cause`: tractions change nothing."""
 
     def _strain(self, stress: FloatArray) -> FloatArray:
         """Elastic strain; at the depth of an interface by the constants of the deeper layer, as the stress is."""

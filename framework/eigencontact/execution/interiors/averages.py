@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.plugin import ConstitutiveLaw, LawStep
 from eigencontact.solvers.neighbourhood import Neighbourhood, reach_of
 
 __all__ = ["Averages"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Averages:

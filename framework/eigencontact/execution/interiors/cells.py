@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.blocks.precision import INNER, settled, volume_round_off
 from eigencontact.execution.blocks.sampling import sampling_seconds, spectra_cost
-from eigencontact.execution.interiors.empty_regions import is_empty
 from eigencontact.execution.interiors.interior import Remembered, loads
 from eigencontact.execution.interiors.material_cells import MaterialCells
 from eigencontact.execution.interiors.responding import Responding
@@ -26,7 +26,6 @@ from eigencontact.plugin import ConstitutiveLaw, HasCellAnswer, LinearLaw
 
 __all__ = ["Cells"]
 
-FloatArray = NDArray[np.float64]
 
 #: Depth, in heights of a cell, that a surface may lose above a box that begins below it and stays in place.
 _BURIED = 0.5
@@ -76,7 +75,7 @@ class Cells(Responding):
     def _applications(self) -> float:
         """Typical applications of the operator in one step."""
         usual = _TOGETHER if self._kernels else _ALONE
-        return usual * (_EMPTY if any(map(is_empty, self.sources)) else 1.0)
+        return usual * (_EMPTY if any(source.is_empty for source in self.sources) else 1.0)
 
     def _seconds_of_laws(self) -> float:
         """Time of the answers of laws in a step that Newton's method finds from their `update`."""

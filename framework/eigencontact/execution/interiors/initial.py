@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.model.initial import InitialState, overlaps
 from eigencontact.plugin import ConstitutiveLaw
@@ -18,7 +19,6 @@ from eigencontact.scene.schema import Scene
 
 __all__ = ["initial_states", "moved_state"]
 
-FloatArray = NDArray[np.float64]
 
 #: Part of what was remembered that may lie where nothing is.
 _LOST = 1e-6

@@ -6,9 +6,9 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.tractions import Traction, side
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Part
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
@@ -17,7 +17,6 @@ from eigencontact.results.records import HistoryRecord
 
 __all__ = ["Interior", "Outgrown", "by_direction", "eigenstrain_name", "loads"]
 
-FloatArray = NDArray[np.float64]
 Remembered = Mapping[str, HistoryRecord]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import require
 from eigencontact.execution.routes.cell_strain import Place, fractions_in, place_in, values_of
 from eigencontact.model.boxes import CellBox
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LinearContent", "MaterialCells", "risen"]
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int_]
 
 #: A share of a cell smaller than this is left out.

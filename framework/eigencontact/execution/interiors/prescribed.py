@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction
 from eigencontact.execution.routes.subsurface import Subsurface
 from eigencontact.model.regions import surface_lattice
 
 __all__ = ["PrescribedEigenstrain", "names_of"]
-
-FloatArray = NDArray[np.float64]
 
 
 class PrescribedEigenstrain(Interior):

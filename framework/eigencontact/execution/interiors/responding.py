@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.numbers import Number
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.interior import Interior, Remembered, by_direction, eigenstrain_name
@@ -21,8 +21,6 @@ from eigencontact.results.records import HistoryRecord
 from eigencontact.solvers.report import Progress
 
 __all__ = ["Responding"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Responding(Interior):

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from eigencontact.core.elasticity import shear_ratios
 from eigencontact.core.material import Material
 from eigencontact.core.numbers import Number
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.contact import Fields
 from eigencontact.execution.blocks.increment import Increment
 from eigencontact.execution.interiors.averages import Averages
@@ -35,7 +36,6 @@ from eigencontact.results.records import HistoryRecord
 
 __all__ = ["SweptCells", "should_sweep", "stiffness_ratios"]
 
-FloatArray = NDArray[np.float64]
 
 #: Ratios of stiffness between which sweeps take a third to a half of the applications that solves take.
 _MODERATE = (0.05, 20.0)

@@ -6,10 +6,10 @@ from functools import partial
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.parallel import in_parallel
 from eigencontact.core.tensors import COMPONENTS
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Fields
@@ -26,7 +26,6 @@ from eigencontact.plugin import LinearLaw
 
 __all__ = ["Wholes"]
 
-FloatArray = NDArray[np.float64]
 
 #: Points of an inclusion at which the stress of the contact is averaged, for the cost.
 _POINTS = 32

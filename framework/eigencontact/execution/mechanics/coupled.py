@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.numbers import accumulate, by_name
 from eigencontact.core.tractions import ALONG
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import NotConverged
 from eigencontact.execution.blocks.contact import Contact, ContactAnswer
 from eigencontact.execution.blocks.increment import Increment
@@ -34,7 +34,6 @@ from eigencontact.solvers.anderson import Anderson
 
 __all__ = ["Coupled", "Solved"]
 
-FloatArray = NDArray[np.float64]
 
 #: Rounds of one attempt, and where every interior is swept: what softens under friction takes a hundred.
 _ROUNDS, _ROUNDS_SWEPT = 60, 150

@@ -15,6 +15,7 @@ from eigencontact.convolution.pace import speed
 from eigencontact.core.numbers import Number
 from eigencontact.core.rigid_modes import NORMAL_MODES
 from eigencontact.core.tractions import ALONG
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import (
     COUPLING_RESIDUAL,
@@ -57,7 +58,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ContactWithFriction", "friction_cost", "friction_fields"]
 
-FloatArray = NDArray[np.float64]
 
 #: Values of the stored field ``contact_zone``.
 _SLIP, _STICK = 1.0, 2.0

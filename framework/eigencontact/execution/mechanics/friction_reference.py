@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import contact_modulus
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Stateless
 from eigencontact.execution.blocks.step import Step
 from eigencontact.execution.mechanics.exposed_material import exposed_facts
@@ -21,7 +21,6 @@ from eigencontact.results.records import StepRecord
 
 __all__ = ["ReferenceShear", "ShearBound"]
 
-FloatArray = NDArray[np.float64]
 
 #: Loads that differ by no more than this part of what friction carries are the same.
 _SAME = 1e-9

@@ -8,11 +8,9 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number, accumulate, by_name
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import NotConverged
 from eigencontact.execution.blocks.block import Block, Cost, Part, Run
 from eigencontact.execution.blocks.contact import COUPLING_RESIDUAL, Contact, ContactAnswer
@@ -37,7 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Mechanics", "RunningMechanics", "mechanics_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Scalars of a contact, of surfaces that eigenstrain displaces, of bodies with laws, and of `numerics.plastic-error`.
 _OF_CONTACT = (

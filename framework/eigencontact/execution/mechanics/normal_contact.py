@@ -8,13 +8,13 @@ from math import log2
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.layout import fast_even
 from eigencontact.convolution.pace import speed
 from eigencontact.core.grid import Grid
 from eigencontact.core.numbers import Number
 from eigencontact.core.tractions import ALONG
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.contact import Contact, ContactAnswer, Fields, normal_options, scaled_forces
 from eigencontact.execution.blocks.increment import Increment
@@ -43,7 +43,6 @@ __all__ = [
     "surface_kernels",
 ]
 
-FloatArray = NDArray[np.float64]
 
 #: Scalars of every contact.
 NORMAL_NUMBERS = (

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.core.grid import Grid
@@ -20,8 +19,7 @@ from eigencontact.model.bodies import layered_bodies, without_layers
 from eigencontact.model.interface import Interface
 from eigencontact.model.kernels import KernelUse, Solids
 from eigencontact.model.model import Model
-from eigencontact.model.separation import sum_separations
-from eigencontact.plugin import Geometry, HasReferencePressure
+from eigencontact.plugin import HasReferencePressure
 from eigencontact.plugin.revolution import RevolutionSum
 from eigencontact.scene.holding import TRAVEL
 from eigencontact.scene.schema import Numerics
@@ -37,7 +35,6 @@ __all__ = [
     "separation_blocks",
 ]
 
-FloatArray = NDArray[np.float64]
 
 #: Cells of which a closed form is evaluated at a time: what it needs besides its result stays in the cache.
 _BAND = 2**17
@@ -65,22 +62,22 @@ class Separation(Block):
     )
 
     def __init__(self, interface: Interface, grid: Grid, *, travels: bool, slides: bool | None = None) -> None:
-        self._geometries, self._grid, self._travels = interface.geometries, grid, travels
+        self._interface, self._grid, self._travels = interface, grid, travels
         slides = interface.friction is not None if slides is None else slides
-        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in self._geometries)
+        self.why = "the initial gap of the geometry " + " + ".join(geometry.key for geometry in interface.geometries)
         self.why += f", which {'slides' if slides else 'rolls'} along the surface" if travels else ""
         self.numbers = Separation.numbers if travels else ()
 
     def start(self, run: Run) -> Running:  # noqa: ARG002
         """See `Block.start`."""
-        return _TravellingGap(self._geometries, self._grid, travels=self._travels)
+        return _TravellingGap(self._interface, self._grid, travels=self._travels)
 
 
 class _TravellingGap:
     """The initial gap at the place that the geometry has reached; it is computed where the place changes."""
 
-    def __init__(self, geometries: Sequence[Geometry], grid: Grid, *, travels: bool) -> None:
-        self._geometries, self._grid, self._travels = geometries, grid, travels
+    def __init__(self, interface: Interface, grid: Grid, *, travels: bool) -> None:
+        self._interface, self._grid, self._travels = interface, grid, travels
         self._place: tuple[float, float] | None = None
         self._separation = np.empty(0)
 
@@ -88,7 +85,7 @@ class _TravellingGap:
         """See `Running.advance`."""
         if step.travel != self._place:
             y, x = self._grid.axes()
-            self._separation = sum_separations(self._geometries, x - step.travel[0], y - step.travel[1])
+            self._separation = self._interface.separation(x - step.travel[0], y - step.travel[1])
             self._place = step.travel
         step.surface = replace(step.surface, separation=self._separation)
         if self._travels:

@@ -6,10 +6,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.arrays import real_answer
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import require
 from eigencontact.model.boxes import CellBox
 from eigencontact.model.sources import Lattice, Patch, Source
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CellStrain", "fractions_in", "place_in", "values_of"]
 
-FloatArray = NDArray[np.float64]
 Place = tuple[slice, slice, slice]
 
 

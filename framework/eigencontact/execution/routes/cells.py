@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision, plane_round_off, settled, volume_round_off
 from eigencontact.execution.routes.route import CellRoute, HalfSpace, Pace
@@ -21,7 +22,6 @@ from eigencontact.solvers.cells import Cells
 
 __all__ = ["Between", "CloseUp", "Columns", "Planes", "Volume", "cheapest"]
 
-FloatArray = NDArray[np.float64]
 
 #: Places of the surface up to which points have sums of their own: each takes some 0.3 s and 20 MB over 35 000 cells.
 _PLACES = 256

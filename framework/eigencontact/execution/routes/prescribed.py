@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.execution.routes.cell_strain import CellStrain
@@ -23,7 +23,6 @@ from eigencontact.model.sources import Source
 
 __all__ = ["PrescribedField", "cell_route"]
 
-FloatArray = NDArray[np.float64]
 Rows = tuple[int, ...] | None
 
 

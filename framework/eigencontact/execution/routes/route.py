@@ -10,13 +10,13 @@ from math import ceil, log2
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution import Layout
 from eigencontact.convolution.pace import Speed, speed, timed
 from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.core.parallel import available_threads, working_threads
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.blocks.precision import Precision
 from eigencontact.hooks.registry import Registry
@@ -28,7 +28,6 @@ from eigencontact.scene.schema import Numerics
 
 __all__ = ["CellRoute", "HalfSpace", "Pace", "Route"]
 
-FloatArray = NDArray[np.float64]
 
 #: Seconds of the interpreter, whatever the sizes, for each kernel of some layers and each spectrum: fitted to sections
 #: of 31 and 61 depths through boxes of 8 to 21 layers, which held 40 000 spectra in 10 s where points alone told 3.

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.tractions import TRACTIONS, Traction
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.routes.closed_form import ClosedForms
 from eigencontact.execution.routes.prescribed import PrescribedField, cell_route
 from eigencontact.execution.routes.route import HalfSpace, Route
@@ -23,8 +23,6 @@ from eigencontact.model.sources import Inhomogeneity, Lattice, Source
 from eigencontact.plugin import SurfaceInfluence
 
 __all__ = ["Subsurface", "subsurfaces_of"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

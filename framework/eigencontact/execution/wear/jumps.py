@@ -7,9 +7,9 @@ differs from that is the error of the jump, which grows with the square of its s
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.step import CyclePlace
 from eigencontact.execution.wear.rate import Rate
 from eigencontact.execution.wear.state import WornState, updated
@@ -17,7 +17,6 @@ from eigencontact.scene.wear import Wear
 
 __all__ = ["MOST", "Jumps", "against_deflection", "ahead"]
 
-FloatArray = NDArray[np.float64]
 
 #: Largest wear of one update, in deflections of a loaded cell: the surface has long come to rest.
 MOST = 1e7

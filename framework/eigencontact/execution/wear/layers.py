@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.core.units import readable
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.step import Step
@@ -26,7 +26,6 @@ from eigencontact.plugin import LayeredMedium, Thinning
 
 __all__ = ["WornLayers", "layers_that_wear", "refuse_unworn_kernels"]
 
-FloatArray = NDArray[np.float64]
 
 #: Part of the error allowed by which the answer may change until kernels are made anew, some tenths of a second each.
 _SHARE = 0.1

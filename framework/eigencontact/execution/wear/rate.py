@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact.core.types import FloatArray
 from eigencontact.plugin import WearLaw, WearState
 from eigencontact.plugin.wear import checked_depth
 
 __all__ = ["Rate", "energy_of", "filled", "quotient", "rate_of"]
 
-FloatArray = NDArray[np.float64]
 
 #: Relative change of pressure, shear and energy by which the derivative of a law is taken.
 _NUDGE = 1e-4

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.execution.blocks.step import Step
 from eigencontact.results.records import HistoryRecord, StepRecord
 
 __all__ = ["WornState", "recalled", "store", "updated"]
 
-FloatArray = NDArray[np.float64]
 
 #: Digits after the point of a number of cells: a whole number of them smears nothing.
 _DIGITS = 9

@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.core.grid import Grid
+from eigencontact.core.types import FloatArray
 from eigencontact.errors import SceneError
 from eigencontact.execution.blocks.step import CyclePlace, Step
 from eigencontact.execution.blocks.surface import Surface
@@ -34,7 +34,6 @@ from eigencontact.solvers.moving_surface import moved
 
 __all__ = ["MovedContact", "WornSurface"]
 
-FloatArray = NDArray[np.float64]
 
 #: Part of the error of a jump that the integration at a fixed rate may make.
 _INTEGRATION = 0.1
