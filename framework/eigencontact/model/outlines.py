@@ -28,12 +28,12 @@ def outlines(model: Model) -> dict[str, FloatArray]:
     """
     sources = [source for source in model.sources if not source.guessed]
     nodes = _NODES if len(sources) <= _MANY else _NODES // 2
-    found = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
+    lines = {"": [_above(source, nodes) for source in sources if not _fills(source, model.grid)]}
     for request in model.cells.requests:
         if request.shape == "plane":
             inner = [source for source in sources if source.body == request.body]
-            found[request.label] = [section_outline(source, request.normal, request.at, nodes) for source in inner]
-    joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in found.items()}
+            lines[request.label] = [section_outline(source, request.normal, request.at, nodes) for source in inner]
+    joined = {name: np.concatenate([np.empty((0, 2, 2)), *parts]) for name, parts in lines.items()}
     return {name: segments for name, segments in joined.items() if len(segments)}
 
 

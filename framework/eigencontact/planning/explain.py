@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from eigencontact.model.sources import Source
     from eigencontact.planning.plan import Plan
 
-__all__ = ["Told", "as_data", "explain", "references", "told"]
+__all__ = ["PlanWords", "as_data", "explain", "plan_words", "references"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
+class PlanWords:
     """A plan in words, by paragraph.
 
     Attributes
@@ -33,7 +33,7 @@ class Told:
         Name of the scene, and its title where it has one.
     facts : list of str
         Bodies, geometry, grid ...: a name of `eigencontact.results.records.FACT_NAME` characters, empty where a line
-        continues the one before it, then what is said.
+        continues the one before it, then the text.
     cautions : list of str
         Warnings about limited accuracy.
     inclusions, blocks, kernels, predicted : list of str
@@ -52,7 +52,7 @@ class Told:
     left_out: list[tuple[str, str]]
 
 
-def told(plan: Plan) -> Told:
+def plan_words(plan: Plan) -> PlanWords:
     """Return what will be modelled, with which kernels, sizes, memory and time; and what is left out and why."""
     scene, grid, model = plan.scene, plan.grid, plan.model
     layers = layers_in_words(model.bodies.solids, periodic=scene.numerics.boundary == "periodic")
@@ -79,7 +79,7 @@ def told(plan: Plan) -> Told:
             price = ", ".join([*([_bytes(part.cost.peak)] if part.cost.peak else []), _time(seconds)])
             together = " (solved together)" if len(block.parts) > 1 else ""
             blocks.append(f"{part.name}{together}: {part.why}" + (f"  [{price}]" if seconds else ""))
-    return Told(
+    return PlanWords(
         title=f"{plan.name}: {scene.title}" if scene.title else plan.name,
         facts=facts,
         cautions=[f"{item.words} ({item.code})" for item in plan.cautions],
@@ -95,15 +95,15 @@ def told(plan: Plan) -> Told:
 
 
 def explain(plan: Plan) -> str:
-    """Return a plan as text: all paragraphs of `told`."""
-    said = told(plan)
-    lines = [said.title, "", *said.facts, ""]
-    lines += ["warnings", *(f"  {words}" for words in said.cautions), ""] if said.cautions else []
-    lines += [*said.inclusions, ""] if said.inclusions else []
-    lines += ["blocks, in order", *(f"  {line}" for line in said.blocks), ""]
-    lines += [f"kernels, {len(said.kernels)} in all", *(f"  {line}" for line in said.kernels), ""]
-    lines += [*said.predicted, "", "left out, and why"]
-    return "\n".join([*lines, *(f"  {what}: {why}" for what, why in said.left_out)])
+    """Return a plan as text: all paragraphs of `plan_words`."""
+    words = plan_words(plan)
+    lines = [words.title, "", *words.facts, ""]
+    lines += ["warnings", *(f"  {text}" for text in words.cautions), ""] if words.cautions else []
+    lines += [*words.inclusions, ""] if words.inclusions else []
+    lines += ["blocks, in order", *(f"  {line}" for line in words.blocks), ""]
+    lines += [f"kernels, {len(words.kernels)} in all", *(f"  {line}" for line in words.kernels), ""]
+    lines += [*words.predicted, "", "left out, and why"]
+    return "\n".join([*lines, *(f"  {what}: {why}" for what, why in words.left_out)])
 
 
 def as_data(plan: Plan) -> dict[str, object]:

@@ -34,7 +34,7 @@ def run_info(plan: Plan) -> RunInfo:
     from eigencontact.core.material import contact_modulus
     from eigencontact.model.bodies import layered_bodies, without_layers
     from eigencontact.model.words import layers_as_data
-    from eigencontact.planning.explain import references, told
+    from eigencontact.planning.explain import plan_words, references
     from eigencontact.plugin import LayeredMedium
 
     model, solids, borders = plan.model, plan.model.bodies.solids, dict[str, Any]()
@@ -71,7 +71,7 @@ def run_info(plan: Plan) -> RunInfo:
         numbers=plan.numbers,
         observed={number.name: number for observer in model.observers for number in observer.numbers},
         every_history=plan.scene.output.history == "all",
-        plan=asdict(told(plan)),
+        plan=asdict(plan_words(plan)),
     )
 
 

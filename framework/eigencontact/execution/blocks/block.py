@@ -156,7 +156,7 @@ class Block(Part, ABC):
         return 1
 
     def facts(self, model: Model) -> list[str]:  # noqa: ARG002
-        """Lines of `explain` about the physics that the block adds, as `eigencontact.planning.explain.Told.facts`."""
+        """Lines for `explain` about the physics of the block; see `eigencontact.planning.explain.PlanWords.facts`."""
         return []
 
     def left_out(self, model: Model) -> list[LeftOut]:  # noqa: ARG002

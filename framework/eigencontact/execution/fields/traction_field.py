@@ -77,7 +77,8 @@ class TractionField(Cause):
         self.mean_above = depth_of_means(self._grid) if stress and near.any() else 0.0
         self.note = _NOTE.format(self.mean_above) if self.mean_above else ""
         self._operators: dict[tuple[str, bool], Any] = {}
-        self.cost, self.kernels = Cost(), tuple[KernelUse, ...]()
+        self.cost = Cost()
+        self.kernels: tuple[KernelUse, ...] = ()
         for quantity in self._quantities:
             self._declare(interface, quantity)
 

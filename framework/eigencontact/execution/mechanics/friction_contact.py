@@ -231,7 +231,7 @@ class ContactWithFriction(Contact):
         surface = increment.surface
         assert surface.separation is not None
         self._time, self._scale, self._material = increment.times[1], 1.0 + softer, surface.exposed
-        found = self._contact.step(
+        scaled = self._contact.step(
             surface.separation + offset["z"] if "z" in offset else surface.separation,
             scaled_forces(increment.control, self._scale),
             scaled_forces(increment.tangential, self._scale),
@@ -243,7 +243,7 @@ class ContactWithFriction(Contact):
             moved=surface.moved,
             progress=increment.progress,
         )
-        solution = _scaled(found, 1.0 / self._scale)
+        solution = _scaled(scaled, 1.0 / self._scale)
         along = solution.tangential.displacement + solution.tangential_by_pressure
         rows = dict(zip(self._components, range(len(self._components)), strict=True))
         return ContactAnswer(
@@ -284,12 +284,12 @@ class ContactWithFriction(Contact):
 
     def results(self, answers: Sequence[ContactAnswer]) -> tuple[dict[str, FloatArray], dict[str, float]]:
         """See `Contact.results`; slip and what has slipped add up over the increments."""
-        found: list[FrictionalSolution] = [answer.solution for answer in answers]
-        last = found[-1]
+        solutions: list[FrictionalSolution] = [answer.solution for answer in answers]
+        last = solutions[-1]
         normal, tangential, sliding = last.normal, last.tangential, last.sliding
         loaded = normal.pressure > 0
-        slipping = [(one.normal.pressure > 0) & ~one.tangential.stick for one in found]
-        moved = [one.tangential.slip * where for one, where in zip(found, slipping, strict=True)]
+        slipping = [(solution.normal.pressure > 0) & ~solution.tangential.stick for solution in solutions]
+        moved = [solution.tangential.slip * where for solution, where in zip(solutions, slipping, strict=True)]
         stick = loaded & ~np.any(slipping, axis=0)
         vectors = {
             "displacement": tangential.displacement + last.tangential_by_pressure,
@@ -306,13 +306,13 @@ class ContactWithFriction(Contact):
             "contact_zone": np.where(stick, _STICK, np.where(loaded, _SLIP, 0.0)),
         }
         scalars = normal_scalars(normal, self._grid, periodic=self._periodic)
-        return fields, scalars | self._scalars(found) | self._zones(loaded, stick)
+        return fields, scalars | self._scalars(solutions) | self._zones(loaded, stick)
 
-    def _scalars(self, found: list[FrictionalSolution]) -> dict[str, float]:
-        last = found[-1]
+    def _scalars(self, solutions: list[FrictionalSolution]) -> dict[str, float]:
+        last = solutions[-1]
         forces, rigid = last.tangential.forces, last.tangential.rigid
-        certificates = [one.tangential.report.certificate for one in found]
-        normals = [one.normal.report.certificate for one in found]
+        certificates = [solution.tangential.report.certificate for solution in solutions]
+        normals = [solution.normal.report.certificate for solution in solutions]
         worst = {
             name: max(getattr(certificate, name) for certificate in certificates)
             for name in ("bound", "stick", "alignment", "load")
@@ -320,7 +320,7 @@ class ContactWithFriction(Contact):
         return {
             "gap_residual": max(certificate.gap for certificate in normals if certificate is not None),
             "penetration_residual": max(certificate.penetration for certificate in normals if certificate is not None),
-            "load_residual": max(worst["load"], *(one.load for one in normals if one is not None)),
+            "load_residual": max(worst["load"], *(solution.load for solution in normals if solution is not None)),
             "tangential_load_x": float(forces[0]),
             "tangential_load_y": float(forces[1]),
             "tangential_load": float(np.hypot(forces[0], forces[1])),
@@ -333,8 +333,8 @@ class ContactWithFriction(Contact):
             "bound_residual": worst["bound"],
             "stick_residual": worst["stick"],
             "alignment_residual": worst["alignment"],
-            "coupling_residual": max(one.coupling_residual for one in found),
-            "coupling_rounds": float(sum(one.rounds for one in found)),
+            "coupling_residual": max(solution.coupling_residual for solution in solutions),
+            "coupling_rounds": float(sum(solution.rounds for solution in solutions)),
         }
 
     def _zones(self, loaded: NDArray[np.bool_], stick: NDArray[np.bool_]) -> dict[str, float]:

@@ -198,21 +198,21 @@ class RunningMechanics:
         """See `Running.advance`."""
         began = perf_counter()
         self._follow(step.surface.solids)
-        found = self._with_enough_cells(step)
-        last = found[-1]
+        increments = self._with_enough_cells(step)
+        last = increments[-1]
         step.fields |= {f"residual_displacement_{name}": field for name, field in last.displacement.items()}
         step.history |= last.remembered
         spent: dict[str, float] = {}
-        for increment in found:
+        for increment in increments:
             accumulate(self._declared, spent, increment.scalars)
         for increment in self._tried:
             efforts = {n: value for n, value in increment.scalars.items() if self._declared[n].role == "effort"}
             accumulate(self._declared, spent, efforts)
-        answers = [one.contact for one in found if one.contact is not None]
+        answers = [one.contact for one in increments if one.contact is not None]
         if self._contact is not None:
             self._store(step, self._contact, answers)
             spent["solve_seconds"] = perf_counter() - began
-            spent["substeps"] = len(found)
+            spent["substeps"] = len(increments)
         if self._numerics.plastic_error is not None:
             spent["plastic_error"] = self._error
         step.scalars |= spent
@@ -295,8 +295,8 @@ class RunningMechanics:
             if depth == _HALVINGS:
                 raise
         first, second = increment.halves()
-        found = self._solved(first, memory, before, depth + 1)
-        return found + self._solved(second, _memory(found), found[-1], depth + 1)
+        increments = self._solved(first, memory, before, depth + 1)
+        return increments + self._solved(second, _memory(increments), increments[-1], depth + 1)
 
     def _accurate(
         self, increment: Increment, memory: Any, before: Solved, whole: list[Solved] | None, depth: int
@@ -320,13 +320,13 @@ class RunningMechanics:
             self._error = max(self._error, error)
             return half + rest
         self._tried += rest
-        found = self._accurate(first, memory, before, half, depth + 1)
-        return found + self._accurate(second, _memory(found), found[-1], None, depth + 1)
+        increments = self._accurate(first, memory, before, half, depth + 1)
+        return increments + self._accurate(second, _memory(increments), increments[-1], None, depth + 1)
 
 
-def _memory(found: Sequence[Solved]) -> Any:
+def _memory(increments: Sequence[Solved]) -> Any:
     """What the contact needs of increments that are solved."""
-    last = found[-1].contact
+    last = increments[-1].contact
     return None if last is None else last.memory
 
 

@@ -327,10 +327,10 @@ class CloseUp(Planes):
             pitch=(dx / mx, dy / my, apart),
             shape=lattice.shape,  # type: ignore[arg-type]
         )
-        found = close_up(
+        values = close_up(
             self.half_space.cell, cells, eigenstrain, target, **self.half_space.options(self.quantity)
         )  # fmt: skip
-        return np.asarray(found[list(self.rows)], dtype=float)
+        return np.asarray(values[list(self.rows)], dtype=float)
 
     def _shifted(self, eigenstrain: FloatArray) -> FloatArray:
         """Field on depths that do not follow the cells: lattices of the cells' pitch, one after the other."""

@@ -84,11 +84,11 @@ def quotient(values: FloatArray, by: FloatArray, where: NDArray[np.bool_]) -> Fl
     return np.divide(values, by, out=np.zeros_like(values), where=where)
 
 
-def _nearest(values: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
+def _nearest(values: FloatArray, valid: NDArray[np.bool_]) -> FloatArray:
     """Values with those of the nearest known cell elsewhere."""
-    if known.all() or not known.any():
+    if valid.all() or not valid.any():
         return values
     from scipy.ndimage import distance_transform_edt
 
-    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    rows, columns = distance_transform_edt(~valid, return_distances=False, return_indices=True)
     return np.asarray(values[rows, columns])

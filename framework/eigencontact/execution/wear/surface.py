@@ -194,7 +194,7 @@ class WornSurface:
         state, memory = self._state, self._state.memory
         second = memory.get("steady_2", 0.0)
         each = {1: memory["steady"] - second, 2: second}
-        state.depth = {body: known + cycles * each[body] for body, known in state.depth.items()}
+        state.depth = {body: depth + cycles * each[body] for body, depth in state.depth.items()}
         state.energy = state.energy + cycles * memory["cycle_energy"]
         state.cycles += cycles
 
@@ -305,16 +305,16 @@ class WornSurface:
         least = _LEAST * float(state.total.sum())
         self._refuse_too_much(rate, cycles, pressure)
         if rate.any:
-            found = moved(
+            motion = moved(
                 lambda lost, springs, start: self._contact.pressed(
                     self._worn_by(lost), control, fields, springs, start
                 ),
                 state.total, pressure, rate.pressed, cycles, steady=rate.steady, tolerance=self._tolerance,
                 least=least,
             )  # fmt: skip
-            added, pressure = found.depth, found.pressure
+            added, pressure = motion.depth, motion.pressure
             state.wear(added, self._parts)
-            state.error += found.error * max(float(added.sum()), least) * self._grid.cell_area
+            state.error += motion.error * max(float(added.sum()), least) * self._grid.cell_area
         state.energy = state.energy + energy_of(added, depth, energy, cycles)
         return pressure
 
