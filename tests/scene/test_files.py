@@ -113,7 +113,7 @@ def test_copies_and_changes_keep_the_folder(charted):
         ec.Scene(**scene.resolved()),
         ec.load_scene(charted, ["observers.0.first-map=two.txt"]),
     ):
-        assert {path.parent for path in ec.plan(copy).files} == {charted.parent, charted.parent / "sub"}
+        assert {path.parent for path in ec.plan(copy).model.files} == {charted.parent, charted.parent / "sub"}
     assert ec.load_scene({**ec.load_scene("hertz").resolved(), "stress": []}).folder is None
 
 
@@ -198,7 +198,7 @@ def test_every_bundled_component_with_a_file_says_so(case, tmp_path, monkeypatch
     monkeypatch.chdir("/")
     path = written({"body1": STEEL, "grid": GRID, "output": QUIET} | tables, tmp_path)
     before = ec.plan(ec.load_scene(path))
-    assert before.files == (data,)
+    assert before.model.files == (data,)
     first = ec.run(before, tmp_path / "out").summary["scene_hash"]
     write(data, 0.5)
     with pytest.raises(ec.EigencontactError, match=r"got results of another scene"):
