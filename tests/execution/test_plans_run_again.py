@@ -79,5 +79,5 @@ def test_a_plan_runs_twice_with_equal_results_and_leaves_no_operator(name, tmp_p
         if np.issubdtype(first[field].dtype, np.number) and "seconds" not in field:
             np.testing.assert_array_equal(first[field], second[field], err_msg=field)
     if name == "box that grows":  # else the plan would have been as it was in any case
-        (region,) = plan.inhomogeneities
+        (region,) = plan.model.cells.inhomogeneities
         assert first.equivalent_plastic_strain_1.shape[1:] > region.lattice.shape

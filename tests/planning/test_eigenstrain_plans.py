@@ -97,7 +97,7 @@ def test_a_plan_of_eigenstrain_is_plain_data():
 def test_cells_follow_the_grid_and_the_faces_of_the_region():
     cuboid = {"type": "cuboid", "center": [0.5e-6, 0.0, "3 um"], "edges": ["4 um", "3 um", "2 um"]}
     graded = {**cuboid, "eigenstrain": GRADED}
-    (source,) = ec.plan(SCENE | {"inclusions": graded, "numerics": {"inclusion-cells": 4}}).sources
+    (source,) = ec.plan(SCENE | {"inclusions": graded, "numerics": {"inclusion-cells": 4}}).model.sources
     assert not source.exact
     # columns of 1 um from -4.5 um; layers of 0.5 um: x from -1.5 to 2.5, y from -1.5 to 1.5, z from 2 to 4
     assert source.lattice == Lattice((4, 3, 3), (4, 3, 4), (close(0.5e-6), close(1e-6), close(1e-6)))
@@ -107,7 +107,7 @@ def test_cells_follow_the_grid_and_the_faces_of_the_region():
 def test_a_patch_is_whole_cells_of_the_window():
     patch = {"type": "depth-profile", "depths": [0.0], "values": [1e-3], "depth": "1 um", "layers": 5}
     planned = ec.plan(SCENE | {"inclusions": [], "eigenstrain": [patch, {**patch, "size": [2.2e-6, 0.1e-6]}]})
-    whole, part = planned.sources
+    whole, part = planned.model.sources
     assert whole.lattice.shape == (5, 9, 9)
     assert part.lattice.shape == (5, 1, 3)
     assert part.lattice.first[0] == 0
@@ -118,7 +118,7 @@ def test_near_regions_share_a_box_and_far_ones_do_not():
     def groups(*centers, **changes):
         cube = {"type": "cuboid", "edges": ["2 um", "2 um", "2 um"], "eigenstrain": GRADED | changes}
         tables = [{**cube, "center": center} for center in centers]
-        return boxes_of(ec.plan(SCENE | {"inclusions": tables}).sources)
+        return boxes_of(ec.plan(SCENE | {"inclusions": tables}).model.sources)
 
     (one,) = groups([-1.5e-6, 0.5e-6, 1e-6], [1.5e-6, 0.5e-6, 1e-6])
     assert [source.name for source in one.sources] == ["cuboid 1", "cuboid 2"]

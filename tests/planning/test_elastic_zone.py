@@ -12,7 +12,7 @@ from eigencontact.core.grid import Grid
 from eigencontact.core.material import Material
 from eigencontact.errors import SceneError
 from eigencontact.model import sizes, yielding
-from eigencontact.model.elastic_zone import ElasticStress, elastic_zone, overload
+from eigencontact.solvers.elastic_zone import ElasticStress, elastic_zone, overload
 from eigencontact_plugins.surface_loads import PressureLoad
 
 #: Places that a search may ask a law about: four boxes of 48 x 48 x 24 for each load, and what finds the ratio.
@@ -113,7 +113,7 @@ def test_the_pitch_that_a_refusal_names_fits():
         ec.plan(scene(yields_at("600 MPa"), numerics={"inclusion-pitch": "1 nm"}))
     (pitch,) = re.findall(r"; (\S+) would do", str(refusal.value))
     plan = ec.plan(scene(yields_at("600 MPa"), numerics={"inclusion-pitch": float(pitch)}))
-    assert plan.inhomogeneities[0].lattice.edges[0] == float(pitch)
+    assert plan.model.cells.inhomogeneities[0].lattice.edges[0] == float(pitch)
 
 
 # a uniform pressure on some cells: where does the normal stress exceed a part of it?

@@ -46,7 +46,7 @@ def boxes(*inclusions, grid=GRID, **numerics):
     planned = ec.plan({"body1": STEEL, "body2": STEEL, "inclusions": inclusions, "grid": grid, "numerics": numerics})
     found = {}
     for body in (1, 2):
-        sources = [source for source in planned.inhomogeneities if source.body == body]
+        sources = [source for source in planned.model.cells.inhomogeneities if source.body == body]
         if sources:
             lattice = box_of_inhomogeneities(sources).lattice
             found[body] = (lattice.first, lattice.shape, lattice.edges)
@@ -117,6 +117,6 @@ def test_the_prediction_covers_what_is_held():
 def test_outlines_are_drawn():
     from eigencontact.model.outlines import outlines
 
-    found = outlines(ec.plan({**SCENE, **CONTACT, "stress": REGION}))
+    found = outlines(ec.plan({**SCENE, **CONTACT, "stress": REGION}).model)
     assert set(found) == {"", "cut"}
     np.testing.assert_allclose(np.hypot(*found[""][:, 0].T), 1e-6, rtol=0.02)

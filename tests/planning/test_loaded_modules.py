@@ -26,7 +26,7 @@ CELLS = ("execution.interiors.cells", "execution.interiors.material_cells", "sol
 SLIP = (
     "solvers.tangential.newton", "solvers.tangential.contact", "execution.mechanics.friction_contact",
 )  # fmt: skip
-NORMAL = ("solvers.normal", "execution.mechanics.normal_contact", "model.contact_window", "model.window")
+NORMAL = ("solvers.normal", "execution.mechanics.normal_contact", "model.contact_window", "solvers.coarse_contact")
 VOLUME = ("solvers.subsurface", "solvers.eigenstrain", "convolution.volume", "halfspace.voxels", "halfspace.cloud")
 HEAVY = ("numba", "matplotlib", "pyvista", "vtk", "meshio", "skfem")
 

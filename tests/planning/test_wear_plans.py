@@ -145,7 +145,7 @@ def test_a_shift_that_is_not_small_beside_the_contact_is_told_by_number(along, s
     planned = shifted(**{f"shift-{along}": shift, "increments": 4})
     found = [caution for caution in planned.cautions if caution.code == "shift"]
     assert len(found) == told
-    ratio = abs(shift) / (0.5 * planned.expected.extent[0])
+    ratio = abs(shift) / (0.5 * planned.model.window.expected.extent[0])
     if told:
         assert found[0].error == close(ratio / (1 + ratio), rel=1e-12)
         assert "the scar is 13 % shorter along the shift than that of a moving contact" in found[0].words

@@ -118,7 +118,7 @@ def test_cells_of_the_box_are_varied_by_their_height():
     heights = []
     for variant in (reference, scene, coarse):
         planned = app.plan(tables_of(plan.scene.resolved(), variant))
-        heights.append(planned.inhomogeneities[0].lattice.edges[0])
+        heights.append(planned.model.cells.inhomogeneities[0].lattice.edges[0])
     assert heights == close([0.5 * heights[1], heights[1], 2.0 * heights[1]])
 
 
@@ -129,8 +129,8 @@ def test_layers_become_cells_that_fill_the_window():
     planned = app.plan(tables_of(scene.resolved(), cells))
     assert planned.grid.shape == plan.grid.shape
     assert [planned.grid.dx, planned.grid.dy] == close([plan.grid.dx, plan.grid.dy])
-    (layer,) = planned.inhomogeneities
-    assert planned.bodies[0].young_modulus == close(210e9)
+    (layer,) = planned.model.cells.inhomogeneities
+    assert planned.model.bodies.solids[0].young_modulus == close(210e9)
     assert layer.law.young_modulus == close(420e9)
     low, high = layer.shape.bounds
     assert np.subtract(high, low) == close([*plan.grid.size, 2e-6])

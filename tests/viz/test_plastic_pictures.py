@@ -187,10 +187,10 @@ def test_depths_are_the_middles_of_cells_where_a_body_yields(law, stress, depths
     steel = {"law": {"type": "j2", "hardening": {"type": "perfect", "yield_stress": 3e9}}} if law else {}
     model = scene(stress, **steel)
     if depths is None:
-        (source,) = model.inhomogeneities
+        (source,) = model.cells.inhomogeneities
         depths = source.lattice.axes(model.grid)[0]
         depths = depths[depths < 7e-6]
-    np.testing.assert_allclose(region_lattice(model.requests[0], model.grid).depths, depths, rtol=1e-9)
+    np.testing.assert_allclose(region_lattice(model.cells.requests[0], model.grid).depths, depths, rtol=1e-9)
     assert not outlines(model), "the box around what yields is no inclusion"
 
 

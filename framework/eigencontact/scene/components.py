@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from types import UnionType
@@ -18,7 +18,7 @@ from eigencontact.scene.checks import only_numbers
 from eigencontact.scene.messages import explain_error, refuse_unknown
 from eigencontact.scene.plain import plain
 
-__all__ = ["build_component", "converted", "instantiate", "kind_within"]
+__all__ = ["build_component", "build_components", "converted", "instantiate", "kind_within"]
 
 
 def build_component(
@@ -37,6 +37,12 @@ def build_component(
         names = ", ".join(repr(entry.key) for entry in registry.of_kind(kind))
         raise SceneError(f"{where}.type must name a {kind} (got {key!r}); installed: {names}")
     return instantiate(registry, registry.get(kind, key, where=where), parameters, where, beside)
+
+
+def build_components(registry: Registry, kind: str, tables: Sequence[Mapping[str, Any]], group: str) -> list[Any]:
+    """Components of an array of tables; messages name a table by the array, and by its number where there are more."""
+    places = [group if len(tables) == 1 else f"{group}.{number}" for number in range(len(tables))]
+    return [build_component(registry, kind, table, place) for table, place in zip(tables, places, strict=True)]
 
 
 def instantiate(

@@ -122,13 +122,13 @@ def _check_spacing(scene: Scene) -> None:
 
 
 def _check_number_of_steps(scene: Scene) -> None:
-    counts = [expected_points([step], scene.wear) for step in scene.steps]
+    counts = [expected_points([step], scene.solved_cycles) for step in scene.steps]
     if sum(counts) > _MOST_STEPS:
         largest = max(range(len(counts)), key=counts.__getitem__)
         step, left = scene.steps[largest], _MOST_STEPS - sum(counts) + counts[largest]
         where = "steps" if len(scene.steps) == 1 else f"steps.{largest}"
         name = "repeat" if step.cycle else "increments"
-        if step.cycle and expected_points(step.cycle, None) > left:
+        if step.cycle and expected_points(step.cycle) > left:
             place, step = max(enumerate(step.cycle), key=lambda item: item[1].increments)
             where, name = f"{where}.cycle.{place}", "increments"
         own = getattr(step, name)

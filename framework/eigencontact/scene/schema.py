@@ -289,6 +289,19 @@ class Scene(Table):
         return ramps_of(self.steps)
 
     @property
+    def losses(self) -> dict[int, float]:
+        """Part of the lost depth by body, of bodies whose surface loses any."""
+        return {} if self.wear is None else self.wear.parts
+
+    def solved_cycles(self, repeat: int) -> int:
+        """Repeats of a cycle that will be solved: all where the surfaces lose nothing, else a guess."""
+        return repeat if self.wear is None else self.wear.solved_cycles(repeat)
+
+    def guesses_cycles(self, repeat: int) -> bool:
+        """Whether the number of solved cycles follows from errors, so that it is a guess."""
+        return self.wear is not None and self.wear.error is not None and self.solved_cycles(repeat) < repeat
+
+    @property
     def folder(self) -> Path | None:
         """Folder that relative paths in the scene count from: that of its file; None where it came from none."""
         return self._folder

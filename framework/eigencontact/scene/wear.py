@@ -105,3 +105,14 @@ class Wear(ComponentTable):
                 "!wear.update must be 'increment' where a cycle moves the geometry, by travel-x, travel-y or impacts "
                 "(got 'cycle'); set update = \"increment\""
             )
+
+    def solved_cycles(self, repeat: int) -> int:
+        """Repeats of a cycle that will be solved; where their number follows from errors, a guess.
+
+        Of 100, 5000 and 10⁶ repeats of a partial slip that wears from nothing to all that can wear, 8 to 24, 15 to 45
+        and 43 to 50 were solved at an error of 0.01, and about half as many at 0.1.
+        """
+        if self.error is None:
+            return min(repeat, 3 + repeat // (self.cycles_per_update or 1))
+        more: float = (0.01 / self.error) ** 0.3
+        return min(repeat, 3 + round(2 * more * repeat.bit_length()))

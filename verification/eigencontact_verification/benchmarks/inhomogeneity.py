@@ -68,14 +68,17 @@ def _coated(task: Task) -> Sample:
     scene = load_scene("coated-sphere", [f"grid.cells={task.n}", "grid.size=['8 um', '8 um']", "stress=[]"])
     planned = plan(scene)
     options = normal_options(scene.numerics)
-    medium = planned.bodies[0]
+    interface = planned.model.interface
+    assert interface is not None
+    medium, influence = interface.solids[0], interface.influences["p"]
     assert medium is not None
     bodies = {"coated": medium, "bare": medium.deep_material}  # type: ignore[union-attr]
     solvers = {
-        name: NormalSolver(planned.grid, PairCoefficients(planned.influences["p"], (body, None), "z"), options)
+        name: NormalSolver(planned.grid, PairCoefficients(influence, (body, None), "z"), options)
         for name, body in bodies.items()
     }
-    separation, control = planned.separation(), Control(normal_load=scene.steps[0].normal_load)
+    y, x = planned.grid.axes()
+    separation, control = interface.separation(x, y), Control(normal_load=scene.steps[0].normal_load)
     first: dict[str, float] = {}
     again: dict[str, list[float]] = {name: [] for name in solvers}
     counts: dict[str, int] = {}

@@ -54,21 +54,21 @@ def _above(value: float | None, *others: float) -> list[float]:
 
 
 def _foreign(plan: Plan) -> bool:
-    return bool(plan.inhomogeneities)
+    return bool(plan.model.cells.inhomogeneities)
 
 
 def _flows(plan: Plan) -> bool:
     """Whether a law remembers what it went through."""
-    return any(law.variables for law in plan.laws)
+    return any(law.variables for law in plan.model.laws)
 
 
 def _cut(plan: Plan) -> list[Any]:
     """Sources in cells."""
-    return [source for source in plan.sources if source.lattice is not None]
+    return [source for source in plan.model.sources if source.lattice is not None]
 
 
 def _lattices(plan: Plan) -> list[Any]:
-    return [source.lattice for source in plan.sources]
+    return [source.lattice for source in plan.model.sources]
 
 
 def _cut_apart(plan: Plan) -> bool:
@@ -92,17 +92,19 @@ def _height(plan: Plan) -> float:
 
 def _treated(plan: Plan) -> bool:
     """Whether the treatment of the half-space can be chosen: an inhomogeneity and a periodic contact take one alone."""
-    return bool(plan.sources) and not _foreign(plan) and not plan.periodic and plan.numerics.half_space in _SPACES
+    model = plan.model
+    free = bool(model.sources) and not _foreign(plan) and not model.periodic
+    return free and model.numerics.half_space in _SPACES
 
 
 def _repeats(plan: Plan) -> bool:
     """Whether cycles that wear are left out."""
-    return plan.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
+    return plan.model.wear is not None and any(step.repeat > 3 for step in plan.scene.steps)
 
 
 def _worn_layers(plan: Plan) -> bool:
-    wear = plan.scene.wear
-    return wear is not None and any(getattr(plan.bodies[body - 1], "interfaces", ()) for body in wear.parts)
+    solids = plan.model.bodies.solids
+    return any(getattr(solids[body - 1], "interfaces", ()) for body in plan.scene.losses)
 
 
 def _clouds(plan: Plan) -> bool:
@@ -112,8 +114,8 @@ def _clouds(plan: Plan) -> bool:
     from eigencontact.halfspace.cloud import is_large
     from eigencontact.model.regions import region_lattice
 
-    whole = len(plan.sources) - len(_cut(plan))
-    points = [prod(region_lattice(request, plan.grid).shape) for request in plan.requests]
+    whole = len(plan.model.sources) - len(_cut(plan))
+    points = [prod(region_lattice(request, plan.grid).shape) for request in plan.model.cells.requests]
     return whole > 0 and is_large(whole, max([plan.grid.nx * plan.grid.ny, *points]), 1e-6)
 
 
@@ -126,7 +128,7 @@ def _uniform_layers(plan: Plan) -> list[tuple[int, Any]]:
     from eigencontact.plugin import LayeredMedium
 
     found = []
-    for number, body in enumerate(plan.bodies, 1):
+    for number, body in enumerate(plan.model.bodies.solids, 1):
         if not isinstance(body, LayeredMedium) or not body.interfaces:
             continue
         tops, bottoms = (0.0, *body.interfaces), body.interfaces
@@ -172,27 +174,27 @@ _COUPLINGS = ("full", "one-way", "partial", "none")
 FIDELITIES: tuple[Fidelity, ...] = (
     Fidelity(
         key="precision",
-        has=lambda plan: (bool(plan.geometries) or bool(_cut(plan))) and plan.numerics.precision != "single",
+        has=lambda plan: (bool(plan.scene.geometry) or bool(_cut(plan))) and plan.numerics.precision != "single",
         others=_but("precision", ("double", "auto", "single")),
         finest=lambda _: "double",
         seen=_precisions,
     ),
     Fidelity(
         key="tolerance",
-        has=lambda plan: (bool(plan.geometries) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
+        has=lambda plan: (bool(plan.scene.geometry) or _foreign(plan)) and plan.numerics.tolerance < 1e-2,
         others=lambda plan: _above(plan.numerics.tolerance, 1e-4, 1e-2),
         finest=lambda plan: max(0.1 * plan.numerics.tolerance, min(1e-10, plan.numerics.tolerance)),
     ),
     Fidelity(
         key="coupling",
-        has=lambda plan: plan.friction is not None,
+        has=lambda plan: plan.scene.friction is not None,
         others=_but("coupling", _COUPLINGS),
         finest=lambda _: "full",
     ),
     Fidelity(key="half-space", has=_treated, others=_but("half_space", _SPACES), finest=lambda _: "exact"),
     Fidelity(
         key="layers",
-        has=lambda plan: bool(_uniform_layers(plan)) and not plan.periodic,
+        has=lambda plan: bool(_uniform_layers(plan)) and not plan.model.periodic,
         others=lambda _: ["cells"],
         finest=lambda _: None,
         changes=_in_cells,

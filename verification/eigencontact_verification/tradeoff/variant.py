@@ -96,7 +96,7 @@ def _grids(plan: Plan, fidelities: Fidelities) -> list[Variant]:
 def _grid(plan: Plan, factor: float) -> tuple[dict[str, Any], str]:
     """Table of a grid with so many times the cells each way, and its resolution in words."""
     spec = plan.scene.grid
-    if spec.automatic and plan.geometries:
+    if spec.automatic and plan.scene.geometry:
         cells = factor * spec.cells_per_contact_radius
         center = list(spec.center)
         table: dict[str, Any] = {"center": center, "cells-per-contact-radius": max(1.0, cells), "margin": spec.margin}

@@ -14,7 +14,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from eigencontact.convolution import Convolver, Layout
-from eigencontact.model.model import Model
 from eigencontact.model.sources import Lattice
 from eigencontact.scene.schema import Numerics
 
@@ -81,11 +80,14 @@ def settled(
     return numerics.model_copy(update={"precision": chosen}), (Precision(operator, chosen, expected, bound),)
 
 
-def contact_precision(model: Model) -> tuple[Numerics, tuple[Precision, ...]]:
-    """Of the contact: the compliance of a wave falls with its number, so that round-off grows with the cells across."""
-    across = max(model.contact_box)
-    share = INNER if model.inhomogeneities else 1.0
-    return settled(model.numerics, "contact", lambda: across * plane_round_off(), share=share)
+def contact_precision(
+    numerics: Numerics, box: tuple[int, int], *, coupled: bool
+) -> tuple[Numerics, tuple[Precision, ...]]:
+    """Precision of a contact on a box of cells; `coupled` where inhomogeneities are iterated on with it.
+
+    The compliance of a wave falls with its number, so that round-off grows with the cells across.
+    """
+    return settled(numerics, "contact", lambda: max(box) * plane_round_off(), share=INNER if coupled else 1.0)
 
 
 @cache

@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from eigencontact.convolution.pace import timed
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.parallel import working_threads
 from eigencontact.execution.blocks.block import Cost
 from eigencontact.execution.routes.route import Route
@@ -17,7 +17,6 @@ from eigencontact.model.sources import Source
 
 __all__ = ["ClosedForms"]
 
-FloatArray = NDArray[np.float64]
 
 #: From so many closed forms on they are summed as a cloud of point sources where that is exact.
 _CLOUD = 16

@@ -6,22 +6,21 @@ many places, so that the work is bounded however far the stress exceeds the limi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from eigencontact.core.array_types import FloatArray
 from eigencontact.core.grid import Box, Grid
 from eigencontact.core.material import Material
 from eigencontact.core.tensors import COMPONENTS, SQRT2
-from eigencontact.plugin import SurfaceInfluence
 
 __all__ = ["ACROSS", "ElasticStress", "Exceeds", "Tractions", "Zone", "elastic_zone", "overload"]
 
-FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 #: Tractions [Pa] on a window, by name; pressure is ``"p"``.
 Tractions = tuple[Grid, Mapping[str, FloatArray]]
@@ -42,6 +41,17 @@ _KEPT = 100_000_000
 _LARGEST, _HALVINGS, _BISECTIONS = 2500, 60, 5
 
 
+class Influence(Protocol):
+    """Stress in a half-space under a loaded rectangle; see `eigencontact.plugin.SurfaceInfluence.sample`."""
+
+    def sample(
+        self, quantity: str, components: Sequence[str], x: FloatArray, y: FloatArray, z: float,
+        half_widths: tuple[float, float], material: Material,
+    ) -> FloatArray:  # fmt: skip
+        """Components at offsets x, y [m] and depth z [m], under unit traction, ``(n, ny, nx)``."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Zone:
     """Bounds (x, y, z) [m] of a zone; `closed` where none of it lies at the rim of the largest box."""
@@ -54,7 +64,7 @@ class Zone:
 class ElasticStress:
     """Stress by the tractions of coarse contacts, kept for loads and factors that ask again: it is most of the work."""
 
-    def __init__(self, influences: Mapping[str, SurfaceInfluence], material: Material) -> None:
+    def __init__(self, influences: Mapping[str, Influence], material: Material) -> None:
         self._influences, self._material, self._room = influences, material, _KEPT
         self._known: dict[tuple[Any, ...], list[tuple[FloatArray, FloatArray]]] = {}
 

@@ -20,14 +20,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from eigencontact.model.contact_estimate import ContactEstimate
+from eigencontact.core.array_types import FloatArray
+from eigencontact.solvers.contact_estimate import ContactEstimate
 from eigencontact.solvers.control import Control
 
 __all__ = ["ContactGrowth", "contact_growth"]
 
-FloatArray = NDArray[np.float64]
 Separation = Callable[[FloatArray, FloatArray], FloatArray]
 
 #: Radii of the table, the smallest by the largest, and directions along which the gap must rise.
