@@ -21,6 +21,7 @@ from eigencontact_verification.audit.loads import CAUSES, alone, effects
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
 from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.own_errors import widened
 from eigencontact_verification.fem.loaded_body import LoadedBody
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ FloatArray = NDArray[np.float64]
 
 #: Part of a cell by which the boundary of what is cut into cells may be off.
 _HALF = 0.5
-#: Least own error of a component, in its largest on the line.
-_LEAST = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +112,7 @@ class AuditCase(Case):
         for line in self.lines:
             name = line.profile.name
             fields[name] = line.values
-            own = _widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
+            own = widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
             if np.any(own):
                 fields[own_error(name)] = own
         return fields
@@ -222,13 +221,6 @@ def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) ->
 
 
 _PLACES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-
-
-def _widened(error: FloatArray) -> FloatArray:
-    """Largest of three neighbours, and not less than a part of the largest of all: it may happen to vanish."""
-    index = np.arange(len(error))
-    near = [error[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
-    return np.asarray(np.maximum.reduce([*near, np.broadcast_to(_LEAST * error.max(axis=0), error.shape)]))
 
 
 def cases_of(

@@ -31,6 +31,7 @@ __all__ = [
     "Outer",
     "Profile",
     "Quantity",
+    "in_name",
     "own_error",
     "refine_option",
 ]
@@ -120,6 +121,17 @@ def refine_option(excess: float) -> str:
     ('repeat with --refine 1.5', 'repeat with --refine 2.5')
     """
     return f"repeat with --refine {max(1.5, ceil(2 * excess ** (1 / _LIKELY_ORDER)) / 2):g}"
+
+
+def in_name(value: float) -> str:
+    """Number in the name of a case.
+
+    Examples
+    --------
+    >>> in_name(1.2), in_name(4.0)
+    ('1-2', '4')
+    """
+    return f"{value:g}".replace(".", "-")
 
 
 def own_error(profile: str) -> str:

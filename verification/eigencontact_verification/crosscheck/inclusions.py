@@ -27,6 +27,7 @@ from eigencontact_verification.crosscheck.lines import (
     read_solid,
     surface_lines,
 )
+from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricModel, AxisymmetricRegion
 from eigencontact_verification.fem.model import Model, Region
 from eigencontact_verification.fem.uncertainty import SAFETY
@@ -59,7 +60,10 @@ EIGENSTRAINS: dict[str, dict[str, float]] = {
 #: Parts of every element of the undivided mesh at the three levels, where the boundary is near and where it is far.
 _REFINE, _REFINE_FAR = (5, 7, 10), (4, 6, 9)
 _GROWTH_ROUND = 2.5
-#: Cells across a shape without potentials over those of the coarser cuttings that give the error.
+#: Cells across a shape without potentials over those of the coarser cuttings that give the error. The error falls
+#: with the square of the cell size, unsteadily: cells may hold too much of a thin region in two cuttings alike (a torus
+#: of 12 and of 18 cells). So two cuttings are compared with the finest, as if the error fell with the cell size, and
+#: the safety factor of the grid convergence index applies.
 _CELL_RATIOS = (3 / 2, 9 / 7)
 #: Reach of the body in depths or extents. Displacement of the surface by a strain in its plane decays slowest.
 _REACH, _REACH_IN_PLANE = 12.0, 40.0
@@ -196,7 +200,7 @@ class InclusionCase(Case):
             tries = [chosen(self.field(profile.points, profile.quantity, cells=count), profile) for count in counts]
             fields[profile.name] = tries[0]
             if len(tries) > 1:
-                fields[own_error(profile.name)] = _error_of_cells(*tries)
+                fields[own_error(profile.name)] = widened(SAFETY * from_coarser(tries[0], tries[1:], _CELL_RATIOS))
         return fields
 
     def field(self, points: FloatArray, quantity: Quantity, *, cells: int | None = None) -> FloatArray:
@@ -237,22 +241,6 @@ class InclusionCase(Case):
         from eigencontact_verification.crosscheck.pictures.fields import inclusion_pictures
 
         return inclusion_pictures(self, folder)
-
-
-def _error_of_cells(fine: FloatArray, *coarser: FloatArray) -> FloatArray:
-    """Error of the finest of three cuttings, as if it fell with the cell size; it falls with its square, unsteadily.
-
-    Unsteadily: how much of a thin region the cells hold too much depends on where they end, so that two cuttings may
-    share an error (a torus of 12 and of 18 cells). The worse of two comparisons counts, times the safety factor of the
-    grid convergence index, and the largest of three neighbours, nowhere less than half of the largest of all: it is a
-    smooth field, and where two values happen to be equal their error does not vanish.
-    """
-    tries = zip(coarser, _CELL_RATIOS, strict=True)
-    difference = SAFETY * np.maximum.reduce([np.abs(fine - coarse) / (ratio - 1) for coarse, ratio in tries])
-    index = np.arange(len(difference))
-    near = [difference[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
-    near.append(np.broadcast_to(0.5 * difference.max(axis=0), difference.shape))
-    return np.asarray(np.maximum.reduce(near))
 
 
 def unit_length(key: str, extents: tuple[float, float, float]) -> str:

@@ -21,8 +21,7 @@ from eigencontact.plugin import IsotropicHardening, LawStep, LinearLaw, PlasticD
 from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.crosscheck.case import Profile
 from eigencontact_verification.crosscheck.indentation import VARIABLES
-from eigencontact_verification.crosscheck.plastic_cases import plastic_case
-from eigencontact_verification.crosscheck.plasticity import PlasticCase
+from eigencontact_verification.crosscheck.plasticity import PlasticCase, plastic_case
 from eigencontact_verification.crosscheck.strangers import text_digest
 from eigencontact_verification.fem.yielding_law import Answer, PointLaw, State
 

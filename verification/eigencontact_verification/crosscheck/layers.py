@@ -11,17 +11,18 @@ section 3.4 (pressure on circles).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity
+from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity, in_name
 from eigencontact_verification.crosscheck.lines import chosen, in_units
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricLayer, AxisymmetricModel, Disc
 
-__all__ = ["KEY", "LayeredCase", "layered_case", "layered_cases"]
+__all__ = ["KEY", "LayeredCase", "layered_case"]
 
 FloatArray = NDArray[np.float64]
 
@@ -184,9 +185,9 @@ def _at_depth(medium: Any, pressure: str, x: FloatArray, z: float, quantity: Qua
 
 
 def layered_case(
-    layers: tuple[tuple[float, float, float], ...],
+    layers: Sequence[Sequence[float]],
     *,
-    name: str,
+    name: str = "",
     poisson_ratio: float = 0.3,
     pressure: str = "hertz",
     quick: bool = False,
@@ -195,10 +196,10 @@ def layered_case(
 
     Parameters
     ----------
-    layers : tuple of (thickness, E, ν)
+    layers : sequence of (thickness, E, ν)
         From the surface down; thickness in radii of the circle, E in units of the substrate's.
     name : str
-        Of the case.
+        Of the case; by default from ratio and thickness of the first layer, and the pressure.
     poisson_ratio : float
         Of the substrate.
     pressure : {"hertz", "uniform"}
@@ -242,39 +243,9 @@ def layered_case(
     ]  # fmt: skip
     return LayeredCase(
         subject=KEY,
-        name=name,
+        name=name or f"ratio-{in_name(layers[0][1])}-thickness-{in_name(layers[0][0])}-{pressure}",
         parameters=parameters,
         quick=quick,
         profiles=in_units(lines, length="a", displacement="p a / E", stress="p"),
         ratio=(_DIVISIONS[2] / _DIVISIONS[0]) ** 0.5,
     )
-
-
-def layered_cases() -> tuple[LayeredCase, ...]:
-    """All cases: moduli and thicknesses under Hertz's pressure, uniform pressure, Poisson's ratios, three layers."""
-    hertz = [
-        layered_case(
-            ((thickness, ratio, 0.3),), name=f"ratio-{_text(ratio)}-thickness-{_text(thickness)}-hertz",
-            quick=(ratio, thickness) == (4.0, 0.5),
-        )
-        for ratio in (0.25, 2.0, 4.0)
-        for thickness in (0.5, 1.0, 2.0)
-    ]  # fmt: skip
-    uniform = [
-        layered_case(((1.0, ratio, 0.3),), name=f"ratio-{_text(ratio)}-thickness-1-uniform", pressure="uniform")
-        for ratio in (0.25, 4.0)
-    ]
-    others = [
-        layered_case(
-            ((1.0, 4.0, own),), poisson_ratio=nu,
-            name=f"ratio-4-thickness-1-nu-{round(100 * own):02d}-on-{round(100 * nu):02d}",
-        )
-        for own, nu in ((0.1, 0.45), (0.45, 0.1))
-    ]  # fmt: skip
-    three = layered_case(((0.4, 4.0, 0.25), (0.6, 0.5, 0.4), (0.5, 2.0, 0.1)), name="three-layers-hertz", quick=True)
-    return (*hertz, *uniform, *others, three)
-
-
-def _text(value: float) -> str:
-    """Number for a name: 0.5 is 0-5."""
-    return f"{value:g}".replace(".", "-")

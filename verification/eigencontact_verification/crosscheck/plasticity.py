@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, own_error, refine_option
 from eigencontact_verification.crosscheck.indentation import Problem, by_cells
+from eigencontact_verification.crosscheck.own_errors import from_coarser, widened
 from eigencontact_verification.fem import yielding_law
 from eigencontact_verification.fem.yielding import Indentation, IndentationSolution, YieldingRegion, solve_indentation
 from eigencontact_verification.fem.yielding_law import Curve, PointLaw, YieldingLaw
 
-__all__ = ["KEY", "PlasticCase", "point_law"]
+__all__ = ["KEY", "PlasticCase", "plastic_case", "point_law"]
 
 FloatArray = NDArray[np.float64]
 
@@ -45,6 +46,13 @@ _ORDERS = {"axis-stress": 1.5}
 #: has a kink: its largest departure from that at 24 cells is 3.7, 3.0, 1.1, .8 % at 6, 8, 12, 18 cells. With order 2
 #: the law of the skeleton disagreed, by 1.9 % at one point.
 _ORDER_OF_STRAIN, _ORDER_OF_STATES = 2.0, 1.5
+#: Elements to a contact radius are `_FINE` times these parts; growth of the undivided mesh; its size.
+_FINE, _DIVISIONS, _GROWTH, _EXTENT, _REACH = 1.2, (3, 6, 12), 2.5, 1.6, 40.0
+#: Steel under the load of case HZ-1: p0 = 8470 MPa.
+_BODY = {"young_modulus": 210e9, "poisson_ratio": 0.3, "radius": 105e-6, "load": 0.65}
+_PATH = (0.4, 0.7, 1.0, 0.0)
+#: Distance from a boundary, in contact radii, where the steps of the coarsest cells are not felt.
+_MARGIN = 0.25
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -150,7 +158,7 @@ class PlasticCase(Case):
             if profile.quantity == "strain":
                 order = _ORDER_OF_STRAIN if profile.components == ("e_p",) else _ORDER_OF_STATES
             order = 1.0 if balls else order
-            fields[own_error(profile.name)] = _error_of_cells(fine[profile.name], values, ratios, order)
+            fields[own_error(profile.name)] = widened(from_coarser(fine[profile.name], values, ratios, order=order))
         return fields
 
     @property
@@ -158,19 +166,6 @@ class PlasticCase(Case):
         """What is solved, for the figures."""
         nu = f"ν = {self.parameters['poisson_ratio']:g}"
         return f"{self.subject}: {self.title}, {nu}, loaded and unloaded; {self.cells} cells to a contact radius"
-
-
-def _error_of_cells(
-    fine: FloatArray, coarser: Sequence[FloatArray], ratios: Sequence[float], order: float
-) -> FloatArray:
-    """Error of the finest cells if it falls with that order: the worst of all comparisons and of three neighbours.
-
-    Where all cuttings happen to agree it is not nought: half of the largest of the profile is the least.
-    """
-    parts = [np.abs(fine - values) / (ratio**order - 1.0) for values, ratio in zip(coarser, ratios, strict=True)]
-    worst, index = np.maximum.reduce(parts), np.arange(len(fine))
-    near = [worst[np.clip(index + step, 0, len(index) - 1)] for step in (-1, 0, 1)]
-    return np.asarray(np.maximum.reduce([*near, np.broadcast_to(0.5 * worst.max(axis=0), worst.shape)]))
 
 
 def _curve(table: Mapping[str, Any], young_modulus: float) -> Curve:
@@ -237,4 +232,92 @@ def _region(case: PlasticCase, given: Mapping[str, Any]) -> YieldingRegion:
         poisson_ratio=nu if "poisson_ratio" in given else None,
         law=None if law is None else case.law_of(law, young, nu),
         fitted=given["kind"] == "ball",
+    )
+
+
+def plastic_case(
+    name: str,
+    title: str,
+    hardening: Sequence[Mapping[str, Any]] = (),
+    *,
+    law: Mapping[str, Any] | None = None,
+    regions: Sequence[Mapping[str, Any]] = (),
+    path: Sequence[float] = _PATH,
+    body: Mapping[str, float] = _BODY,
+    stop: int = 0,
+    quick: bool = False,
+) -> PlasticCase:
+    """Case of one body.
+
+    Parameters
+    ----------
+    name, title : str
+        Of the case; description of the body, for the figures.
+    hardening : sequence of mappings
+        Tables of the hardening of the body, as in a scene; without any the body is elastic.
+    law : mapping, optional
+        Further fields of its law.
+    regions : sequence of mappings
+        See `Problem`.
+    path : sequence of float
+        See `Problem`.
+    body : mapping
+        Elastic constants, radius of the sphere and load.
+    stop, quick : int, bool
+        See `PlasticCase`, and `Case`.
+    """
+    edges = [edge for region in regions for edge in _edges(region)]
+    parameters: dict[str, Any] = {
+        **body,
+        "path": list(path),
+        "law": {**({"hardening": [dict(table) for table in hardening]} if hardening else {}), **(law or {})} or None,
+        "regions": [dict(region) for region in regions],
+        "fine": _FINE,
+        "extent": _EXTENT,
+        "reach": _REACH,
+        "growth": _GROWTH,
+        "divisions": list(_DIVISIONS),
+    }
+    return PlasticCase(
+        subject=KEY,
+        name=name,
+        title=title,
+        parameters=parameters,
+        quick=quick,
+        profiles=_profiles(path, edges),
+        ratio=2.0,
+        stop=stop,
+    )
+
+
+def _edges(region: Mapping[str, Any]) -> tuple[float, float]:
+    """Depths at which the axis enters and leaves a region."""
+    if region["kind"] == "ball":
+        return region["depth"] - region["radius"], region["depth"] + region["radius"]
+    return region["top"], region["bottom"]
+
+
+def _profiles(path: Sequence[float], edges: Sequence[float]) -> tuple[Profile, ...]:
+    """Depth of every increment, pressure at the largest load, and what stays: surface, strain and stress below it.
+
+    Points on the axis are middles of the finest cells.
+    """
+    r, z = np.linspace(0.0, 1.4, 15), (np.arange(4, 30) + 0.5) / 12
+    z = z[np.all(np.abs(z[:, None] - np.asarray([-1.0, *edges])) > _MARGIN, axis=1)]
+    inner, number = np.linspace(0.0, 0.45, 10), np.arange(1.0, len(path) + 1.0)
+
+    def line(name: str, quantity: Any, x: FloatArray, depth: FloatArray, along: FloatArray, **rest: Any) -> Profile:
+        points = np.stack([x, 0 * x, depth], axis=1)
+        return Profile(name=name, quantity=quantity, points=points, along=along, formal_order=2.0, **rest)
+
+    shift, stress, below = "a²/R", "p0", "depth [a]"
+    away = "distance from the axis [a]"
+    return (
+        line(
+            "depth", "displacement", 0 * number, 0 * number, number, label="step [1]", components=("u_z",), unit=shift
+        ),
+        line("pressure", "stress", inner, 0 * inner, inner, label=away, components=("s_zz",), unit=stress),
+        line("print", "displacement", r, 0 * r, r, label=away, components=("u_z",), unit=shift),
+        line("axis-strain", "strain", 0 * z, z, z, label=below, components=("e_p",), unit="1"),
+        line("axis-stress", "stress", 0 * z, z, z, label=below, components=("s_xx", "s_zz"), unit=stress),
     )

@@ -8,18 +8,19 @@ pressures in its largest pressure p0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator, RectBivariateSpline
 
 from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer, Profile, own_error
+from eigencontact_verification.crosscheck.own_errors import from_coarser
 from eigencontact_verification.oracles.wear_rings import Contact, Rings, fret, slide
 
-__all__ = ["KEY", "WearCase", "wear_cases"]
+__all__ = ["KEY", "WearCase", "wear_case"]
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +35,8 @@ _RINGS, _STEPS = 40, 20
 _CELLS, _COARSER = 32, (16, 19)
 #: Part of π a⁴/(4R) that the first step of sliding rings wears.
 _FIRST_VOLUME = 1e-3
+#: Distance from an edge of the contact at which values are compared [a].
+_MARGIN = 0.1
 #: Directions of half a turn that the values of cells are the mean of.
 _DIRECTIONS = 8
 
@@ -198,13 +201,11 @@ class WearCase(Case):
     def judged(self) -> Fields:
         """Values by the finest cells, with what the coarser ones say of their error."""
         fine, *coarser = (self.by_cells(cells) for cells in (self.cells, *self.coarser))
+        ratios = [self.cells / cells for cells in self.coarser]
         fields: Fields = dict(fine)
         for profile in self.profiles:
-            parts = [
-                np.abs(fine[profile.name] - values[profile.name]) / (self.cells / cells - 1.0)
-                for cells, values in zip(self.coarser, coarser, strict=True)
-            ]
-            fields[own_error(profile.name)] = np.maximum.reduce(parts)
+            values = [found[profile.name] for found in coarser]
+            fields[own_error(profile.name)] = from_coarser(fine[profile.name], values, ratios)
         return fields
 
     @property
@@ -214,13 +215,27 @@ class WearCase(Case):
         return f"{self.subject}: {self.title}, {nu}; {self.cells} cells to a contact radius"
 
 
-def _case(
-    name: str, title: str, pressed: ArrayLike, worn: ArrayLike, *, quick: bool = False, **parameters: Any
-) -> WearCase:
-    """Case whose pressure and depth are compared at these radii [a]."""
+def wear_case(
+    name: str, title: str, pressed: Mapping[str, Any], worn: Mapping[str, Any], *, quick: bool = False,
+    **parameters: Any,
+) -> WearCase:  # fmt: skip
+    """Case of one sphere.
 
-    def line(name: str, quantity: Any, r: ArrayLike, component: str, unit: str) -> Profile:
-        r = np.asarray(r, dtype=float)
+    Parameters
+    ----------
+    name, title : str
+        Of the case; description of the wear, for the figures.
+    pressed, worn : mapping
+        Arguments of `_radii`: radii at which the pressure and the worn depth are compared [a].
+    quick : bool
+        Whether the case belongs to the quick cross-check.
+    parameters
+        ``reach`` of the window, ``poisson_ratio`` (default 0.3), and either the worn ``volume`` of sliding, with
+        ``layer`` (thickness, ratio of moduli); or ``friction``, ``amplitude``, ``cycles``, ``wear`` and ``kept``
+        (``"load"`` or ``"approach"``) of fretting.
+    """
+
+    def line(name: str, quantity: Any, r: FloatArray, component: str, unit: str) -> Profile:
         points = np.stack([r, 0.0 * r, 0.0 * r], axis=1)
         return Profile(
             name=name, quantity=quantity, points=points, along=r, label="distance from the axis [a]",
@@ -228,8 +243,8 @@ def _case(
         )  # fmt: skip
 
     profiles = (
-        line("pressure", "stress", pressed, "s_zz", "p0"),
-        line("depth", "displacement", worn, "worn_depth", "a²/R"),
+        line("pressure", "stress", _radii(**pressed), "s_zz", "p0"),
+        line("depth", "displacement", _radii(**worn), "worn_depth", "a²/R"),
     )
     return WearCase(
         subject=KEY, name=name, title=title, quick=quick, profiles=profiles,
@@ -237,41 +252,14 @@ def _case(
     )  # fmt: skip
 
 
-def _beside(*edges: float, last: float, margin: float = 0.1) -> Sequence[float]:
-    """Radii up to the last one, away from edges, where the pressure of rings and of cells is rough."""
+def _radii(
+    last: float, *, edges: Sequence[float] = (), span: tuple[float, float, int] = (0.0, 0.0, 0),
+    more: Sequence[float] = (),
+) -> FloatArray:  # fmt: skip
+    """Radii to `last`, those of a second span, and single ones [a].
+
+    Those to `last` keep off the edges, where the pressure of rings and of cells is rough.
+    """
     r = np.linspace(0.0, last, round(last / 0.05) + 1)
-    return [float(one) for one in r if all(abs(one - edge) > margin for edge in edges)]
-
-
-def wear_cases() -> tuple[WearCase, ...]:
-    """All cases: sliding for a while and for long, on a layer, fretting with and without a stick disk."""
-    # ν = 0: slip along one direction is as along another; c/a = √(1 - u0/(μ d)) = √½ in partial slip
-    fretting: dict[str, Any] = {"poisson_ratio": 0.0, "friction": 0.5, "reach": 2.6, "cycles": 200}
-    partial: dict[str, Any] = {**fretting, "amplitude": 0.025, "wear": 0.004}
-    sticking = _beside(last=0.6)
-    slipping = [*sticking, *np.linspace(0.78, 0.94, 9), 1.15, 1.2]
-    return (
-        _case(
-            "sliding", "a sphere that slides wears", _beside(last=1.1), _beside(1.215, last=1.4), volume=1.0,
-            reach=3.0, quick=True,
-        ),
-        _case(
-            "sliding-far", "a sphere slides far", _beside(last=1.65), _beside(1.84, last=2.1), volume=10.0, reach=4.4
-        ),
-        _case(
-            "sliding-on-a-layer", "a sphere slides on a layer of 2 E", _beside(last=0.9),
-            _beside(1.12, last=1.3), volume=1.0, reach=3.0, layer=[1.0, 2.0],
-        ),
-        _case(
-            "fretting", "200 cycles of partial slip under a load", sticking, slipping, **partial, kept="load",
-            quick=True,
-        ),
-        _case(
-            "fretting-at-an-approach", "200 cycles of partial slip at an approach", sticking, slipping, **partial,
-            kept="approach",
-        ),
-        _case(
-            "fretting-gross-slip", "200 cycles of gross slip under a load", _beside(last=0.9),
-            _beside(1.14, last=1.2), **fretting, amplitude=0.1, wear=0.001, kept="load",
-        ),
-    )  # fmt: skip
+    clear = np.all(np.abs(r[:, None] - np.asarray(edges)) > _MARGIN, axis=1)
+    return np.concatenate([r[clear], np.linspace(*span), more])
