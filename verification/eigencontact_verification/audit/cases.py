@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit import engines
 from eigencontact_verification.audit.bodies import AuditedBody, bodies_of_step, tractions_on
+from eigencontact_verification.audit.engines import CAUSES, alone, effects
 from eigencontact_verification.audit.homogeneous import homogeneous_displacement, homogeneous_stress
 from eigencontact_verification.audit.lines import Line, middle_of, stress_lines, surface_lines
-from eigencontact_verification.audit.loads import CAUSES, alone, effects
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
 from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
@@ -68,7 +68,7 @@ class AuditCase(Case):
     #: hundredths of that along it need not be known to a quarter of itself, but of a twentieth of the field.
     small: ClassVar[float] = 0.05
     code: ClassVar[tuple[str, ...]] = (
-        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous", "loads")),
+        *(f"eigencontact_verification.audit.{name}" for name in ("engines", "homogeneous")),
         *(
             f"{__name__}:{name}"
             for name in ("AuditCase.reference", "_asked", "_read", "_read_at", "_as_stored", "_known", "_watched")

@@ -1,4 +1,7 @@
-"""Checks of a stored step that need no finite elements: balance, contact, bounds, what materials remember."""
+"""Checks of a stored step without finite elements, and the gap of the contact by the displacement of the elements.
+
+The checks: balance, contact conditions, bounds of friction, history of the materials.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eigencontact_verification.audit.cases import AuditCase
 from eigencontact_verification.crosscheck.case import Case, Fields, Level, Outer
 from eigencontact_verification.crosscheck.judge import JudgedCase, Row
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from eigencontact_verification.audit.stored import StoredStep
 
-__all__ = ["checked"]
+__all__ = ["checked", "gap_in_words"]
 
 #: A run promises its residuals to its tolerance; what follows from them may be so many times it.
 _MARGIN = 10.0
@@ -136,3 +140,44 @@ def _friction(stored: StoredStep, tolerance: float) -> Iterator[tuple[str, str, 
         power = (shear * slip).sum(axis=0)[slipping] + (size * speed)[slipping]
         part = float(np.abs(power).max() / (size * speed)[slipping].max())
         yield "shear is against the slip", "q", part, max(tolerance, 1e-3)
+
+
+def gap_in_words(stored: StoredStep, judged: Iterable[JudgedCase]) -> list[str]:
+    """Sentences with the gap that finite elements leave under the stored pressure, and the overlap beside it.
+
+    The gap of the elements is the stored one with their displacement in place of the stored one; an overlap is a gap
+    below zero.
+    """
+    if "gap" not in stored.surface or "pressure" not in stored.surface:
+        return []
+    found: list[tuple[float, float, bool]] = []
+    for one in judged:
+        if not isinstance(one.case, AuditCase) or one.case.subject != stored.name:
+            continue
+        for line in one.case.lines:
+            estimate = one.estimates.get(line.profile.name)
+            if line.body or estimate is None or "u_z" not in line.profile.components:
+                continue
+            column = line.profile.components.index("u_z")
+            gap = stored.surface["gap"][line.indices] + estimate.value[:, column] - line.values[:, column]
+            touching = stored.surface["pressure"][line.indices] > 0.0
+            band = estimate.uncertainty[:, column]
+            found += [(float(g), float(b), bool(t)) for g, b, t in zip(gap, band, touching, strict=True)]
+    if not found:
+        return []
+    depth = abs(stored.scalars.get("approach", 0.0))
+    inside, outside = ([(gap, band) for gap, band, touching in found if touching is wanted] for wanted in (True, False))
+    words = []
+    if inside:
+        largest, around = max(inside, key=lambda pair: abs(pair[0]))
+        words.append(f"largest gap where there is pressure {_length(largest, depth)}, u_FE {_length(around, depth)}")
+    if outside:
+        least, around = min(outside)
+        said = f"largest overlap where there is none {_length(-least, depth)}, u_FE {_length(around, depth)}"
+        words.append(said if least < 0.0 else "no overlap where there is no pressure")
+    return [f"{stored.name}, step {stored.step}, by finite elements under the stored tractions: {'; '.join(words)}."]
+
+
+def _length(value: float, depth: float) -> str:
+    part = f" ({100 * value / depth:.2g} % of the approach)" if np.isfinite(depth) and depth > 0.0 else ""
+    return f"{value:.3g} m{part}"

@@ -61,8 +61,7 @@ def audit_results(
         Beside that, solve each run whose contact is of revolution wholly by finite elements.
     """
     from eigencontact_verification.audit.cases import cases_of_step
-    from eigencontact_verification.audit.checks import checked
-    from eigencontact_verification.audit.closing import gap_in_words
+    from eigencontact_verification.audit.checks import checked, gap_in_words
     from eigencontact_verification.audit.contact_cases import contact_cases_of
     from eigencontact_verification.audit.stored import read_step
     from eigencontact_verification.crosscheck.whole import crosscheck

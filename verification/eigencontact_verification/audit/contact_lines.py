@@ -31,7 +31,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.contact_case import ContactLine
 from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
 from eigencontact_verification.audit.stored import read_step
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
     from eigencontact_verification.audit.contact_scene import ContactScene
     from eigencontact_verification.audit.stored import StoredRegion
 
-__all__ = ["StoredContact", "contact_lines", "read_contact"]
+__all__ = ["ContactLine", "StoredContact", "contact_lines", "read_contact"]
 
 FloatArray = NDArray[np.float64]
 
@@ -58,6 +57,29 @@ _POINTS = 40
 _MEAN = 1 / 8
 #: Contacts are compared in width from this part of the widest: few elements are under smaller ones.
 _WIDE = 0.6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactLine:
+    """What is compared along one line, and what the run stores there.
+
+    Attributes
+    ----------
+    profile : Profile
+        ``along`` of lines over load steps is the number of the step.
+    kind : str
+        ``"approach"``, ``"radius"``, ``"pressure"``, ``"print"`` or ``"stress"``.
+    moments : tuple of int
+        Load steps, from 0: of every point, or one for all.
+    values, own : (n, components) float64
+        Stored values and their numerical error.
+    """
+
+    profile: Profile
+    kind: str
+    moments: tuple[int, ...]
+    values: FloatArray
+    own: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,4 +1,4 @@
-"""The audit of many runs in one table: what solved, what it took, how the verdicts fell, and why not otherwise."""
+"""Tables of the audits of many runs: elements, effort, verdicts and reasons; and of their whole contacts."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from typing import Any
 from eigencontact_verification.audit.cases import AuditCase
 from eigencontact_verification.crosscheck.case import Gap
 from eigencontact_verification.crosscheck.judge import JudgedCase, Row
+from eigencontact_verification.reporting.machine import describe, facts
 from eigencontact_verification.reporting.page import markdown_table, measured
-from eigencontact_verification.reporting.verdict import WORDS
+from eigencontact_verification.reporting.table import Column, table
+from eigencontact_verification.reporting.verdict import WORDS, worst
 
-__all__ = ["ENOUGH", "SceneAudit", "line_of", "markdown_of"]
+__all__ = ["ENOUGH", "SceneAudit", "contacts_of", "line_of", "markdown_of"]
 
 #: Part of the verdicts of a scene that may be inconclusive where the scene is said to agree.
 ENOUGH = 0.2
@@ -25,6 +27,15 @@ _HEAD = (
 #: The columns of the two tables of a page: what the audit found, and what it took.
 _VERDICTS = ("scene", "verdict", "agree", "inconclusive", "disagree", "largest difference in u", "in stress", "why")
 _EFFORT = ("scene", "step", "elements", "meshes", "unknowns", "wall time [s]", "longest solve [s]", "peak memory [GB]")
+#: First words of the profiles of a whole contact: a column each, largest difference ± uncertainty.
+_KINDS = ("approach", "contact radius", "pressure", "print", "stress")
+_CONTACTS = (
+    Column("scene", "scene"),
+    Column("agrees / inconclusive / disagrees", "verdicts"),
+    *(Column(f"{kind} [%]", kind) for kind in _KINDS),
+    Column("elements [s]", "seconds", ".0f"),
+    Column("peak [MB]", "memory", ".0f", scale=1e-6),
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -152,3 +163,33 @@ def _table(names: Sequence[str], lines: Sequence[dict[str, Any]]) -> str:
     """Some columns of the lines."""
     columns = [_HEAD.index(name) for name in names]
     return markdown_table(names, ([line["cells"][at] for at in columns] for line in lines))
+
+
+def contacts_of(judged: Sequence[JudgedCase], gaps: Sequence[Gap]) -> str:
+    """Table of whole contacts, for a page, with all verdicts that are no agreement and what is left out."""
+    rows = [row for case in judged for row in case.rows if row.word != "agrees"]
+    disputed = [f"- {row.subject}, {row.profile}, {row.component}: {row.word}, {row.reason}" for row in rows]
+    left_out = [f"- {gap.subject}: {gap.reason}." for gap in gaps]
+    parts = [table(map(_contact_row, judged), _CONTACTS)]
+    for title, lines in (("Not agreed:", disputed), ("Left out, or taken otherwise:", left_out)):
+        if lines:
+            parts += [title, "\n".join(lines)]
+    return "\n\n".join([*parts, f"{describe(facts())}."])
+
+
+def _contact_row(contact: JudgedCase) -> dict[str, Any]:
+    """Verdicts, largest difference by kind of profile, effort."""
+    words = [row.word for row in contact.rows]
+    cells: dict[str, Any] = {
+        "scene": contact.case.subject,
+        "verdicts": f"{words.count('agrees')} / {words.count('inconclusive')} / {words.count('disagrees')}",
+        "seconds": sum(outcome.seconds for task, outcome in contact.outcomes if task.level is not None),
+        "memory": max((outcome.memory or 0 for _, outcome in contact.outcomes), default=0),
+    }
+    for kind in _KINDS:
+        rows = [row for row in contact.rows if row.profile.startswith(kind) and row.difference is not None]
+        if rows:
+            largest = max(rows, key=lambda row: row.ratio or 0.0)
+            mark = {"agrees": "", "inconclusive": " ?"}.get(worst(row.word for row in rows), " ✗")
+            cells[kind] = f"{100 * (largest.difference or 0.0):.2g} ± {100 * (largest.uncertainty or 0.0):.2g}{mark}"
+    return cells
