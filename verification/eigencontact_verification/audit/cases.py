@@ -21,13 +21,14 @@ from eigencontact_verification.audit.lines import Line, middle_of, stress_lines,
 from eigencontact_verification.audit.sections import Section, draw_section, sections_of
 from eigencontact_verification.audit.stored import StoredStep, read_step
 from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.lines import STRESSES, chosen, columns
 from eigencontact_verification.crosscheck.own_errors import widened
 from eigencontact_verification.fem.loaded_body import LoadedBody
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["AuditCase", "cases_of", "cases_of_step"]
+__all__ = ["AuditCase", "RunCase", "cases_of", "cases_of_step"]
 
 FloatArray = NDArray[np.float64]
 
@@ -36,7 +37,18 @@ _HALF = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AuditCase(Case):
+class RunCase(Case):
+    """Stored values of a run against finite elements."""
+
+    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
+        """The finer meshes of a full audit, or finer cells of the run; see `Case.remedy`."""
+        if part == "judged":
+            return "run the scene with finer cells"
+        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AuditCase(RunCase):
     """What a step stores against finite elements under its tractions.
 
     The run's own error (`own_error`) counts only where the run cuts into cells what has no cells: inclusions of other
@@ -117,12 +129,6 @@ class AuditCase(Case):
                 fields[own_error(name)] = own
         return fields
 
-    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
-        """The finer meshes of a full audit; see `Case.remedy`."""
-        if part == "judged":
-            return "run the scene with finer cells"
-        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
-
     @property
     def words(self) -> str:
         """What is compared, for the figures."""
@@ -140,15 +146,14 @@ class AuditCase(Case):
         body = next(body for body in self.bodies if body.number == section.body)
         kept = np.isfinite(section.values).all(axis=-1)
         points, found = section.points[kept], np.full(section.values.shape, np.nan)
-        total = np.zeros((len(points), len(_PLACES)))
+        total = np.zeros((len(points), len(STRESSES)))
         total += homogeneous_stress(engines.known_tractions(body.loaded), points, engines.base_of(body.loaded)[1])
         for sign, part in engines.asked(body.loaded):
             solved = engines.solve_body(
                 self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
                 ratio=self.ratio, read=_read_at(_lines_of(self.lines, body.number)),
             )  # fmt: skip
-            stress = solved.stress(points)
-            total += sign * np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
+            total += sign * columns(solved.stress(points), STRESSES)
         found[kept] = total
         return found
 
@@ -181,8 +186,7 @@ def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]
     """Values of a solution as a line stores them."""
     points = line.profile.points
     if line.body:
-        stress = found.stress(points)
-        return np.stack([stress[:, i, j] for i, j in _PLACES], axis=-1)
+        return chosen(found.stress(points), line.profile)
     values = _as_stored(found.displacement(points), line, body.number)
     columns = [k for k, name in enumerate(line.profile.components) if name in body.means]
     if columns:
@@ -197,7 +201,7 @@ def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]
 def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
     """Share of a body in what the surfaces do to each other: along the surface body 1 less body 2, both along z."""
     side = np.array([1.0, 1.0, 1.0] if number == 1 else [-1.0, -1.0, 1.0])
-    return np.asarray((displacement * side)[:, [["u_x", "u_y", "u_z"].index(n) for n in line.profile.components]])
+    return chosen(displacement * side, line.profile)
 
 
 def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
@@ -218,9 +222,6 @@ def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) ->
                 values += np.isin(line.profile.components, moved) * _as_stored(by, line, body.number)
         found[f"{body.number} {line.profile.name}"] = values
     return found
-
-
-_PLACES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
 def cases_of(

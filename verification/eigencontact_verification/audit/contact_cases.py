@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_lines import ContactLine, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
 from eigencontact_verification.audit.shapes import NotJudged
-from eigencontact_verification.crosscheck.case import Case, Fields, Gap, Level, Outer, own_error
+from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ _PARTS, _SMALLEST = 1.0, 0.25
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ContactCase(Case):
+class ContactCase(RunCase):
     """What a run of revolution stores against finite elements that find the contact themselves.
 
     Both take the same load steps, by backward Euler: what they share of its error is not judged. `parameters` are those
@@ -75,12 +76,6 @@ class ContactCase(Case):
             if np.any(line.own):
                 fields[own_error(line.profile.name)] = line.own
         return fields
-
-    def remedy(self, part: str, excess: float) -> str:  # noqa: ARG002
-        """The finer meshes of a full audit; see `Case.remedy`."""
-        if part == "judged":
-            return "run the scene with finer cells"
-        return "repeat without --quick, on finer meshes" if self.quick and part == "discretisation" else ""
 
     @property
     def words(self) -> str:

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from eigencontact_verification.audit.contact_model import Heights, pliancy
 from eigencontact_verification.audit.homogeneous import homogeneous_stress
+from eigencontact_verification.audit.lines import spread
 from eigencontact_verification.audit.stored import read_step
 from eigencontact_verification.crosscheck.case import Profile
 from eigencontact_verification.fem.loaded_body import Tractions
@@ -265,7 +266,7 @@ def _surface(
     name: str, kind: str, stored: StoredContact, row: int, which: NDArray[np.bool_], values: FloatArray,
     own: FloatArray, step: int,
 ) -> ContactLine:  # fmt: skip
-    chosen = _thinned(np.flatnonzero(which))
+    chosen = spread(np.flatnonzero(which), _POINTS)
     x = stored.x[chosen]
     points = np.stack([x, np.full_like(x, stored.y[row]), 0 * x], axis=1)
     stress = kind == "pressure"
@@ -274,12 +275,6 @@ def _surface(
         components=("s_zz" if stress else "u_z",), unit="Pa" if stress else "m",
     )  # fmt: skip
     return ContactLine(profile=profile, kind=kind, moments=(step,), values=values[chosen, None], own=own[chosen, None])
-
-
-def _thinned(index: NDArray[np.int64]) -> NDArray[np.int64]:
-    if index.size <= _POINTS:
-        return index
-    return np.asarray(index[np.unique(np.linspace(0, index.size - 1, _POINTS).round().astype(int))])
 
 
 def _column(region: StoredRegion) -> tuple[FloatArray, FloatArray] | None:
@@ -314,7 +309,7 @@ def _stress(
         inside = (z > stored.middles[0] - 0.6 * h) & (z < stored.middles[-1] + 0.6 * h)
         nearest = np.abs(z[:, None] - stored.middles).min(axis=1) < 0.1 * h
         good &= nearest | ~inside
-    chosen = _thinned(np.flatnonzero(good))
+    chosen = spread(np.flatnonzero(good), _POINTS)
     if chosen.size < 5:
         return None
     columns = [0, 2]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from eigencontact_verification.audit.bodies import AuditedBody
 from eigencontact_verification.audit.stored import StoredRegion, StoredStep
 from eigencontact_verification.crosscheck.case import Gap, Profile
+from eigencontact_verification.crosscheck.lines import STRESSES
 
-__all__ = ["Line", "Middle", "judged_points", "middle_of", "stress_lines", "surface_lines"]
+__all__ = ["Line", "Middle", "judged_points", "middle_of", "spread", "stress_lines", "surface_lines"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Base = Callable[[FloatArray], FloatArray]
 
-STRESSES = ("s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy")
 #: Most points of a line inside what is loaded, outside, and on a line below the surface.
 _INSIDE, _OUTSIDE, _BELOW = 20, 16, 24
 #: Fewest points of a line that is compared.
@@ -91,12 +91,11 @@ def middle_of(stored: StoredStep) -> Middle:
     return Middle(x=at[0], y=at[1], half=(half[0], half[1]), loaded=loaded)
 
 
-def _spread(indices: Iterable[int], most: int) -> list[int]:
-    """At most so many of the indices, evenly."""
-    given = np.asarray(list(indices), dtype=int)
-    if given.size <= most:
-        return [int(one) for one in given]
-    return sorted({int(one) for one in given[np.linspace(0, given.size - 1, most).round().astype(int)]})
+def spread(indices: IntArray, most: int) -> IntArray:
+    """At most so many of ascending indices, evenly."""
+    if indices.size <= most:
+        return indices
+    return indices[np.unique(np.linspace(0, indices.size - 1, most).round().astype(int))]
 
 
 def surface_lines(stored: StoredStep, middle: Middle) -> list[Line]:
@@ -112,8 +111,9 @@ def surface_lines(stored: StoredStep, middle: Middle) -> list[Line]:
         other, through = ((y, middle.y), (x, middle.x))[axis]
         fixed = int(np.argmin(np.abs(other - through)))
         near = np.abs(line - centre) <= half
-        chosen = sorted(_spread(np.flatnonzero(near), _INSIDE) + _spread(np.flatnonzero(~near), _OUTSIDE))
-        along = np.asarray(chosen)
+        along = np.sort(
+            np.concatenate([spread(np.flatnonzero(near), _INSIDE), spread(np.flatnonzero(~near), _OUTSIDE)])
+        )
         at = (np.full(along.size, fixed), along) if axis == 0 else (along, np.full(along.size, fixed))
         values = np.stack([_whole(stored, name)[at] for name in names], axis=-1)
         slopes = np.zeros((3, *values.shape))
@@ -175,7 +175,7 @@ def stress_lines(
 
 
 def _thinned(at: tuple[IntArray, ...], along: FloatArray) -> tuple[tuple[IntArray, ...], FloatArray]:
-    chosen = np.asarray(_spread(range(along.size), _BELOW))
+    chosen = spread(np.arange(along.size), _BELOW)
     return tuple(index[chosen] for index in at), along[chosen]
 
 

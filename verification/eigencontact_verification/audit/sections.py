@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.lines import STRESSES, Middle, judged_points
+from eigencontact_verification.audit.lines import Middle, judged_points, spread
+from eigencontact_verification.crosscheck.lines import STRESSES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,7 +60,7 @@ def sections_of(stored: StoredStep, bodies: Sequence[AuditedBody], middle: Middl
             continue
         fit, _ = judged_points(stored, region, numbers[region.body], middle)
         values = np.where(fit[..., None], region.stress, np.nan)
-        picked = np.ix_(*(np.unique(np.linspace(0, n - 1, min(n, _MOST)).round().astype(int)) for n in fit.shape))
+        picked = np.ix_(*(spread(np.arange(n), _MOST) for n in fit.shape))
         if np.isfinite(values[picked]).any():
             axes = (region.axes[0], region.axes[1])
             found.append(

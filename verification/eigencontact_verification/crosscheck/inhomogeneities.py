@@ -37,7 +37,10 @@ _CODE = (
     *(f"{__name__}:InhomogeneityCase.{name}" for name in ("problem", "contains", "model", "reference")),
     f"{__name__}:_region",
     "eigencontact_verification.crosscheck.equivalent:Sphere",
-    *(f"eigencontact_verification.crosscheck.{name}" for name in ("lines:read_section", "lines:chosen")),
+    *(
+        f"eigencontact_verification.crosscheck.{name}"
+        for name in ("lines:read_section", "lines:chosen", "lines:columns")
+    ),
 )
 #: Cells across the sphere: of the judged values, and of the coarser cuttings that give their error. The boundary lies
 #: elsewhere in every cutting, so that points do not converge steadily: the order is assumed, with its safety factor.

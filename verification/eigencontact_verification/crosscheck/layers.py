@@ -32,6 +32,7 @@ KEY = "bonded-layers"
 _CODE = (
     *(f"{__name__}:LayeredCase.{name}" for name in ("interfaces", "model", "reference", "read")),
     "eigencontact_verification.crosscheck.lines:chosen",
+    "eigencontact_verification.crosscheck.lines:columns",
 )
 _DIVISIONS, _GROWTH = (4, 6, 9), 2.0
 #: Reach of the body in radii of the circle.

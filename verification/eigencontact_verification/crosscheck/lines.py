@@ -21,6 +21,7 @@ __all__ = [
     "Contains",
     "chosen",
     "clear_of",
+    "columns",
     "growth_to",
     "in_units",
     "inner_lines",
@@ -272,10 +273,12 @@ def growth_to(distance: float, elements: int) -> float:
     return float(np.exp(high)) * (1 + 1e-9)
 
 
-def chosen(values: Any, profile: Profile) -> Any:
-    """Columns of a profile from displacements ``(n, 3)`` or stresses ``(n, 3, 3)``; names end with the indices."""
-    columns = []
-    for component in profile.components:
-        indices = tuple(_AXES.index(axis) for axis in component.rpartition("_")[2])
-        columns.append(np.moveaxis(np.asarray(values), 0, -1)[indices])
-    return np.stack(columns, axis=-1)
+def columns(values: Any, components: Sequence[str]) -> FloatArray:
+    """Components of displacements ``(n, 3)`` or stresses ``(n, 3, 3)``, ``(n, components)``; names end with indices."""
+    indices = (tuple(_AXES.index(axis) for axis in name.rpartition("_")[2]) for name in components)
+    return np.stack([np.asarray(values)[:, *place] for place in indices], axis=-1)
+
+
+def chosen(values: Any, profile: Profile) -> FloatArray:
+    """`columns` of a profile."""
+    return columns(values, profile.components)

@@ -31,7 +31,7 @@ _AXES = "xyz"
 #: Code that decides what the finite elements of a case compute.
 _CODE = (
     *(f"{__name__}:RectangleCase.{name}" for name in ("traction", "model", "reference")),
-    *(f"eigencontact_verification.crosscheck.{name}" for name in ("lines:read_solid", "lines:chosen")),
+    *(f"eigencontact_verification.crosscheck.{name}" for name in ("lines:read_solid", "lines:chosen", "lines:columns")),
 )
 _MODULUS = 1.0
 #: Parts of every element of the coarse mesh at the three levels, and its elements from the rectangle outwards.
