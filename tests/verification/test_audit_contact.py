@@ -14,9 +14,9 @@ from bodies import STEEL
 from close import close
 from eigencontact_verification.audit import contact_cases_of
 from eigencontact_verification.audit.__main__ import main
+from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.contact_model import contact_model, pliancy
 from eigencontact_verification.audit.contact_scene import contact_scene
-from eigencontact_verification.audit.shapes import NotJudged
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
 from eigencontact_verification.crosscheck.worker import Outcome

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.cases import RunCase
 from eigencontact_verification.audit.contact_lines import ContactLine, contact_lines, read_contact
 from eigencontact_verification.audit.contact_model import contact_model, junctions
 from eigencontact_verification.audit.contact_scene import ContactScene, contact_scene
-from eigencontact_verification.audit.shapes import NotJudged
 from eigencontact_verification.crosscheck.case import Fields, Gap, Level, Outer, own_error
 from eigencontact_verification.fem.yielding import solve_indentation
 

@@ -128,7 +128,7 @@ class StoredContact:
 def read_contact(path: str | Path) -> StoredContact:
     """Read what a run stores over its steps."""
     from eigencontact.results.reader import open_results
-    from eigencontact_verification.audit.shapes import NotJudged
+    from eigencontact_verification.audit.bodies import NotJudged
 
     with open_results(path) as data:
         found: dict[str, Any] = {

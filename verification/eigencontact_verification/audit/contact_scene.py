@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.audit.shapes import NotJudged, moduli_of
+from eigencontact_verification.audit.bodies import NotJudged, moduli_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
