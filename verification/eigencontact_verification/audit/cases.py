@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,6 @@ from eigencontact_verification.crosscheck.case import UNKNOWNS, Case, Fields, Ga
 from eigencontact_verification.crosscheck.lines import STRESSES, chosen, columns
 from eigencontact_verification.crosscheck.own_errors import widened
 from eigencontact_verification.fem.loaded_body import LoadedBody
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["AuditCase", "RunCase", "cases_of", "cases_of_step"]
 
@@ -246,7 +243,13 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
     bodies, gaps = bodies_of_step(stored)
     deformable = sum(not body.rigid for body in (stored.scene.body1, stored.scene.body2))
     middle = middle_of(stored)
-    bases = {body.number: _base(stored, body) for body in bodies if body.different or body.damaged}
+    bases = {
+        body.number: partial(
+            homogeneous_stress, tractions_on(stored, body.number), poisson_ratio=engines.base_of(body.loaded)[1]
+        )
+        for body in bodies
+        if body.different or body.damaged
+    }
     below, lost = stress_lines(stored, bodies, middle, bases)
     gaps += lost
     above = surface_lines(stored, middle) if len(bodies) == deformable else []
@@ -269,14 +272,6 @@ def cases_of_step(stored: StoredStep, *, quick: bool = True) -> tuple[tuple[Audi
         gaps.append(Gap(subject=stored.name, what=f"step {stored.step}", reason=f"not solved: {problem}"))
         return (), tuple(gaps)
     return (replace(case, sections=sections_of(stored, bodies, middle)),), tuple(gaps)
-
-
-def _base(stored: StoredStep, body: AuditedBody) -> Callable[[FloatArray], FloatArray]:
-    return partial(_homogeneous, tractions_on(stored, body.number), engines.base_of(body.loaded)[1])
-
-
-def _homogeneous(tractions: Any, poisson_ratio: float, points: FloatArray) -> FloatArray:
-    return homogeneous_stress(tractions, points, poisson_ratio)
 
 
 def _causes(stored: StoredStep, gaps: list[Gap]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from eigencontact.errors import PluginError
 
-__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "place_of"]
+__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "ensure_pure", "place_of"]
 
 FloatArray = NDArray[np.float64]
 Check = Callable[[Any], None]
@@ -53,6 +53,26 @@ def ensure(condition: object, what: str, rule: str, got: object, advice: str) ->
     """Raise `ConformanceError` worded ``<what> must be <rule> (got <value>); <what to do>`` unless `condition`."""
     if not condition:
         raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
+
+
+def ensure_pure(
+    what: str,
+    ask: Callable[[], Any],
+    arrays: Sequence[NDArray[Any]],
+    *,
+    given: str = "the arrays given",
+    between: Callable[[], object] = lambda: None,
+    advice: str = "keep no state",
+) -> None:
+    """Same answer twice, with another question in between; `arrays` stay as they were, and are then read-only."""
+    copies = [array.copy() for array in arrays]
+    first = np.array(ask())
+    ensure(all(map(np.array_equal, arrays, copies)), given, "unchanged", "changed", "write to copies only")
+    between()
+    for array in arrays:
+        array.flags.writeable = False
+    again = np.asarray(ask())
+    ensure(np.array_equal(first, again, equal_nan=True), f"{what} asked twice", "the same", "different", advice)
 
 
 def place_of(points: FloatArray) -> str:

@@ -18,13 +18,7 @@ from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.crosscheck import inhomogeneities, layers, plasticity, wear
 from eigencontact_verification.crosscheck.case import Case, Gap
 from eigencontact_verification.crosscheck.inclusions import inclusion_case, shape_of
-from eigencontact_verification.crosscheck.strangers import (
-    example_of,
-    is_mirrored,
-    is_revolved,
-    point_inside,
-    text_digest,
-)
+from eigencontact_verification.crosscheck.strangers import example_of, symmetries_of, text_digest
 from eigencontact_verification.crosscheck.tractions import TRACTIONS, rectangle_case
 
 __all__ = ["cases_of", "gaps", "kernels", "why_not"]
@@ -62,17 +56,13 @@ def _stranger(kernel: str) -> tuple[Case, ...]:
     """Uniform expansion and one shear of a shape that is known by `contains` and `bounds` alone."""
     entry = installed_plugins().get("inclusion-shape", kernel)
     table = {"key": kernel, **example_of(entry.component)}
-    shape = shape_of(table)
-    revolved, anchor = is_revolved(shape), point_inside(shape)
-    planes = (is_mirrored(shape, 0), is_mirrored(shape, 1))
+    symmetries = symmetries_of(shape_of(table))
     text = {"text": text_digest(entry.component)}  # the elements call `contains`
+    sheared = symmetries | {"revolved": False, "refine": 0.5}
     cases = (
-        inclusion_case(
-            table, "uniform", 0.3, name="example", revolved=revolved, mirrored=planes, anchor=anchor,
-            quick=revolved,
-        ),
-        inclusion_case(table, "xz", 0.3, name="example", mirrored=planes, anchor=anchor, refine=0.5),
-    )  # fmt: skip
+        inclusion_case(table, "uniform", 0.3, name="example", quick=symmetries["revolved"], **symmetries),
+        inclusion_case(table, "xz", 0.3, name="example", **sheared),
+    )
     return tuple(replace(case, parameters={**case.parameters, **text}) for case in cases)
 
 

@@ -7,8 +7,6 @@ cell of a grid on the surface, and every field is that of the matrix alone with 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -260,12 +258,10 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
 
 
 def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
-    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations.
-
-    By the solver of the code where that is there, and here where it is not.
-    """
+    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations."""
     from eigencontact import make
     from eigencontact.halfspace.points import field_at_points
+    from eigencontact.solvers.whole_inclusions import WholeInclusions
 
     matrix = problem.matrix
     shape = make("sphere", kind="inclusion-shape", center=problem.centre, radius=problem.radius)
@@ -285,9 +281,9 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     stress, strain = scale @ (problem.stiffness @ np.linalg.inv(around) - np.eye(6)), scale @ problem.stiffness
     own = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
-    found = _by_the_code(problem, shape, own)
-    if found is None:
-        found = answer @ (strain @ own - stress @ (applied @ weights))
+    solver = WholeInclusions([shape], matrix, [problem.stiffness])
+    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
+    found = np.asarray(solver.solve(load, own[:, None]).eigenstrain[:, 0])
     total = applied + np.einsum("cun,u->cn", caused, found)
     left = -answer @ (stress @ total + (strain @ (found - own))[:, None])
     parts = [
@@ -295,16 +291,6 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
     return OneEigenstrain(shape=shape, eigenstrain=found, matrix=matrix, parts=parts, left=left.T)
-
-
-def _by_the_code(problem: Sphere, shape: Any, own: FloatArray) -> FloatArray | None:
-    """The same eigenstrain by the solver for whole inclusions; None where this version of the code has none."""
-    if find_spec("eigencontact.solvers.whole_inclusions") is None:
-        return None
-    whole: Any = import_module("eigencontact.solvers.whole_inclusions")
-    solver = whole.WholeInclusions([shape], problem.matrix, [problem.stiffness])
-    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
-    return np.asarray(solver.solve(load, own[:, None]).eigenstrain[:, 0])
 
 
 def _applied(problem: Sphere, points: FloatArray) -> FloatArray:

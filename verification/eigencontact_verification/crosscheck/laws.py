@@ -97,7 +97,7 @@ class LawCase(PlasticCase):
         return LawOfPlugin(law=_built(table, young_modulus, poisson_ratio))
 
 
-def law_cases(key: str) -> tuple[LawCase, ...]:
+def law_cases(key: str) -> tuple[PlasticCase, ...]:
     """Cases of one law: loaded and unloaded, and cycled.
 
     Parameters
@@ -126,24 +126,16 @@ def law_cases(key: str) -> tuple[LawCase, ...]:
     cases = []
     for name, path in (("loaded", (0.4, 0.7, 1.0, 0.0)), ("cycled", (0.5, 1.0, 0.0, 0.5, 1.0, 0.0))):
         case = plastic_case(
-            name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded"
-        )
-        meshes = {"growth": _GROWTH, "divisions": list(_DIVISIONS)}
-        given = {**case.parameters, **meshes, "text": text_digest(component)}
-        profiles = _with_variables(case.profiles, numbers)
+            name, f"the law asked by both, {name}", law=table, path=path, body=body, quick=name == "loaded",
+            kind=LawCase,
+        )  # fmt: skip
+        changed = {"growth": _GROWTH, "divisions": list(_DIVISIONS), "text": text_digest(component)}
         cases.append(
-            LawCase(
-                subject=f"law-{key}",
-                name=name,
-                title=case.title,
-                parameters=given,
-                quick=case.quick,
-                profiles=profiles,
-                ratio=case.ratio,
-                cells=_CELLS,
-                coarser=_COARSER,
+            replace(
+                case, subject=f"law-{key}", parameters=case.parameters | changed, cells=_CELLS, coarser=_COARSER,
+                profiles=_with_variables(case.profiles, numbers),
             )
-        )
+        )  # fmt: skip
     return tuple(cases)
 
 

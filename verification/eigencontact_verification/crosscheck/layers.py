@@ -18,8 +18,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity, in_name
-from eigencontact_verification.crosscheck.lines import chosen, in_units
+from eigencontact_verification.crosscheck.case import Fields, Level, Outer, Profile, Quantity, in_name
+from eigencontact_verification.crosscheck.lines import FieldCase, chosen, in_units
 from eigencontact_verification.fem.axisymmetric_model import AxisymmetricLayer, AxisymmetricModel, Disc
 
 __all__ = ["KEY", "LayeredCase", "layered_case"]
@@ -46,7 +46,7 @@ _GAUSS, _TURN = 12, 4.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LayeredCase(Case):
+class LayeredCase(FieldCase):
     """Pressure on the circle r <= 1 of a layered body; the substrate has E = 1.
 
     The outer faces are displaced as a point force displaces a half-space of the substrate, which layers change there by
@@ -110,12 +110,6 @@ class LayeredCase(Case):
             found[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
         return found
 
-    def judged(self) -> Fields:
-        """Values of the layered medium."""
-        return {
-            profile.name: chosen(self.field(profile.points, profile.quantity), profile) for profile in self.profiles
-        }
-
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the medium at points ``(n, 3)``, y = 0 and x >= 0."""
         from eigencontact import make
@@ -140,12 +134,6 @@ class LayeredCase(Case):
             f"{KEY}: {self.parameters['pressure']} pressure on a circle, layers {layers} on E = 1, "
             f"ν = {self.parameters['poisson_ratio']:g}"
         )
-
-    def curve(self, profile: Profile) -> Curve:
-        """Field of the layered medium on the line of a profile, closely."""
-        from eigencontact_verification.crosscheck.pictures.fields import curve
-
-        return curve(profile, self.field)
 
 
 def transform(pressure: str, k: FloatArray) -> FloatArray:

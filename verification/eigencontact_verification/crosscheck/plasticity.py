@@ -246,6 +246,7 @@ def plastic_case(
     body: Mapping[str, float] = _BODY,
     stop: int = 0,
     quick: bool = False,
+    kind: type[PlasticCase] = PlasticCase,
 ) -> PlasticCase:
     """Case of one body.
 
@@ -265,6 +266,8 @@ def plastic_case(
         Elastic constants, radius of the sphere and load.
     stop, quick : int, bool
         See `PlasticCase`, and `Case`.
+    kind : class
+        Class of the case.
     """
     edges = [edge for region in regions for edge in _edges(region)]
     parameters: dict[str, Any] = {
@@ -278,7 +281,7 @@ def plastic_case(
         "growth": _GROWTH,
         "divisions": list(_DIVISIONS),
     }
-    return PlasticCase(
+    return kind(
         subject=KEY,
         name=name,
         title=title,

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from eigencontact_verification.crosscheck.case import Case, Curve, Fields, Level, Outer, Profile, Quantity
+from eigencontact_verification.crosscheck.case import Fields, Level, Outer, Quantity
 from eigencontact_verification.crosscheck.lines import (
-    chosen,
+    FieldCase,
     growth_to,
     in_units,
     inner_lines,
@@ -40,7 +40,7 @@ _OUTER_ELEMENTS = 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RectangleCase(Case):
+class RectangleCase(FieldCase):
     """Uniform traction on the rectangle |x| <= a, |y| <= b.
 
     Truncation falls with the inverse of the reach R, and a body loaded by a force is in no equilibrium when its outer
@@ -83,12 +83,6 @@ class RectangleCase(Case):
         nearer = read_solid(solve(self.model(level, reach=reach / 2)), self.profiles)
         return {name: 3 * values[name] - 2 * nearer[name] for name in values}
 
-    def judged(self) -> Fields:
-        """Values of the closed forms."""
-        return {
-            profile.name: chosen(self.field(profile.points, profile.quantity), profile) for profile in self.profiles
-        }
-
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the closed forms at points ``(n, 3)``."""
         from eigencontact import rectangle_field
@@ -110,12 +104,6 @@ class RectangleCase(Case):
         a, b = self.parameters["half_widths"]
         what = "pressure p" if self.subject == "pressure" else f"traction q along {TRACTIONS[self.subject]}"
         return f"uniform {what} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"
-
-    def curve(self, profile: Profile) -> Curve:
-        """Closed forms on the line of a profile, closely."""
-        from eigencontact_verification.crosscheck.pictures.fields import curve
-
-        return curve(profile, self.field)
 
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Mesh and field of the coarse model (VTU, PNG)."""
