@@ -5,14 +5,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eigencontact.errors import PluginError
 
-__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "ensure_pure", "place_of"]
+__all__ = ["Check", "ConformanceError", "agree", "check", "ensure", "ensure_pure", "fail", "place_of"]
 
 FloatArray = NDArray[np.float64]
 Check = Callable[[Any], None]
@@ -52,7 +52,12 @@ def check(function: Check) -> Check:
 def ensure(condition: object, what: str, rule: str, got: object, advice: str) -> None:
     """Raise `ConformanceError` worded ``<what> must be <rule> (got <value>); <what to do>`` unless `condition`."""
     if not condition:
-        raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
+        fail(what, rule, got, advice)
+
+
+def fail(what: str, rule: str, got: object, advice: str) -> NoReturn:
+    """Raise `ConformanceError` in the words of `ensure`."""
+    raise ConformanceError(f"{what} must be {rule} (got {got}); {advice}")
 
 
 def ensure_pure(

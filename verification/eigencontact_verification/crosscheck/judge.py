@@ -93,10 +93,13 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
     judged = found.get((None, "fixed")) or {}
     if missing:
         rows = [
-            _row(case, profile, component, "failed", "; ".join(missing))
+            Row(
+                subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity,
+                component=component, word="failed", reason="; ".join(missing),
+            )
             for profile in case.profiles
             for component in profile.components
-        ]
+        ]  # fmt: skip
         return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates={})
     estimates, rows = {}, []
     for profile in case.profiles:
@@ -116,7 +119,7 @@ def judge(solved: Solved, *, limit: float = 0.02) -> JudgedCase:
             scale=_size_of_field(found[2, "fixed"], case, profile),
         )  # fmt: skip
         for k, (component, one) in enumerate(zip(profile.components, given, strict=True)):
-            rows.append(_judged_row(case, profile, component, one, reference, k, limit))
+            rows.append(_row(case, profile, component, one, reference, k, limit))
     return JudgedCase(case=case, rows=tuple(rows), outcomes=solved.outcomes, judged=judged, estimates=estimates)
 
 
@@ -130,16 +133,7 @@ def _size_of_field(fine: Fields, case: Case, profile: Profile) -> float:
     return max(float(np.max(np.abs(fine[name]))) for name in alike)
 
 
-def _row(case: Case, profile: Profile, component: str, word: str, reason: str) -> Row:
-    return Row(
-        subject=case.subject, case=case.name, profile=profile.name, quantity=profile.quantity, component=component,
-        word=word, reason=reason,
-    )  # fmt: skip
-
-
-def _judged_row(
-    case: Case, profile: Profile, component: str, one: Verdict, reference: Estimate, k: int, limit: float
-) -> Row:
+def _row(case: Case, profile: Profile, component: str, one: Verdict, reference: Estimate, k: int, limit: float) -> Row:
     parts = {name: float(np.max(values[:, k])) for name, values in reference.parts.items()}
     reason = one.reason
     if one.word == "inconclusive" and _finite(one.uncertainty):

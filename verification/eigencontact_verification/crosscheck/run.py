@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -106,43 +107,36 @@ def run_cases(
         twice = sorted({key for key in keys if keys.count(key) > 1})
         raise ValueError(f"cases must have different names within a kernel (got {', '.join(twice)} twice); rename one")
     tasks = [task for case in cases for task in tasks_of(case)]
-    found: dict[int, Outcome] = {}
-    hashes: dict[int, str] = {}
+    hashes = {id(task): _key(task) for task in tasks}
+    outcomes: dict[str, Outcome] = {}
     for task in tasks:
-        if task.level is None:
-            continue
-        hashes[id(task)] = content_hash(task.case, task.level, task.outer)
-        kept = store.read(hashes[id(task)])
-        if kept is not None:
-            fields, facts = kept
-            found[id(task)] = Outcome(
+        stored = None if task.level is None else store.read(hashes[id(task)])
+        if stored is not None:
+            fields, facts = stored
+            outcomes[hashes[id(task)]] = Outcome(
                 status="done", fields=fields, seconds=facts["seconds"], memory=facts["memory"], cached=True
             )
     # long tasks first, so that no processor idles at the end; equal problems of two cases are solved once
-    pending = sorted((task for task in tasks if id(task) not in found), key=lambda task: -task.weight)
-    unique = {hashes.get(id(task), str(id(task))): task for task in reversed(pending)}
-    due = [task for task in pending if unique[hashes.get(id(task), str(id(task)))] is task]
+    due: dict[str, Task] = {}
+    for task in sorted(tasks, key=lambda task: -task.weight):
+        if hashes[id(task)] not in outcomes:
+            due.setdefault(hashes[id(task)], task)
     if progress is not None:
-        progress.started(due)
-    done: dict[str, Outcome] = {}
-    for task, outcome in executor(due):
-        key = hashes.get(id(task), str(id(task)))
-        done[key] = outcome
+        progress.started(list(due.values()))
+    for task, outcome in executor(list(due.values())):
+        key = hashes[id(task)]
+        outcomes[key] = outcome
         if task.level is not None and outcome.fields is not None:
             store.write(key, outcome.fields, {"seconds": outcome.seconds, "memory": outcome.memory, "task": task.label})
         if progress is not None:
             progress.finished(task, outcome)
-    rest = iter(tasks)
-    return [
-        Solved(
-            case=case,
-            outcomes=tuple(
-                (task, found.get(id(task)) or done[hashes.get(id(task), str(id(task)))])
-                for task in (next(rest) for _ in tasks_of(case))
-            ),
-        )
-        for case in cases
-    ]
+    answers = iter([(task, outcomes[hashes[id(task)]]) for task in tasks])
+    return [Solved(case=case, outcomes=tuple(islice(answers, len(tasks_of(case))))) for case in cases]
+
+
+def _key(task: Task) -> str:
+    """Name of a solution in the store; of a semi-analytical one, which is never stored, a name of its own."""
+    return str(id(task)) if task.level is None else content_hash(task.case, task.level, task.outer)
 
 
 # --- processes --------------------------------------------------------------------------------------------------------
