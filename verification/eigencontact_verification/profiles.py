@@ -88,8 +88,11 @@ def _points(distance: FloatArray) -> FloatArray:
 
 
 def _displacements(shape: Any, names: Sequence[str], distance: FloatArray) -> FloatArray:
-    points, material = _points(distance), {"young_modulus": 1.0, "poisson_ratio": POISSON_RATIO}
-    fields = [eigencontact.inclusion_field(shape, tensor_of(name), points, **material) for name in names]
+    points = _points(distance)
+    fields = [
+        eigencontact.inclusion_field(shape, tensor_of(name), points, young_modulus=1.0, poisson_ratio=POISSON_RATIO)
+        for name in names
+    ]
     return np.array(fields).reshape(len(names), len(PATHS), distance.size, 3)
 
 

@@ -141,10 +141,10 @@ def moduli_of(law: Any, body: Material) -> tuple[float, float]:
             return VOID * body.young_modulus, body.poisson_ratio
         nu = lame / (2.0 * lame + twice_shear)
         return twice_shear * (1.0 + nu), nu
-    young, nu = getattr(law, "young_modulus", None), getattr(law, "poisson_ratio", None)
-    if young is None or nu is None:
+    constants = getattr(law, "young_modulus", None), getattr(law, "poisson_ratio", None)
+    if constants[0] is None or constants[1] is None:
         raise NotJudged(f"the law {law.key!r} does not tell its elastic constants")
-    return float(young), float(nu)
+    return float(constants[0]), float(constants[1])
 
 
 def bodies_of_step(stored: StoredStep) -> tuple[tuple[AuditedBody, ...], list[Gap]]:

@@ -98,19 +98,21 @@ class AuditCase(RunCase):
         fields = {line.profile.name: np.zeros(line.values.shape) for line in self.lines}
         unknowns = 0
         for body in self.bodies:
-            mine = _lines_of(self.lines, body.number)
-            for line in mine:
+            lines = _lines_of(self.lines, body.number)
+            for line in lines:
                 fields[line.profile.name] += self.known.get(f"{body.number} {line.profile.name}", 0.0)
-            for moved, sign, part in _asked(body, self.causes) if mine else ():
-                found = engines.solve_body(
-                    self.engine, part, level=level, outer=outer, watched=_watched(mine), budget=self.budget,
-                    ratio=self.ratio, read=_read_at(mine),
+            for moved, sign, loaded in _asked(body, self.causes) if lines else ():
+                solution = engines.solve_body(
+                    self.engine, loaded, level=level, outer=outer, watched=_watched(lines), budget=self.budget,
+                    ratio=self.ratio, read=_read_at(lines),
                 )  # fmt: skip
-                for line in mine:
+                for line in lines:
                     counts = [bool(line.body) or name in moved for name in line.profile.components]
                     if any(counts):
-                        fields[line.profile.name] += sign * np.where(counts, _read(found, line, body, self.window), 0.0)
-                unknowns = max(unknowns, int(getattr(found, "unknowns", 0)))
+                        fields[line.profile.name] += sign * np.where(
+                            counts, _read(solution, line, body, self.window), 0.0
+                        )
+                unknowns = max(unknowns, int(getattr(solution, "unknowns", 0)))
         return {**fields, UNKNOWNS: np.array([unknowns])}
 
     def judged(self) -> Fields:
@@ -121,9 +123,9 @@ class AuditCase(RunCase):
         for line in self.lines:
             name = line.profile.name
             fields[name] = line.values
-            own = widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
-            if np.any(own):
-                fields[own_error(name)] = own
+            error = widened(_HALF * np.max(edges[:, None, None] * line.slopes, axis=0))
+            if np.any(error):
+                fields[own_error(name)] = error
         return fields
 
     @property
@@ -135,24 +137,25 @@ class AuditCase(RunCase):
     def pictures(self, folder: Path) -> tuple[Path, ...]:
         """Every stored plane of stress beside that of the medium mesh."""
         return tuple(
-            draw_section(one, self._stress(one), self.words, folder / f"{one.name}.png") for one in self.sections
+            draw_section(section, self._stress(section), self.words, folder / f"{section.name}.png")
+            for section in self.sections
         )
 
     def _stress(self, section: Section) -> FloatArray:
         """Stress ``(m, n, 6)`` of the medium mesh in a plane; nan where none is judged."""
         body = next(body for body in self.bodies if body.number == section.body)
-        kept = np.isfinite(section.values).all(axis=-1)
-        points, found = section.points[kept], np.full(section.values.shape, np.nan)
+        judged = np.isfinite(section.values).all(axis=-1)
+        points, stress = section.points[judged], np.full(section.values.shape, np.nan)
         total = np.zeros((len(points), len(STRESSES)))
         total += homogeneous_stress(engines.known_tractions(body.loaded), points, engines.base_of(body.loaded)[1])
-        for sign, part in engines.asked(body.loaded):
+        for sign, loaded in engines.asked(body.loaded):
             solved = engines.solve_body(
-                self.engine, part, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
+                self.engine, loaded, level=1, outer="fixed", watched=_watched(self.lines), budget=self.budget,
                 ratio=self.ratio, read=_read_at(_lines_of(self.lines, body.number)),
             )  # fmt: skip
             total += sign * columns(solved.stress(points), STRESSES)
-        found[kept] = total
-        return found
+        stress[judged] = total
+        return stress
 
 
 def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], float, LoadedBody]]:
@@ -162,8 +165,8 @@ def _asked(body: AuditedBody, causes: tuple[str, ...]) -> Iterator[tuple[tuple[s
     """
     loaded = body.loaded
     for kinds, moved in effects(CAUSES["full"] if loaded.regions or loaded.cells else causes):
-        for sign, part in engines.asked(alone(loaded, kinds)):
-            yield moved, sign, part
+        for sign, solved in engines.asked(alone(loaded, kinds)):
+            yield moved, sign, solved
 
 
 def _lines_of(lines: Sequence[Line], number: int) -> list[Line]:
@@ -179,18 +182,18 @@ def _read_at(lines: Sequence[Line]) -> FloatArray:
     return _watched([line for line in lines if line.body])
 
 
-def _read(found: Any, line: Line, body: AuditedBody, window: tuple[float, float]) -> FloatArray:
+def _read(solution: Any, line: Line, body: AuditedBody, window: tuple[float, float]) -> FloatArray:
     """Values of a solution as a line stores them."""
     points = line.profile.points
     if line.body:
-        return chosen(found.stress(points), line.profile)
-    values = _as_stored(found.displacement(points), line, body.number)
+        return chosen(solution.stress(points), line.profile)
+    values = _as_stored(solution.displacement(points), line, body.number)
     columns = [k for k, name in enumerate(line.profile.components) if name in body.means]
     if columns:
         offsets = (
             np.array([(a, b, 0.0) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]) * (*window, 0.0) * 0.5 / np.sqrt(3.0)
         )
-        around = [_as_stored(found.displacement(points + offset), line, body.number) for offset in offsets]
+        around = [_as_stored(solution.displacement(points + offset), line, body.number) for offset in offsets]
         values[:, columns] = np.mean(around, axis=0)[:, columns]
     return values
 
@@ -203,22 +206,22 @@ def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
 
 def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
     """What a homogeneous body gives along the lines under what the elements do not get, or do not know well enough."""
-    known = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
-    if known.tractions is None:
+    carried = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
+    if carried.tractions is None:
         return {}
-    found = {}
-    young, nu = engines.base_of(known)
+    fields = {}
+    young, nu = engines.base_of(carried)
     for line in _lines_of(lines, body.number):
         points = line.profile.points
         if line.body:
-            values = homogeneous_stress(known.tractions, points, nu)
+            values = homogeneous_stress(carried.tractions, points, nu)
         else:
             values = np.zeros(line.values.shape)
             for kinds, moved in effects(causes):
-                by = homogeneous_displacement(alone(known, kinds).tractions, points, young, nu)
+                by = homogeneous_displacement(alone(carried, kinds).tractions, points, young, nu)
                 values += np.isin(line.profile.components, moved) * _as_stored(by, line, body.number)
-        found[f"{body.number} {line.profile.name}"] = values
-    return found
+        fields[f"{body.number} {line.profile.name}"] = values
+    return fields
 
 
 def cases_of(
@@ -280,10 +283,10 @@ def _causes(stored: StoredStep, gaps: list[Gap]) -> tuple[str, ...]:
     coupling = stored.scene.numerics.coupling
     if stored.scene.friction is None or coupling == "full" or not sheared:
         return CAUSES["full"]
-    left = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
-    left = f"u_x by shear along y, u_y by shear along x, {left}" if coupling == "none" else left
+    missing = "u_z by shear" if coupling == "one-way" else "u_x, u_y by pressure and u_z by shear"
+    missing = f"u_x by shear along y, u_y by shear along x, {missing}" if coupling == "none" else missing
     reason = f'the scene leaves it out: numerics.coupling = "{coupling}"'
-    gaps.append(Gap(subject=stored.name, what=left, reason=reason))
+    gaps.append(Gap(subject=stored.name, what=missing, reason=reason))
     return CAUSES[coupling]
 
 
@@ -298,11 +301,11 @@ def _case(
     seen = [body for body in loaded if _lines_of(lines, body.number)]
     watched = [_watched(_lines_of(lines, body.number)) for body in seen]
     read = [_read_at(_lines_of(lines, body.number)) for body in seen]
-    solved = [[part for _, _, part in _asked(body, causes)] for body in seen]
+    solved = [[solved_body for _, _, solved_body in _asked(body, causes)] for body in seen]
     budget = engines.budget_for(engine, solved, watched, read, ratio=ratio, quick=quick)
-    known: Fields = {}
+    closed_form: Fields = {}
     for body in loaded:
-        known |= _known(body, lines, causes)
+        closed_form |= _known(body, lines, causes)
     return AuditCase(
         subject=stored.name,
         name=f"step-{stored.step}",
@@ -321,7 +324,7 @@ def _case(
         bodies=loaded,
         engine=engine,
         lines=lines,
-        known=known,
+        known=closed_form,
         causes=causes,
         budget=budget,
         window=stored.window.cell,
@@ -330,16 +333,16 @@ def _case(
 
 def digest(body: LoadedBody) -> str:
     """Digest of all numbers of a body; of a region, which is code, its text and what it says on points in its box."""
-    found = hashlib.sha256(f"{body.young_modulus!r} {body.poisson_ratio!r} {body.layers!r}".encode())
+    sha = hashlib.sha256(f"{body.young_modulus!r} {body.poisson_ratio!r} {body.layers!r}".encode())
     for region in body.regions:
         low, high = np.asarray(region.bounds)
         margin = 0.1 * (high - low)
         x, y, z = np.meshgrid(*(np.linspace(a, b, 41) for a, b in zip(low - margin, high + margin, strict=True)))
         inside = np.asarray(region.contains(x, y, np.maximum(z, 0.0)), dtype=bool)
-        found.update(f"{region.bounds!r} {region.young_modulus!r} {region.poisson_ratio!r}".encode())
-        found.update(region.eigenstrain.tobytes() + np.packbits(inside).tobytes())
-        found.update(inspect.getsource(type(region.contains)).encode())
-    for part in (*([body.tractions] if body.tractions else []), *body.cells):
-        for name, value in vars(part).items():
-            found.update(name.encode() + (b"" if value is None else np.ascontiguousarray(value).tobytes()))
-    return found.hexdigest()
+        sha.update(f"{region.bounds!r} {region.young_modulus!r} {region.poisson_ratio!r}".encode())
+        sha.update(region.eigenstrain.tobytes() + np.packbits(inside).tobytes())
+        sha.update(inspect.getsource(type(region.contains)).encode())
+    for arrays in (*([body.tractions] if body.tractions else []), *body.cells):
+        for name, value in vars(arrays).items():
+            sha.update(name.encode() + (b"" if value is None else np.ascontiguousarray(value).tobytes()))
+    return sha.hexdigest()

@@ -49,10 +49,10 @@ def checked(stored: StoredStep) -> JudgedCase:
     rows = tuple(
         Row(
             subject=stored.name, case=name, profile=profile, quantity="check", component=component,
-            word="agrees" if found <= allowed else "disagrees",
-            reason=f"{found:.2g} of {allowed:.2g} allowed", difference=found, uncertainty=allowed,
+            word="agrees" if value <= allowed else "disagrees",
+            reason=f"{value:.2g} of {allowed:.2g} allowed", difference=value, uncertainty=allowed,
         )
-        for profile, component, found, allowed in _checks(stored)
+        for profile, component, value, allowed in _checks(stored)
     )  # fmt: skip
     case = _Checks(subject=stored.name, name=name, parameters={"step": stored.step}, quick=True, profiles=())
     return JudgedCase(case=case, rows=rows, outcomes=(), judged={}, estimates={})
@@ -138,8 +138,8 @@ def _friction(stored: StoredStep, tolerance: float) -> Iterator[tuple[str, str, 
     if slipping.any():
         # body 1 slips on body 2 against the shear that acts on it: their product is less than minus their sizes by this
         power = (shear * slip).sum(axis=0)[slipping] + (size * speed)[slipping]
-        part = float(np.abs(power).max() / (size * speed)[slipping].max())
-        yield "shear is against the slip", "q", part, max(tolerance, 1e-3)
+        ratio = float(np.abs(power).max() / (size * speed)[slipping].max())
+        yield "shear is against the slip", "q", ratio, max(tolerance, 1e-3)
 
 
 def gap_in_words(stored: StoredStep, judged: Iterable[JudgedCase]) -> list[str]:
@@ -150,34 +150,34 @@ def gap_in_words(stored: StoredStep, judged: Iterable[JudgedCase]) -> list[str]:
     """
     if "gap" not in stored.surface or "pressure" not in stored.surface:
         return []
-    found: list[tuple[float, float, bool]] = []
-    for one in judged:
-        if not isinstance(one.case, AuditCase) or one.case.subject != stored.name:
+    gaps: list[tuple[float, float, bool]] = []
+    for case in judged:
+        if not isinstance(case.case, AuditCase) or case.case.subject != stored.name:
             continue
-        for line in one.case.lines:
-            estimate = one.estimates.get(line.profile.name)
+        for line in case.case.lines:
+            estimate = case.estimates.get(line.profile.name)
             if line.body or estimate is None or "u_z" not in line.profile.components:
                 continue
             column = line.profile.components.index("u_z")
             gap = stored.surface["gap"][line.indices] + estimate.value[:, column] - line.values[:, column]
             touching = stored.surface["pressure"][line.indices] > 0.0
             band = estimate.uncertainty[:, column]
-            found += [(float(g), float(b), bool(t)) for g, b, t in zip(gap, band, touching, strict=True)]
-    if not found:
+            gaps += [(float(g), float(b), bool(t)) for g, b, t in zip(gap, band, touching, strict=True)]
+    if not gaps:
         return []
     depth = abs(stored.scalars.get("approach", 0.0))
-    inside, outside = ([(gap, band) for gap, band, touching in found if touching is wanted] for wanted in (True, False))
+    inside, outside = ([(gap, band) for gap, band, touching in gaps if touching is state] for state in (True, False))
     words = []
     if inside:
         largest, around = max(inside, key=lambda pair: abs(pair[0]))
         words.append(f"largest gap where there is pressure {_length(largest, depth)}, u_FE {_length(around, depth)}")
     if outside:
         least, around = min(outside)
-        said = f"largest overlap where there is none {_length(-least, depth)}, u_FE {_length(around, depth)}"
-        words.append(said if least < 0.0 else "no overlap where there is no pressure")
+        sentence = f"largest overlap where there is none {_length(-least, depth)}, u_FE {_length(around, depth)}"
+        words.append(sentence if least < 0.0 else "no overlap where there is no pressure")
     return [f"{stored.name}, step {stored.step}, by finite elements under the stored tractions: {'; '.join(words)}."]
 
 
 def _length(value: float, depth: float) -> str:
-    part = f" ({100 * value / depth:.2g} % of the approach)" if np.isfinite(depth) and depth > 0.0 else ""
-    return f"{value:.3g} m{part}"
+    share = f" ({100 * value / depth:.2g} % of the approach)" if np.isfinite(depth) and depth > 0.0 else ""
+    return f"{value:.3g} m{share}"

@@ -65,8 +65,8 @@ class ContactCase(RunCase):
     def reference(self, level: Level, outer: Outer) -> Fields:
         """Values of the elements at the points of every line."""
         model = contact_model(self.parameters, self.parameters["divisions"][level], outer)
-        found = solve_indentation(model, self.parameters["loads"])
-        return {line.profile.name: _read(found, line, self.parameters["mesh"]["radius"]) for line in self.lines}
+        solution = solve_indentation(model, self.parameters["loads"])
+        return {line.profile.name: _read(solution, line, self.parameters["mesh"]["radius"]) for line in self.lines}
 
     def judged(self) -> Fields:
         """Stored values, with their own error."""
@@ -83,23 +83,23 @@ class ContactCase(RunCase):
         return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
 
 
-def _read(found: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:
+def _read(solution: IndentationSolution, line: ContactLine, widest: float) -> FloatArray:
     """Values (n, components) of a line; radii in the widest of the run."""
     if line.kind == "approach":
-        return np.array([[found.moments[k].depth] for k in line.moments])
+        return np.array([[solution.moments[k].depth] for k in line.moments])
     if line.kind == "radius":
-        return np.array([[found.moments[k].contact_radius / widest] for k in line.moments])
+        return np.array([[solution.moments[k].contact_radius / widest] for k in line.moments])
     (moment,) = line.moments
     x, y, z = line.profile.points.T
     r = np.hypot(x, y)
     if line.kind == "print":
-        return np.asarray(found.surface_displacement(r, moment)[:, None])
+        return np.asarray(solution.surface_displacement(r, moment)[:, None])
     if line.kind == "pressure":
-        s, p = found.surface.r**2, found.moments[moment].pressure ** 2  # p² is smooth in r² to the edge
+        s, p = solution.surface.r**2, solution.moments[moment].pressure ** 2  # p² is smooth in r² to the edge
         middle = p[0] - s[0] * (p[1] - p[0]) / (s[1] - s[0])
         root = np.sqrt(np.interp(r**2, np.insert(s, 0, 0.0), np.insert(p, 0, max(middle, 0.0))))
         return np.asarray(-root[:, None])
-    rr, tt, zz, rz = found.stress(np.stack((r, z), axis=1), moment)
+    rr, tt, zz, rz = solution.stress(np.stack((r, z), axis=1), moment)
     c, s = np.where(r > 0, x / np.where(r > 0, r, 1.0), 1.0), np.where(r > 0, y / np.where(r > 0, r, 1.0), 0.0)
     columns = {"s_xx": c * c * rr + s * s * tt, "s_yy": s * s * rr + c * c * tt, "s_zz": zz, "s_xz": c * rz}
     return np.stack([columns[name] for name in line.profile.components], axis=1)
@@ -123,12 +123,12 @@ def contact_cases_of(folder: str | Path, *, quick: bool = True) -> tuple[tuple[C
     except NotJudged as problem:
         return (), (Gap(subject=name, what="whole contact", reason=str(problem)),)
     if not stored.load[: stored.straight].max(initial=0.0) > 0:
-        alone = "none of its steps has a load along the axis alone"
-        return (), (Gap(subject=name, what="whole contact", reason=alone),)
+        reason = "none of its steps has a load along the axis alone"
+        return (), (Gap(subject=name, what="whole contact", reason=reason),)
     gaps = [Gap(subject=name, what="whole contact: sides", reason=note) for note in scene.notes]
     if stored.straight < len(stored.load):
-        rest = f"step {stored.straight + 1} and those after it have shear or a moment"
-        gaps.append(Gap(subject=name, what="whole contact: later steps", reason=rest))
+        later = f"step {stored.straight + 1} and those after it have shear or a moment"
+        gaps.append(Gap(subject=name, what="whole contact: later steps", reason=later))
     a = float(stored.radius[: stored.straight].max())
     lines = contact_lines(folder, stored, scene)
     if scene.cells and not any(line.kind == "stress" for line in lines):
@@ -157,7 +157,7 @@ def _yields(scene: ContactScene) -> bool:
 
 def _flat(scene: ContactScene) -> float:
     """Radius of the flat part of a punch; 0 without [m]."""
-    return max((one.get("flat", 0.0) for one in scene.profile), default=0.0)
+    return max((body.get("flat", 0.0) for body in scene.profile), default=0.0)
 
 
 def _divisions(scene: ContactScene, *, quick: bool) -> tuple[int, ...]:

@@ -102,12 +102,12 @@ def asked(body: LoadedBody) -> list[tuple[float, LoadedBody]]:
         return []
     if not _is_split(body):
         carried = None if body.tractions is None else smoothed(body.tractions)
-        return [(1.0, part) for part in parities(replace(body, tractions=carried))]
+        return [(1.0, parity) for parity in parities(replace(body, tractions=carried))]
     stiff = any(region.young_modulus is not None or region.poisson_ratio is not None for region in body.regions)
     if not stiff and not body.layers and all(cells.kept is None for cells in body.cells):
         unloaded = replace(body, tractions=None)
-        return [] if without_load(unloaded) else [(1.0, part) for part in parities(unloaded)]
-    return [one for part in parities(body) for one in ((1.0, part), (-1.0, _matrix(part)))]
+        return [] if without_load(unloaded) else [(1.0, parity) for parity in parities(unloaded)]
+    return [signed for parity in parities(body) for signed in ((1.0, parity), (-1.0, _matrix(parity)))]
 
 
 def _matrix(body: LoadedBody) -> LoadedBody:
@@ -124,11 +124,11 @@ def _matrix(body: LoadedBody) -> LoadedBody:
     )
     cells = tuple(
         replace(
-            one,
-            eigenstrain=_TRACE * one.eigenstrain,
-            kept=None if one.kept is None else 1.0 - _TRACE * (1.0 - one.kept),
+            block,
+            eigenstrain=_TRACE * block.eigenstrain,
+            kept=None if block.kept is None else 1.0 - _TRACE * (1.0 - block.kept),
         )
-        for one in body.cells
+        for block in body.cells
     )
     layers = tuple(replace(layer, young_modulus=young, poisson_ratio=nu) for layer in body.layers)
     return replace(body, young_modulus=young, poisson_ratio=nu, layers=layers, regions=regions, cells=cells)
@@ -164,10 +164,10 @@ def budget_for(
     least, most = _BUDGETS if ratio == RATIO else _FOLLOWING
     chosen = least if quick else most
     for parts, points, inner in zip(bodies, watched, read, strict=True):
-        for one in parts:
-            centre = centred(one)
+        for body in parts:
+            centre = centred(body)
             far = float(np.abs(points - centre.origin).max(initial=0.0))
-            reach = max(reach_of(centre.body, _reaches(one)), 1.25 * far)
+            reach = max(reach_of(centre.body, _reaches(body)), 1.25 * far)
             near = inner - centre.origin
             for budget in (chosen, most):
                 try:
@@ -226,19 +226,19 @@ def effects(causes: tuple[str, ...]) -> tuple[Effect, ...]:
     >>> effects(CAUSES["full"])
     (('xyz', ('u_x', 'u_y', 'u_z')),)
     """
-    found: dict[tuple[str, ...], str] = {}
+    components: dict[tuple[str, ...], str] = {}
     for kind in "xyz":
         moved = tuple(f"u_{axis}" for axis, by in zip("xyz", causes, strict=True) if kind in by)
-        found[moved] = found.get(moved, "") + kind
-    return tuple((kinds, moved) for moved, kinds in found.items())
+        components[moved] = components.get(moved, "") + kind
+    return tuple((kinds, moved) for moved, kinds in components.items())
 
 
 def alone(body: LoadedBody, kinds: str) -> LoadedBody:
     """A body under some kinds of its tractions."""
     if body.tractions is None:
         return body
-    kept = np.isin(list("xyz"), list(kinds))[:, None, None] * body.tractions.values
-    return replace(body, tractions=replace(body.tractions, values=kept) if np.any(kept) else None)
+    values = np.isin(list("xyz"), list(kinds))[:, None, None] * body.tractions.values
+    return replace(body, tractions=replace(body.tractions, values=values) if np.any(values) else None)
 
 
 def smoothed(tractions: Tractions) -> Tractions:
@@ -265,9 +265,11 @@ def smoothed(tractions: Tractions) -> Tractions:
     return Tractions(x=lines[0], y=lines[1], values=values)
 
 
-def less(tractions: Tractions, other: Tractions) -> Tractions:
+def less(tractions: Tractions, smooth: Tractions) -> Tractions:
     """Tractions less others, on the cells of the others, which are those of the first and some around."""
-    values = -other.values
-    rows, columns = ((whole.size - part.size) // 2 for whole, part in ((other.y, tractions.y), (other.x, tractions.x)))
+    values = -smooth.values
+    rows, columns = (
+        (wide.size - narrow.size) // 2 for wide, narrow in ((smooth.y, tractions.y), (smooth.x, tractions.x))
+    )
     values[:, rows : values.shape[1] - rows, columns : values.shape[2] - columns] += tractions.values
-    return replace(other, values=values)
+    return replace(smooth, values=values)

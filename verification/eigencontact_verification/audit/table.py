@@ -62,18 +62,18 @@ class SceneAudit:
     @property
     def rows(self) -> tuple[Row, ...]:
         """Verdicts by finite elements."""
-        return tuple(row for one in self.judged for row in one.rows if row.quantity != "check")
+        return tuple(row for case in self.judged for row in case.rows if row.quantity != "check")
 
     @property
     def counts(self) -> dict[str, int]:
         """Verdicts by word."""
-        found = Counter(row.word for row in self.rows)
-        return {word: found.get(word, 0) for word in WORDS}
+        counts = Counter(row.word for row in self.rows)
+        return {word: counts.get(word, 0) for word in WORDS}
 
     @property
     def word(self) -> str:
         """Of the scene: it agrees where nothing disagrees or failed and few verdicts are inconclusive."""
-        if any(row.word == "disagrees" for one in self.judged for row in one.rows):
+        if any(row.word == "disagrees" for case in self.judged for row in case.rows):
             return "disagrees"
         counts = self.counts
         if not self.rows or counts["failed"] or counts["inconclusive"] > ENOUGH * len(self.rows):
@@ -86,12 +86,12 @@ class SceneAudit:
         if not self.rows:
             return min(self.gaps, key=_rank).reason if self.gaps else "nothing is stored that could be judged"
         worst = [row for row in self.rows if row.word == self.word and self.word != "agrees"]
-        worst += [row for one in self.judged for row in one.rows if row.quantity == "check" and row.word != "agrees"]
+        worst += [row for case in self.judged for row in case.rows if row.quantity == "check" and row.word != "agrees"]
         if worst and self.word == "disagrees":
-            row = max(worst, key=lambda one: one.ratio or 0.0)
+            row = max(worst, key=lambda case: case.ratio or 0.0)
             return f"{row.profile}, {row.component}: {row.reason}"
-        other = Counter(row.reason for row in self.rows if row.word != "agrees")
-        return "; ".join(f"{reason} ({count})" for reason, count in other.most_common(2))
+        reasons = Counter(row.reason for row in self.rows if row.word != "agrees")
+        return "; ".join(f"{reason} ({count})" for reason, count in reasons.most_common(2))
 
 
 def _rank(gap: Gap) -> int:
@@ -102,28 +102,29 @@ def _rank(gap: Gap) -> int:
 
 
 def _largest(rows: Iterable[Row], quantity: str) -> str:
-    found = [row.difference for row in rows if row.quantity == quantity and row.difference is not None]
-    return f"{100 * max(found):.2g} %" if found else "–"
+    differences = [row.difference for row in rows if row.quantity == quantity and row.difference is not None]
+    return f"{100 * max(differences):.2g} %" if differences else "–"
 
 
-def _cells(one: SceneAudit) -> tuple[str, ...]:
+def _cells(audit: SceneAudit) -> tuple[str, ...]:
     outcomes = [
-        outcome for found in one.judged for task, outcome in found.outcomes
+        outcome for judged in audit.judged for task, outcome in judged.outcomes
         if task.level is not None and outcome.seconds is not None
     ]  # fmt: skip
-    cases = [found.case for found in one.judged if isinstance(found.case, AuditCase)]
+    cases = [judged.case for judged in audit.judged if isinstance(judged.case, AuditCase)]
     engines, meshes = (dict.fromkeys(which) for which in ((case.engine for case in cases), (_mesh(c) for c in cases)))
     seconds = [outcome.seconds or 0.0 for outcome in outcomes]
     memory = [outcome.memory for outcome in outcomes if outcome.memory]
     unknowns = [outcome.unknowns for outcome in outcomes if outcome.unknowns]
-    counts = one.counts
+    counts = audit.counts
     return (
-        one.name, str(one.step), " and ".join(_WAYS[engine] for engine in engines) or "–", " and ".join(meshes) or "–",
+        audit.name, str(audit.step), " and ".join(_WAYS[engine] for engine in engines) or "–",
+        " and ".join(meshes) or "–",
         f"{max(unknowns):,}".replace(",", " ") if unknowns else "–",
-        f"{one.seconds:.0f}" if seconds and one.seconds else "–", f"{max(seconds):.1f}" if seconds else "–",
+        f"{audit.seconds:.0f}" if seconds and audit.seconds else "–", f"{max(seconds):.1f}" if seconds else "–",
         f"{max(memory) / 1e9:.2f}" if memory else "–",
         str(counts["agrees"]), str(counts["inconclusive"]), str(counts["disagrees"] + counts["failed"]),
-        _largest(one.rows, "displacement"), _largest(one.rows, "stress"), one.word, one.reason or "–",
+        _largest(audit.rows, "displacement"), _largest(audit.rows, "stress"), audit.word, audit.reason or "–",
     )  # fmt: skip
 
 
@@ -131,14 +132,14 @@ def _mesh(case: AuditCase) -> str:
     return "quick" if case.quick else "full"
 
 
-def line_of(one: SceneAudit) -> dict[str, Any]:
+def line_of(audit: SceneAudit) -> dict[str, Any]:
     """What the table says of a run, for JSON: an interrupted table goes on from it."""
-    checks = [row for found in one.judged for row in found.rows if row.quantity == "check"]
+    checks = [row for judged in audit.judged for row in judged.rows if row.quantity == "check"]
     return {
-        "word": one.word,
-        "counts": one.counts,
+        "word": audit.word,
+        "counts": audit.counts,
         "checks": [sum(row.word == "agrees" for row in checks), len(checks)],
-        "cells": list(_cells(one)),
+        "cells": list(_cells(audit)),
     }
 
 
@@ -150,13 +151,13 @@ def markdown_of(lines: Sequence[dict[str, Any]]) -> str:
         verdicts.update(line["counts"])
     hold, checks = (sum(line["checks"][k] for line in lines) for k in (0, 1))
     total = sum(verdicts.values())
-    said = (
+    summary = (
         f"{len(lines)} scenes: {words['agrees']} agree, {words['inconclusive']} are inconclusive, "
         f"{words['disagrees']} disagree. {total} verdicts: {verdicts['agrees']} agree, {verdicts['inconclusive']} are "
         f"inconclusive, {verdicts['disagrees']} disagree, {verdicts['failed']} failed. {checks} checks without "
         f"elements: {hold} hold."
     )
-    return "\n\n".join([said, _table(_VERDICTS, lines), "Meshes and cost:", _table(_EFFORT, lines), measured()])
+    return "\n\n".join([summary, _table(_VERDICTS, lines), "Meshes and cost:", _table(_EFFORT, lines), measured()])
 
 
 def _table(names: Sequence[str], lines: Sequence[dict[str, Any]]) -> str:

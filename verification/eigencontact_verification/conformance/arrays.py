@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,6 @@ from eigencontact.plugin import HasMirrorPotential
 from eigencontact_verification.conformance.orders import Order, name, of_total
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, potential, region, sample
-
-__all__ = ["check_potential_arrays", "check_potentials_finite", "check_potentials_pure", "mirror_orders"]
 
 FloatArray = NDArray[np.float64]
 
@@ -80,8 +77,11 @@ def check_potentials_pure(shape: Any) -> None:
     """Same answer twice; inputs stay as they were, and may be read-only."""
     for which, orders in _asked(shape):
         points = np.ascontiguousarray(_places(shape, which).T)
-        ask = partial(getattr(shape, which), orders)
-        ensure_pure(which, lambda ask=ask, points=points: ask(*points), [points], given=f"the arrays given to {which}")
+
+        def ask(which: str = which, orders: list[Order] = orders, points: FloatArray = points) -> Any:
+            return getattr(shape, which)(orders, *points)
+
+        ensure_pure(which, ask, [points], given=f"the arrays given to {which}")
 
 
 @check

@@ -18,16 +18,6 @@ from eigencontact.scene.components import instantiate
 from eigencontact.scene.installed import installed_plugins
 from eigencontact_verification.conformance.report import check, ensure, fail
 
-__all__ = [
-    "check_bad_lengths_refused",
-    "check_bad_numbers_refused",
-    "check_fields_are_the_table",
-    "check_files_are_marked",
-    "check_frozen",
-    "check_references",
-    "check_registered",
-]
-
 #: Parts of names of fields that hold lengths; those must be positive.
 _LENGTHS = ("radius", "radii", "length", "edges", "semi_axes", "height", "width", "thickness")
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 from eigencontact_verification.conformance.sampling import evenly
 
-__all__ = ["check_declarations", "check_eigenstrain_arrays", "check_eigenstrain_pure"]
-
 FloatArray = NDArray[np.float64]
 
 _SCALES = (1e-6, 1e-3, 1.0)

@@ -12,8 +12,6 @@ from eigencontact_verification.conformance.report import check, ensure
 if TYPE_CHECKING:
     from eigencontact_verification.crosscheck.judge import Row
 
-__all__ = ["check_against_finite_elements"]
-
 _MODULES = {"skfem": "scikit-fem", "pyamg": "pyamg"}
 #: Least depth of the top over the longest extent: fitted elements need room above the shape.
 _CLEARANCE = 0.25

@@ -10,8 +10,6 @@ import numpy as np
 from eigencontact.plugin import FrictionState
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 
-__all__ = ["check_shear_bound", "check_shear_bound_pure"]
-
 _SHAPES = ((1, 1), (1, 4), (5, 1), (3, 4), (6, 5))
 _PRESSURES = (0.0, 1.0, 1e6, 1e10)
 _SPACINGS = (1e-9, 1e-6)

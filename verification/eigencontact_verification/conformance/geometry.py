@@ -12,8 +12,6 @@ from eigencontact.plugin import HasNativeGrid
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 from eigencontact_verification.conformance.sampling import evenly
 
-__all__ = ["check_separation_arrays", "check_separation_pure"]
-
 FloatArray = NDArray[np.float64]
 
 

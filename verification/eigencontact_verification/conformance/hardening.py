@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from eigencontact.plugin import DamageLaw, IsotropicHardening, KinematicHardening
 from eigencontact_verification.conformance.report import check, ensure, fail
 
-__all__ = ["check_curve_arrays", "check_curve_pure", "check_curve_range", "check_curve_slope"]
-
 FloatArray = NDArray[np.float64]
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 

@@ -41,8 +41,13 @@ _OF_ABILITY: dict[Check, type] = {
 
 
 def _checks(*modules: ModuleType) -> tuple[Check, ...]:
-    """Checks of modules in the order of their definition, without those of an ability."""
-    functions = (function for module in modules for name, function in vars(module).items() if name.startswith("check_"))
+    """Functions ``check_...`` of modules in the order of their definition, without those of an ability."""
+    functions = (
+        function
+        for module in modules
+        for name, function in vars(module).items()
+        if name.startswith("check_") and function.__module__ == module.__name__
+    )
     return tuple(function for function in functions if function not in _OF_ABILITY)
 
 

@@ -23,8 +23,6 @@ from eigencontact_verification.conformance.law_questions import (
 )
 from eigencontact_verification.conformance.report import check, ensure
 
-__all__ = ["check_cell_answer", "check_law_at_places", "check_law_of_body", "check_means", "check_parts_of_law"]
-
 FloatArray = NDArray[np.float64]
 
 #: Differences that rounding, and iterations that stop at their own time, may leave; in parts of the size.

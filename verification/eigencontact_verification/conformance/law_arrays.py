@@ -24,14 +24,6 @@ from eigencontact_verification.conformance.law_questions import (
 )
 from eigencontact_verification.conformance.report import ensure
 
-__all__ = [
-    "check_points_alone",
-    "check_response_shapes",
-    "check_rest",
-    "check_update_pure",
-    "check_variables",
-]
-
 FloatArray = NDArray[np.float64]
 
 #: Differences that rounding, and iterations that stop at their own time, may leave; in parts of the size.

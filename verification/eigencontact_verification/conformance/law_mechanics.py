@@ -25,8 +25,6 @@ from eigencontact_verification.conformance.law_questions import (
 )
 from eigencontact_verification.conformance.report import ensure
 
-__all__ = ["check_energy", "check_objectivity", "check_tangent", "check_tangent_symmetry"]
-
 FloatArray = NDArray[np.float64]
 
 #: Steps of finite differences, in parts of the strain, and what they may differ by from the tangent, in parts of it;

@@ -17,23 +17,6 @@ from eigencontact.plugin import COMPONENTS, SQRT2, HasResponseAtDepths, Material
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 from eigencontact_verification.conformance.sampling import remembered
 
-__all__ = [
-    "check_balance_below_the_surface",
-    "check_decay",
-    "check_directions",
-    "check_extreme_waves",
-    "check_hooke",
-    "check_interfaces",
-    "check_load_on_surface",
-    "check_long_waves",
-    "check_materials",
-    "check_reciprocity",
-    "check_response_arrays",
-    "check_response_at_depths",
-    "check_response_pure",
-    "check_short_waves",
-]
-
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 

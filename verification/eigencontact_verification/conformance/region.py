@@ -13,15 +13,6 @@ from eigencontact.halfspace.voxels import Voxels, volume_fractions
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure, place_of
 from eigencontact_verification.conformance.sampling import evenly, inside, region, sample
 
-__all__ = [
-    "check_bounds",
-    "check_contains_arrays",
-    "check_contains_pure",
-    "check_in_body",
-    "check_place",
-    "check_volume_fractions",
-]
-
 #: What a thousand samples of a cell may miss of the part that a boundary cuts off it.
 _SAMPLED = 0.05
 

@@ -12,17 +12,6 @@ from numpy.typing import NDArray
 from eigencontact.plugin import WearState
 from eigencontact_verification.conformance.report import check, ensure, ensure_pure
 
-__all__ = [
-    "check_cut_increments",
-    "check_no_slip_no_wear",
-    "check_pressed_in_proportion",
-    "check_reversed_cells",
-    "check_says_what_it_needs",
-    "check_volume_by_energy",
-    "check_worn_depth",
-    "check_worn_depth_pure",
-]
-
 FloatArray = NDArray[np.float64]
 
 _SHAPES = ((1, 1), (1, 4), (5, 1), (3, 4), (6, 5))

@@ -127,11 +127,11 @@ class Cellwise:
         (wx, ix), (wy, iy), (wz, iz) = (_cubic(place[:, axis], start[:, axis], low[axis]) for axis in range(3))
         if surface:
             wz, iz = np.ones((len(points), 1)), np.zeros((len(points), 1), dtype=int)
-        found = np.einsum(
+        field = np.einsum(
             "ni,nj,nk,cnkji->cn", wx, wy, wz,
             values[:, iz[:, :, None, None], iy[:, None, :, None], ix[:, None, None, :]], optimize=True,
         )  # fmt: skip
-        return np.ascontiguousarray(found.T) if quantity == "displacement" else np.asarray(to_matrix(found))
+        return np.ascontiguousarray(field.T) if quantity == "displacement" else np.asarray(to_matrix(field))
 
 
 def _cubic(place: FloatArray, start: NDArray[Any], low: Any) -> tuple[FloatArray, NDArray[Any]]:
@@ -253,8 +253,10 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
         applied = load.apply([pressure])
     prestrain = np.zeros_like(applied)
     prestrain[:3] = problem.prestrain * inside
-    found = solve_equivalent_inclusions(operator, matrix, [problem.stiffness], inside.astype(int), applied, prestrain)
-    return Cellwise(box=box, eigenstrain=found.eigenstrain, matrix=matrix)
+    solution = solve_equivalent_inclusions(
+        operator, matrix, [problem.stiffness], inside.astype(int), applied, prestrain
+    )
+    return Cellwise(box=box, eigenstrain=solution.eigenstrain, matrix=matrix)
 
 
 def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
@@ -279,18 +281,18 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     around = replace(problem, young_modulus_inside=1.0, poisson_ratio_inside=problem.poisson_ratio).stiffness
     scale = np.linalg.inv(problem.stiffness + 2.0 * matrix.shear_modulus * np.eye(6))
     stress, strain = scale @ (problem.stiffness @ np.linalg.inv(around) - np.eye(6)), scale @ problem.stiffness
-    own = np.array([problem.prestrain] * 3 + [0.0] * 3)
+    prestrain = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
     solver = WholeInclusions([shape], matrix, [problem.stiffness])
     load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
-    found = np.asarray(solver.solve(load, own[:, None]).eigenstrain[:, 0])
-    total = applied + np.einsum("cun,u->cn", caused, found)
-    left = -answer @ (stress @ total + (strain @ (found - own))[:, None])
+    eigenstrain = np.asarray(solver.solve(load, prestrain[:, None]).eigenstrain[:, 0])
+    total = applied + np.einsum("cun,u->cn", caused, eigenstrain)
+    remainder = -answer @ (stress @ total + (strain @ (eigenstrain - prestrain))[:, None])
     parts = [
         make("sphere", kind="inclusion-shape", center=tuple(point), radius=problem.radius * weight ** (1 / 3))
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
-    return OneEigenstrain(shape=shape, eigenstrain=found, matrix=matrix, parts=parts, left=left.T)
+    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=parts, left=remainder.T)
 
 
 def _applied(problem: Sphere, points: FloatArray) -> FloatArray:

@@ -78,29 +78,29 @@ def tensor_of(name: str) -> FloatArray:
     return tensor
 
 
-def shape_of(given: Mapping[str, Any]) -> Any:
+def shape_of(table: Mapping[str, Any]) -> Any:
     """Shape from ``{"key": ..., parameters}``; ``mesh`` (vertices and faces) is written to a file for the shape."""
     from eigencontact import make
 
-    parameters = {name: value for name, value in given.items() if name not in ("key", "mesh")}
-    if "mesh" not in given:
-        return make(given["key"], kind="inclusion-shape", **parameters)
+    parameters = {name: value for name, value in table.items() if name not in ("key", "mesh")}
+    if "mesh" not in table:
+        return make(table["key"], kind="inclusion-shape", **parameters)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "surface.off"
-        vertices, faces = given["mesh"]["vertices"], given["mesh"]["faces"]
+        vertices, faces = table["mesh"]["vertices"], table["mesh"]["faces"]
         rows = [f"OFF\n{len(vertices)} {len(faces)} 0"]
         rows += [" ".join(map(str, vertex)) for vertex in vertices]
         rows += [" ".join(map(str, (len(face), *face))) for face in faces]
         file.write_text("\n".join(rows) + "\n", encoding="utf-8")
-        return make(given["key"], kind="inclusion-shape", file=str(file), **parameters)
+        return make(table["key"], kind="inclusion-shape", file=str(file), **parameters)
 
 
 def section_bounds(shape: Any) -> tuple[tuple[float, float], tuple[float, float]]:
     """Bounds ((r, z), (r, z)) of the half section of a shape of revolution; r starts at 0 where it meets the axis."""
     (_, _, top), (radius, _, bottom) = shape.bounds
     r, z = np.linspace(0.0, radius, 801), np.linspace(top, bottom, 801)[1:-1]
-    found = np.asarray(shape.contains(r[:, None], np.zeros((1, 1)), z[None, :])).any(axis=1)
-    first = int(np.argmax(found))
+    inside = np.asarray(shape.contains(r[:, None], np.zeros((1, 1)), z[None, :])).any(axis=1)
+    first = int(np.argmax(inside))
     return (float(r[max(first - 1, 0)]), float(top)), (float(radius), float(bottom))
 
 
@@ -145,39 +145,39 @@ class InclusionCase(Case):
 
     def solid_model(self, level: Level, outer: Outer) -> Model:
         """Model of hexahedra."""
-        given, shape = self.parameters, self.shape
+        parameters, shape = self.parameters, self.shape
         return Model(
             young_modulus=_MODULUS,
-            poisson_ratio=given["poisson_ratio"],
+            poisson_ratio=parameters["poisson_ratio"],
             regions=(Region(contains=shape.contains, bounds=shape.bounds, eigenstrain=self.eigenstrain),),
-            reach=given["reach"],
-            symmetry=tuple(given["symmetry"]),
+            reach=parameters["reach"],
+            symmetry=tuple(parameters["symmetry"]),
             outer=outer,
-            fine=given["fine"],
-            growth=given["growth"],
-            refine=given["refine"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            refine=parameters["refine"][level],
         )
 
     def axisymmetric_model(self, level: Level, outer: Outer) -> AxisymmetricModel:
         """Model of quadrilaterals in the half plane (r, z)."""
-        given, shape = self.parameters, self.shape
+        parameters, shape = self.parameters, self.shape
         low, high = section_bounds(shape)
         strain = self.eigenstrain
         region = AxisymmetricRegion(
             contains=lambda r, z: np.asarray(shape.contains(r, np.zeros_like(r), z)),
             bounds=(low, high),
             eigenstrain=(float(strain[0, 0]), float(strain[2, 2])),
-            fitted=given["fitted"],
+            fitted=parameters["fitted"],
         )
         return AxisymmetricModel(
             young_modulus=_MODULUS,
-            poisson_ratio=given["poisson_ratio"],
+            poisson_ratio=parameters["poisson_ratio"],
             regions=(region,),
-            reach=given["reach"],
+            reach=parameters["reach"],
             outer=outer,
-            fine=given["fine"],
-            growth=given["growth"],
-            divisions=given["refine"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            divisions=parameters["refine"][level],
             lines=((), (0.0,)),
         )
 
@@ -316,8 +316,8 @@ def inclusion_case(
         anchor = (x, y, z)
     planes = ("none", "none")
     if not revolved:
-        wanted = planes_of(EIGENSTRAINS[eigenstrain])
-        planes = (wanted[0] if mirrored[0] else "none", wanted[1] if mirrored[1] else "none")
+        kinds = planes_of(EIGENSTRAINS[eigenstrain])
+        planes = (kinds[0] if mirrored[0] else "none", kinds[1] if mirrored[1] else "none")
     cut = not exact_cells and not (hasattr(made, "phi") and hasattr(made, "psi"))
     in_plane = set(EIGENSTRAINS[eigenstrain]) & {"xx", "yy", "xy"} and eigenstrain != "uniform"
     reach = (_REACH_IN_PLANE if in_plane or revolved else _REACH) * max(size, float(middle[2]))

@@ -85,18 +85,18 @@ class InhomogeneityCase(Case):
 
     def model(self, level: Level, outer: Outer, *, present: bool = True) -> AxisymmetricModel:
         """Finite-element model of one level, with the sphere or with the matrix in its place, on the same mesh."""
-        given, sphere = self.parameters, self.problem
+        parameters, sphere = self.parameters, self.problem
         return AxisymmetricModel(
             young_modulus=1.0,
             poisson_ratio=sphere.poisson_ratio,
             regions=(_region(sphere, present=present),),
             discs=(Disc(radius=1.0, pressure=sphere.pressure, profile="hertz"),) if sphere.pressure else (),
-            reach=given["reach"],
+            reach=parameters["reach"],
             outer=outer,
             far_field=True,
-            fine=given["fine"],
-            growth=given["growth"],
-            divisions=given["divisions"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            divisions=parameters["divisions"][level],
             lines=((), (0.0,)),
         )
 
@@ -104,23 +104,23 @@ class InhomogeneityCase(Case):
         """Values of the finite-element models, with the sphere less without."""
         from eigencontact_verification.fem.axisymmetric import solve_axisymmetric
 
-        found = read_section(solve_axisymmetric(self.model(level, outer)), self.profiles, self.contains)
+        present = read_section(solve_axisymmetric(self.model(level, outer)), self.profiles, self.contains)
         if not self.problem.pressure:
-            return found
-        alone = solve_axisymmetric(self.model(level, outer, present=False))
-        without = read_section(alone, self.profiles, self.contains)
-        return {name: found[name] - without[name] for name in found}
+            return present
+        matrix = solve_axisymmetric(self.model(level, outer, present=False))
+        without = read_section(matrix, self.profiles, self.contains)
+        return {name: present[name] - without[name] for name in present}
 
     def judged(self) -> Fields:
         """Values by equivalent inclusions, with their own error."""
         fields: Fields = {}
-        one = by_one_eigenstrain(self.problem) if self.whole else None
+        uniform = by_one_eigenstrain(self.problem) if self.whole else None
         tries = [] if self.whole else [by_cells(self.problem, count) for count in _CELLS]
         for profile in self.profiles:
             at, quantity = profile.points, profile.quantity
-            if one is not None:
-                fields[profile.name] = chosen(one.field(at, quantity), profile)
-                error = CAUTIOUS * np.abs(chosen(one.correction(at, quantity), profile))
+            if uniform is not None:
+                fields[profile.name] = chosen(uniform.field(at, quantity), profile)
+                error = CAUTIOUS * np.abs(chosen(uniform.correction(at, quantity), profile))
             else:
                 fields[profile.name], *coarser = (chosen(cells.field(at, quantity), profile) for cells in tries)
                 error = CAUTIOUS * from_coarser(fields[profile.name], coarser, _RATIOS)

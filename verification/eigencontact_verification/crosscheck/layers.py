@@ -64,17 +64,17 @@ class LayeredCase(FieldCase):
 
     def model(self, level: Level, *, reach: float) -> AxisymmetricModel:
         """Finite-element model of one level with its outer faces at `reach`."""
-        given = self.parameters
+        parameters = self.parameters
         return AxisymmetricModel(
             young_modulus=1.0,
-            poisson_ratio=given["poisson_ratio"],
-            layers=tuple(AxisymmetricLayer(**layer) for layer in given["layers"]),
-            discs=(Disc(radius=1.0, pressure=1.0, profile=given["pressure"]),),
+            poisson_ratio=parameters["poisson_ratio"],
+            layers=tuple(AxisymmetricLayer(**layer) for layer in parameters["layers"]),
+            discs=(Disc(radius=1.0, pressure=1.0, profile=parameters["pressure"]),),
             reach=reach,
             far_field=True,
-            fine=given["fine"],
-            growth=given["growth"],
-            divisions=given["divisions"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            divisions=parameters["divisions"][level],
             lines=((), (0.0, *self.interfaces.tolist())),
         )
 
@@ -99,29 +99,29 @@ class LayeredCase(FieldCase):
 
         if profile.quantity == "displacement":
             return np.asarray(solution.displacement(profile.points))
-        found, interfaces = np.empty((len(profile.points), 3, 3)), self.interfaces
-        own = np.searchsorted(interfaces, profile.points[:, 2])
-        for number in np.unique(own):
+        stress, interfaces = np.empty((len(profile.points), 3, 3)), self.interfaces
+        layer = np.searchsorted(interfaces, profile.points[:, 2])
+        for number in np.unique(layer):
 
             def contains(_x: FloatArray, _y: FloatArray, z: FloatArray, number: int = number) -> NDArray[np.bool_]:
                 return np.asarray(np.searchsorted(interfaces, z) == number)
 
-            here = own == number
-            found[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
-        return found
+            here = layer == number
+            stress[here] = recovered_section_stress(solution, profile.points[here], contains=contains)
+        return stress
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
         """Displacement ``(n, 3)`` or stress ``(n, 3, 3)`` of the medium at points ``(n, 3)``, y = 0 and x >= 0."""
         from eigencontact import make
 
-        given = self.parameters
-        substrate = {"young_modulus": 1.0, "poisson_ratio": given["poisson_ratio"]}
-        medium = make(KEY, kind="layered-medium", layers=given["layers"], substrate=substrate)
-        found = np.zeros((len(points), 3) if quantity == "displacement" else (len(points), 3, 3))
+        parameters = self.parameters
+        substrate = {"young_modulus": 1.0, "poisson_ratio": parameters["poisson_ratio"]}
+        medium = make(KEY, kind="layered-medium", layers=parameters["layers"], substrate=substrate)
+        values = np.zeros((len(points), 3) if quantity == "displacement" else (len(points), 3, 3))
         for depth in np.unique(points[:, 2]):
             here = points[:, 2] == depth
-            found[here] = _at_depth(medium, given["pressure"], points[here, 0], float(depth), quantity)
-        return found
+            values[here] = _at_depth(medium, parameters["pressure"], points[here, 0], float(depth), quantity)
+        return values
 
     @property
     def words(self) -> str:

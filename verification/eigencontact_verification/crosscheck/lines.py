@@ -112,8 +112,8 @@ def surface_lines(
         distance = np.linspace(-reach if both_sides else 0.0, reach, count)
         points = np.stack([across * distance, along * distance, np.zeros(count)], axis=1)
         if source is not None:
-            kept = clear_of(source, points, margin)
-            points, distance = points[kept], distance[kept]
+            clear = clear_of(source, points, margin)
+            points, distance = points[clear], distance[clear]
         present: tuple[str, ...] = VECTORS
         if path == "x":
             present = _present(VECTORS, planes[1], "y")
@@ -138,8 +138,8 @@ def clear_of(contains: Contains, points: FloatArray, margin: float) -> BoolArray
     state = np.asarray(contains(*points.T))
     probes = points[:, None, :] + margin * DIRECTIONS
     probes = np.concatenate([probes, points[:, None, :] + 0.5 * margin * DIRECTIONS], axis=1)
-    found = np.asarray(contains(*(probes[..., axis] for axis in range(3))))
-    return np.asarray(np.all(found == state[:, None], axis=1))
+    inside = np.asarray(contains(*(probes[..., axis] for axis in range(3))))
+    return np.asarray(np.all(inside == state[:, None], axis=1))
 
 
 def inner_lines(
@@ -188,15 +188,15 @@ def inner_lines(
     }
     profiles = []
     for name, (points, along, label) in lines.items():
-        kept = clear_of(contains, points, margin) & (points[:, 2] >= 0)
+        clear = clear_of(contains, points, margin) & (points[:, 2] >= 0)
         if not inside:
-            kept &= ~np.asarray(contains(*points.T))
+            clear &= ~np.asarray(contains(*points.T))
         profiles.append(
             Profile(
                 name=f"{name}-stress",
                 quantity="stress",
-                points=points[kept],
-                along=along[kept],
+                points=points[clear],
+                along=along[clear],
                 label=label,
                 components=tuple(components),
                 formal_order=formal_order,
@@ -279,7 +279,8 @@ def growth_to(distance: float, elements: int) -> float:
 def columns(values: Any, components: Sequence[str]) -> FloatArray:
     """Components of displacements ``(n, 3)`` or stresses ``(n, 3, 3)``, ``(n, components)``; names end with indices."""
     indices = (tuple(_AXES.index(axis) for axis in name.rpartition("_")[2]) for name in components)
-    return np.stack([np.asarray(values)[:, *place] for place in indices], axis=-1)
+    array = np.moveaxis(np.asarray(values), 0, -1)
+    return np.stack([array[place] for place in indices], axis=-1)
 
 
 def chosen(values: Any, profile: Profile) -> FloatArray:

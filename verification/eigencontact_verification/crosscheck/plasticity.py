@@ -81,10 +81,10 @@ class PlasticCase(Case):
     @property
     def problem(self) -> Problem:
         """What is solved."""
-        given = self.parameters
+        parameters = self.parameters
         names = ("young_modulus", "poisson_ratio", "radius", "load", "law")
-        path, regions = tuple(given["path"]), tuple(given["regions"])
-        return Problem(path=path, regions=regions, **{name: given[name] for name in names})
+        path, regions = tuple(parameters["path"]), tuple(parameters["regions"])
+        return Problem(path=path, regions=regions, **{name: parameters[name] for name in names})
 
     def law_of(self, table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> PointLaw:
         """Law of the integration points for the fields of a law in a scene."""
@@ -92,7 +92,7 @@ class PlasticCase(Case):
 
     def model(self, level: Level, outer: Outer) -> Indentation:
         """Finite-element model of one level."""
-        given, problem = self.parameters, self.problem
+        parameters, problem = self.parameters, self.problem
         a, E, nu = problem.contact_radius, problem.young_modulus, problem.poisson_ratio
         return Indentation(
             young_modulus=E,
@@ -100,18 +100,18 @@ class PlasticCase(Case):
             law=None if problem.law is None else self.law_of(problem.law, E, nu),
             regions=tuple(_region(self, region) for region in problem.regions),
             radius=problem.radius,
-            fine=a / given["fine"],
-            extent=given["extent"] * a,
-            reach=given["reach"] * a,
+            fine=a / parameters["fine"],
+            extent=parameters["extent"] * a,
+            reach=parameters["reach"] * a,
             outer=outer,
-            growth=given["growth"],
-            divisions=given["divisions"][level],
+            growth=parameters["growth"],
+            divisions=parameters["divisions"][level],
         )
 
     def reference(self, level: Level, outer: Outer) -> Fields:
         """Values of the finite-element model, in Hertz's units."""
         problem = self.problem
-        solution = solve_indentation(self.model(level, outer), [part * problem.load for part in problem.path])
+        solution = solve_indentation(self.model(level, outer), [share * problem.load for share in problem.path])
         return {profile.name: self.read(solution, profile) for profile in self.profiles}
 
     def read(self, solution: IndentationSolution, profile: Profile) -> FloatArray:
@@ -153,7 +153,7 @@ class PlasticCase(Case):
         ratios = [self.cells / cells for cells in self.coarser]
         balls = any(region["kind"] == "ball" for region in self.problem.regions)
         for profile in self.profiles:
-            values = [found[profile.name] for found in coarser]
+            values = [run[profile.name] for run in coarser]
             order = _ORDERS.get(profile.name, 1.0)
             if profile.quantity == "strain":
                 order = _ORDER_OF_STRAIN if profile.components == ("e_p",) else _ORDER_OF_STATES
@@ -170,55 +170,55 @@ class PlasticCase(Case):
 
 def _curve(table: Mapping[str, Any], young_modulus: float) -> Curve:
     """Yield stress over plastic strain for an isotropic hardening of a scene."""
-    given = dict(table)
-    kind = given.pop("type")
-    if "tangent_modulus" in given:
-        slope = given.pop("tangent_modulus")
-        given["modulus"] = young_modulus * slope / (young_modulus - slope)
+    fields = dict(table)
+    kind = fields.pop("type")
+    if "tangent_modulus" in fields:
+        slope = fields.pop("tangent_modulus")
+        fields["modulus"] = young_modulus * slope / (young_modulus - slope)
     names = {"yield_stress": "stress", "strength": "K", "saturation": "Q", "rate": "b"}
     makers: dict[str, Callable[..., Curve]] = {
         name: getattr(yielding_law, name) for name in ("perfect", "linear", "swift", "ludwik", "voce", "tabulated")
     }
-    return makers[kind](**{names.get(name, name): value for name, value in given.items()})
+    return makers[kind](**{names.get(name, name): value for name, value in fields.items()})
 
 
 def point_law(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float) -> YieldingLaw:
     """The finite elements' own law for the fields of a scene's law."""
     hardening = list(table["hardening"])
-    backs = [one for one in hardening if one["type"] in ("prager", "armstrong-frederick")]
-    (size,) = (one for one in hardening if one not in backs)
+    backs = [entry for entry in hardening if entry["type"] in ("prager", "armstrong-frederick")]
+    (size,) = (entry for entry in hardening if entry not in backs)
     damage = table.get("damage")
     return YieldingLaw(
         young_modulus=young_modulus,
         poisson_ratio=poisson_ratio,
         hardening=_curve(size, young_modulus),
-        back_stresses=tuple((one["modulus"], one.get("recovery", 0.0)) for one in backs),
+        back_stresses=tuple((entry["modulus"], entry.get("recovery", 0.0)) for entry in backs),
         damage=None if damage is None else yielding_law.fading_damage(damage["saturation"], damage["strain"]),
         effective=table.get("yield_on", "nominal") == "effective",
     )
 
 
-def _region(case: PlasticCase, given: Mapping[str, Any]) -> YieldingRegion:
+def _region(case: PlasticCase, region: Mapping[str, Any]) -> YieldingRegion:
     """A region for the elements; a layer goes on to the rim of the body."""
     problem, reach = case.problem, case.parameters["reach"]
-    a, law = problem.contact_radius, given.get("law")
-    young = given.get("young_modulus", 1.0) * problem.young_modulus
-    nu = given.get("poisson_ratio", problem.poisson_ratio)
+    a, law = problem.contact_radius, region.get("law")
+    young = region.get("young_modulus", 1.0) * problem.young_modulus
+    nu = region.get("poisson_ratio", problem.poisson_ratio)
     contains: Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
-    if given["kind"] == "layer":
-        top, bottom = given["top"] * a, given["bottom"] * a
+    if region["kind"] == "layer":
+        top, bottom = region["top"] * a, region["bottom"] * a
         bounds = ((0.0, top), (reach * a, bottom))
 
         def contains(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
             return np.asarray((r >= 0) & (z > top) & (z < bottom))
-    elif given["kind"] == "disc":
-        top, bottom, radius = given["top"] * a, given["bottom"] * a, given["radius"] * a
+    elif region["kind"] == "disc":
+        top, bottom, radius = region["top"] * a, region["bottom"] * a, region["radius"] * a
         bounds = ((0.0, top), (radius, bottom))
 
         def contains(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
             return np.asarray((r < radius) & (z > top) & (z < bottom))
     else:
-        depth, radius = given["depth"] * a, given["radius"] * a
+        depth, radius = region["depth"] * a, region["radius"] * a
         bounds = ((0.0, depth - radius), (radius, depth + radius))
 
         def contains(r: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
@@ -227,11 +227,11 @@ def _region(case: PlasticCase, given: Mapping[str, Any]) -> YieldingRegion:
     return YieldingRegion(
         contains=contains,
         bounds=bounds,
-        eigenstrain=(given.get("eigenstrain", 0.0), 0.0),
-        young_modulus=young if "young_modulus" in given else None,
-        poisson_ratio=nu if "poisson_ratio" in given else None,
+        eigenstrain=(region.get("eigenstrain", 0.0), 0.0),
+        young_modulus=young if "young_modulus" in region else None,
+        poisson_ratio=nu if "poisson_ratio" in region else None,
         law=None if law is None else case.law_of(law, young, nu),
-        fitted=given["kind"] == "ball",
+        fitted=region["kind"] == "ball",
     )
 
 

@@ -169,9 +169,9 @@ class _Process:
 @contextmanager
 def _environment(threads: int) -> Iterator[None]:
     """Threads of the libraries in processes that are started inside: with one a core, more only wait for each other."""
-    wanted = {f"{pool}_NUM_THREADS": str(threads) for pool in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
-    before = {name: os.environ.get(name) for name in wanted}
-    os.environ.update(wanted)
+    variables = {f"{pool}_NUM_THREADS": str(threads) for pool in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
     try:
         yield
     finally:
@@ -217,54 +217,54 @@ def in_processes(
     try:
         while waiting or busy:
             while waiting and len(busy) < workers:
-                one = idle.pop() if idle else _start(threads, plugins)
-                one.task, one.since, one.peak = waiting.popleft(), time.monotonic(), 0
-                busy.append(one)
+                process = idle.pop() if idle else _start(threads, plugins)
+                process.task, process.since, process.peak = waiting.popleft(), time.monotonic(), 0
+                busy.append(process)
                 try:
-                    one.connection.send(one.task)
+                    process.connection.send(process.task)
                 except Exception as problem:  # noqa: BLE001 - whatever pickling a stranger's case raises
-                    busy.remove(one)
-                    one.end()
-                    yield one.task, Outcome(status="failed", reason=f"cannot be sent to a process: {problem}")
-            wait([one.connection for one in busy], timeout=_PERIOD)
-            for one in list(busy):
-                outcome = _look(one, limits)
+                    busy.remove(process)
+                    process.end()
+                    yield process.task, Outcome(status="failed", reason=f"cannot be sent to a process: {problem}")
+            wait([process.connection for process in busy], timeout=_PERIOD)
+            for process in list(busy):
+                outcome = _look(process, limits)
                 if outcome is None:
                     continue
-                busy.remove(one)
+                busy.remove(process)
                 if outcome.status == "done" and (outcome.memory or 0) < _RENEW:
-                    idle.append(one)
+                    idle.append(process)
                 else:
-                    one.end()
-                task = one.task
+                    process.end()
+                task = process.task
                 if task is not None:
                     yield task, outcome
     finally:
-        for one in (*busy, *idle):
-            one.end()
+        for process in (*busy, *idle):
+            process.end()
 
 
-def _look(one: _Process, limits: Limits) -> Outcome | None:
+def _look(process: _Process, limits: Limits) -> Outcome | None:
     """The outcome of what a process does, or None while it is within its limits and not done."""
-    elapsed = time.monotonic() - one.since
-    if one.connection.poll():
+    elapsed = time.monotonic() - process.since
+    if process.connection.poll():
         try:
-            outcome: Outcome = one.connection.recv()
+            outcome: Outcome = process.connection.recv()
         except (EOFError, OSError):
-            one.process.join(1.0)
-            return Outcome(status="failed", reason=f"process ended with {one.process.exitcode}", seconds=elapsed)
+            process.process.join(1.0)
+            return Outcome(status="failed", reason=f"process ended with {process.process.exitcode}", seconds=elapsed)
         except Exception as problem:  # noqa: BLE001 - an answer that cannot be read is a failed task
             return Outcome(status="failed", reason=f"answer cannot be read: {problem}", seconds=elapsed)
         if outcome.memory is not None and outcome.memory > limits.memory:
             reason = f"used {outcome.memory / 1e9:.2f} GB, more than {limits.memory / 1e9:.2f} GB"
             return replace(outcome, status="memory", reason=reason, fields=None)
         return outcome
-    resident = one.resident()
-    one.peak = max(one.peak, resident or 0)
+    resident = process.resident()
+    process.peak = max(process.peak, resident or 0)
     if resident is not None and resident > limits.memory:
         reason = f"ended at {resident / 1e9:.2f} GB, more than {limits.memory / 1e9:.2f} GB"
-        return Outcome(status="memory", reason=reason, seconds=elapsed, memory=one.peak)
+        return Outcome(status="memory", reason=reason, seconds=elapsed, memory=process.peak)
     if elapsed > limits.seconds:
         reason = f"not done within {limits.seconds:.0f} s"
-        return Outcome(status="time", reason=reason, seconds=elapsed, memory=one.peak or None)
+        return Outcome(status="time", reason=reason, seconds=elapsed, memory=process.peak or None)
     return None

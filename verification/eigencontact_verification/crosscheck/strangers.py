@@ -77,7 +77,7 @@ def _made(key: str, parameters: Mapping[str, Any]) -> Any:
 def _guesses(component: type) -> Iterator[dict[str, Any]]:
     """Parameters to try, in a fixed order."""
     hints, place = get_type_hints(component), place_field(component)
-    wanted: dict[str, int] = {}  # 0: a number, n: that many numbers
+    counts: dict[str, int] = {}  # 0: a number, n: that many numbers
     for item in fields(component):
         hint = hints.get(item.name)
         parts = get_args(hint) if get_origin(hint) is tuple else ()
@@ -85,18 +85,18 @@ def _guesses(component: type) -> Iterator[dict[str, Any]]:
         if item.name == place or has_default:
             continue
         if hint is float:
-            wanted[item.name] = 0
-        elif parts and all(part is float for part in parts):
-            wanted[item.name] = len(parts)
+            counts[item.name] = 0
+        elif parts and all(kind is float for kind in parts):
+            counts[item.name] = len(parts)
         else:
             return
-    numbers = sum(max(1, count) for count in wanted.values())
+    numbers = sum(max(1, count) for count in counts.values())
     if numbers > len(_LENGTHS):
         return
     for scale in _SCALES:
         for order in permutations(_LENGTHS[: max(numbers, 3)], numbers):
             values, parameters = iter(order), {}
-            for name, count in wanted.items():
+            for name, count in counts.items():
                 taken = tuple(scale * next(values) for _ in range(max(1, count)))
                 parameters[name] = taken if count else taken[0]
             if place is not None:

@@ -59,17 +59,17 @@ class RectangleCase(FieldCase):
 
     def model(self, level: Level, *, reach: float) -> Model:
         """Finite-element model of one level, its outer faces fixed at `reach`."""
-        given = self.parameters
-        a, b = given["half_widths"]
+        parameters = self.parameters
+        a, b = parameters["half_widths"]
         return Model(
             young_modulus=_MODULUS,
-            poisson_ratio=given["poisson_ratio"],
+            poisson_ratio=parameters["poisson_ratio"],
             patches=(Patch(low=(-a, -b), high=(a, b), traction=self.traction),),
             reach=reach,
             symmetry=planes_of([TRACTIONS[self.subject]]),
-            fine=given["fine"],
-            growth=given["growth"],
-            refine=given["refine"][level],
+            fine=parameters["fine"],
+            growth=parameters["growth"],
+            refine=parameters["refine"][level],
         )
 
     def reference(self, level: Level, outer: Outer) -> Fields:

@@ -87,22 +87,22 @@ class WearCase(Case):
 
     def reference(self, level: Level, outer: Outer) -> Fields:  # noqa: ARG002 - rings have no outer faces
         """Values by rings."""
-        given, fine = self.parameters, 2**level
+        parameters, fine = self.parameters, 2**level
         number = _RINGS * fine
-        edges = _RADIUS / number * np.arange(round(0.5 * given["reach"] * number) + 1)
+        edges = _RADIUS / number * np.arange(round(0.5 * parameters["reach"] * number) + 1)
         rings = self._rings(edges)
         gap = rings.middles**2 / (2.0 * _SPHERE)
-        if "volume" in given:
+        if "volume" in parameters:
             first = _FIRST_VOLUME * np.pi * _RADIUS**4 / (4.0 * _SPHERE)
             count = round(_STEPS * fine * np.log10(self.volume / first)) + 1
             *_, slid = slide(rings, gap, self.load, list(np.geomspace(first, self.volume, count)))
             return self._read(rings.middles, slid.contact, slid.depth)
         count = _STEPS * fine
-        load = self.load if given["kept"] == "load" else None
-        approach = _RADIUS**2 / _SPHERE if given["kept"] == "approach" else None
-        updates = [0.25, *[given["cycles"] / count] * count]  # the first quarter goes out from the middle
+        load = self.load if parameters["kept"] == "load" else None
+        approach = _RADIUS**2 / _SPHERE if parameters["kept"] == "approach" else None
+        updates = [0.25, *[parameters["cycles"] / count] * count]  # the first quarter goes out from the middle
         *_, fretted = fret(
-            rings, gap, updates, amplitude=given["amplitude"] * _RADIUS, friction=given["friction"],
+            rings, gap, updates, amplitude=parameters["amplitude"] * _RADIUS, friction=parameters["friction"],
             coefficient=self.coefficient, modulus_ratio=1.0, load=load, approach=approach,
         )  # fmt: skip
         return self._read(rings.middles, fretted.contact, fretted.depth)
@@ -123,8 +123,8 @@ class WearCase(Case):
         fields: Fields = {}
         for profile in self.profiles:
             name, unit = self._units[profile.name]
-            known = values[name] / unit
-            line = PchipInterpolator(np.concatenate([-r[2::-1], r]), np.concatenate([known[2::-1], known]))
+            scaled = values[name] / unit
+            line = PchipInterpolator(np.concatenate([-r[2::-1], r]), np.concatenate([scaled[2::-1], scaled]))
             fields[profile.name] = line(_RADIUS * profile.along)[:, None]
         return fields
 
@@ -137,15 +137,15 @@ class WearCase(Case):
         """Scene with so many cells to a contact radius; a row of them lies on the axis."""
         import eigencontact as ec
 
-        given, pitch = self.parameters, _RADIUS / cells
-        count = 2 * round(0.5 * given["reach"] * cells) + 1
-        constants = {"young_modulus": _YOUNG, "poisson_ratio": given["poisson_ratio"]}
+        parameters, pitch = self.parameters, _RADIUS / cells
+        count = 2 * round(0.5 * parameters["reach"] * cells) + 1
+        constants = {"young_modulus": _YOUNG, "poisson_ratio": parameters["poisson_ratio"]}
         body: dict[str, Any] = constants
-        if "layer" in given:
-            thickness, ratio = given["layer"]
+        if "layer" in parameters:
+            thickness, ratio = parameters["layer"]
             layer = {"thickness": thickness * _RADIUS, **constants, "young_modulus": ratio * _YOUNG}
             body = {"medium": {"type": "bonded-layers", "layers": [layer], "substrate": constants}}
-        tables = self._sliding() if "volume" in given else self._fretting()
+        tables = self._sliding() if "volume" in parameters else self._fretting()
         return ec.Scene(
             body1=body,
             body2={"rigid": True},
@@ -168,17 +168,17 @@ class WearCase(Case):
 
     def _fretting(self) -> dict[str, Any]:
         """To and fro from a middle position, the pressure not coupled to the shear."""
-        given = self.parameters
-        amplitude = given["amplitude"] * _RADIUS
-        pressed = {"normal_load": self.load} if given["kept"] == "load" else {"approach": _RADIUS**2 / _SPHERE}
+        parameters = self.parameters
+        amplitude = parameters["amplitude"] * _RADIUS
+        pressed = {"normal_load": self.load} if parameters["kept"] == "load" else {"approach": _RADIUS**2 / _SPHERE}
         return {
-            "friction": {"type": "coulomb", "coefficient": given["friction"]},
+            "friction": {"type": "coulomb", "coefficient": parameters["friction"]},
             "wear": {"type": "dissipated-energy", "coefficient": self.coefficient, "jump_error": 1e-3},
             "numerics": {"coupling": "none"},
             "steps": [
                 pressed,
                 {"shift_x": amplitude},
-                {"cycle": [{"shift_x": -amplitude}, {"shift_x": amplitude}], "repeat": given["cycles"]},
+                {"cycle": [{"shift_x": -amplitude}, {"shift_x": amplitude}], "repeat": parameters["cycles"]},
                 pressed,  # the pressure of the surface as the last cycle leaves it
             ],
         }
@@ -204,7 +204,7 @@ class WearCase(Case):
         ratios = [self.cells / cells for cells in self.coarser]
         fields: Fields = dict(fine)
         for profile in self.profiles:
-            values = [found[profile.name] for found in coarser]
+            values = [run[profile.name] for run in coarser]
             fields[own_error(profile.name)] = from_coarser(fine[profile.name], values, ratios)
         return fields
 
