@@ -46,7 +46,7 @@ class RunCase(Case):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AuditCase(RunCase):
-    """What a step stores against finite elements under its tractions.
+    """Stored values of a step against finite elements under its tractions.
 
     The run's own error (`own_error`) counts only where the run cuts into cells what has no cells: inclusions of other
     constants, and damage. Their boundary may be off by half a cell, so that the field which they cause is uncertain by
@@ -130,7 +130,7 @@ class AuditCase(RunCase):
 
     @property
     def words(self) -> str:
-        """What is compared, for the figures."""
+        """Title of the figures: scene and methods."""
         way = "of revolution" if self.engine == "revolution" else "of three dimensions"
         return f"{self.subject}, {self.name}: stored (semi-analytical) and finite elements {way} under its tractions"
 
@@ -178,7 +178,7 @@ def _watched(lines: Sequence[Line]) -> FloatArray:
 
 
 def _read_at(lines: Sequence[Line]) -> FloatArray:
-    """Where stress is read."""
+    """Points at which stress is read."""
     return _watched([line for line in lines if line.body])
 
 
@@ -205,7 +205,7 @@ def _as_stored(displacement: FloatArray, line: Line, number: int) -> FloatArray:
 
 
 def _known(body: AuditedBody, lines: Sequence[Line], causes: tuple[str, ...]) -> Fields:
-    """What a homogeneous body gives along the lines under what the elements do not get, or do not know well enough."""
+    """Field of a homogeneous body along the lines under the tractions that the elements do not carry."""
     carried = replace(body.loaded, tractions=engines.known_tractions(body.loaded))
     if carried.tractions is None:
         return {}

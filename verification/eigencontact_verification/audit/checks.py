@@ -29,7 +29,7 @@ _ROUND_OFF = 1e-9
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Checks(Case):
-    """Stands for the checks in a report; nothing is solved."""
+    """Case of the checks in a report; nothing is solved."""
 
     def __post_init__(self) -> None:
         """Without profiles."""

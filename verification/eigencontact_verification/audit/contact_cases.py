@@ -40,7 +40,7 @@ _PARTS, _SMALLEST = 1.0, 0.25
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactCase(RunCase):
-    """What a run of revolution stores against finite elements that find the contact themselves.
+    """Stored values of a run of revolution against finite elements with a contact algorithm of their own.
 
     Both take the same load steps, by backward Euler: what they share of its error is not judged. `parameters` are those
     of `contact_scene.ContactScene.numbers`, with ``loads`` [N], ``mesh``, and ``divisions`` of its elements by level.
@@ -79,7 +79,7 @@ class ContactCase(RunCase):
 
     @property
     def words(self) -> str:
-        """What is compared, for the figures."""
+        """Title of the figures: scene and methods."""
         return f"{self.subject}: stored (semi-analytical) and finite elements of the whole contact"
 
 

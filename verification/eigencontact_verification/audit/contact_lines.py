@@ -1,4 +1,4 @@
-"""What a run of revolution stores, as lines: approach, contact radius, pressure, print, stress near the axis.
+"""Stored values of a run of revolution along lines: approach, contact radius, pressure, print, stress near the axis.
 
 The run's own error is added to that of the elements:
 
@@ -70,7 +70,7 @@ _WIDE = 0.6
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactLine:
-    """What is compared along one line, and what the run stores there.
+    """Stored values along one line.
 
     Attributes
     ----------
@@ -252,7 +252,7 @@ def _change(values: FloatArray, along: FloatArray, h: float, *, cut: bool) -> Fl
 
 
 def _bend(p: FloatArray) -> FloatArray:
-    """What a mean over a cell differs by from its middle, the largest of three neighbours."""
+    """Difference between the mean over a cell and the value in its middle, the largest of three neighbours."""
     second = _MEAN * np.abs(np.diff(np.pad(p, 1, mode="edge"), 2))
     return np.asarray(np.maximum.reduce([second, np.roll(second, 1), np.roll(second, -1)]))
 

@@ -86,7 +86,7 @@ def known_tractions(body: LoadedBody) -> Tractions | None:
 
 
 def _is_split(body: LoadedBody) -> bool:
-    """Whether the elements are asked for the change of a field that is known."""
+    """Whether the elements compute only the change of the field of the tractions."""
     return bool(body.tractions is not None and (body.regions or body.cells or body.layers))
 
 

@@ -62,7 +62,7 @@ class Line:
 
 @dataclass(frozen=True, kw_only=True)
 class Middle:
-    """What lines go through: the middle of the load, or of the largest displacement; and its half widths [m]."""
+    """Centre of the lines: middle of the load, or of the largest displacement; and its half widths [m]."""
 
     x: float
     y: float
@@ -232,7 +232,7 @@ def _near_boundary(
 
 
 def _on_faces(body: AuditedBody, points: FloatArray) -> NDArray[np.bool_]:
-    """Whether points lie on faces of cells across which what the cells remember jumps."""
+    """Whether points lie on faces of cells across which eigenstrain or damage jumps."""
     on_face = np.zeros(points.shape[:-1], dtype=bool)
     for cells in body.loaded.cells:
         content = cells.eigenstrain.reshape(9, *cells.eigenstrain.shape[2:])

@@ -78,7 +78,7 @@ class StoredRegion:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StoredStep:
-    """What a file holds of a step.
+    """Stored step of a run.
 
     Attributes
     ----------

@@ -82,7 +82,7 @@ class SceneAudit:
 
     @property
     def reason(self) -> str:
-        """Why not all agrees: the commonest reasons, or why nothing could be judged."""
+        """Commonest reasons of verdicts other than agreement, or the reason why nothing could be judged."""
         if not self.rows:
             return min(self.gaps, key=_rank).reason if self.gaps else "nothing is stored that could be judged"
         worst = [row for row in self.rows if row.word == self.word and self.word != "agrees"]
@@ -95,7 +95,7 @@ class SceneAudit:
 
 
 def _rank(gap: Gap) -> int:
-    """How much a gap takes away, the most first: a body, a whole case, the surface, a part of a region."""
+    """Rank of a gap by its size, the largest first: a body, a whole case, the surface, a part of a region."""
     if gap.what.startswith("body "):
         return 0
     return 1 if gap.reason.startswith("not solved: ") else 2 if gap.what == "displacement of the surface" else 3
@@ -133,7 +133,7 @@ def _mesh(case: AuditCase) -> str:
 
 
 def line_of(audit: SceneAudit) -> dict[str, Any]:
-    """What the table says of a run, for JSON: an interrupted table goes on from it."""
+    """Row of a run for JSON; an interrupted table continues from these rows."""
     checks = [row for judged in audit.judged for row in judged.rows if row.quantity == "check"]
     return {
         "word": audit.word,

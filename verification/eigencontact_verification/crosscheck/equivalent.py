@@ -93,7 +93,7 @@ class Cellwise:
     matrix: Any
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
-        """What the sphere changes: displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``.
+        """Change of the field by the sphere: displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``.
 
         By the operators of the code on the lattice of the cells' centres, and cubics between its points; points closer
         than three cells to the boundary that the cells make are spoilt by its steps.
@@ -169,7 +169,7 @@ class OneEigenstrain:
     left: FloatArray
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
-        """What the sphere changes; see `Cellwise.field`. No lattice, and any points."""
+        """Change of the field by the sphere; see `Cellwise.field`. No lattice, and any points."""
         return self._of([self.shape], self.eigenstrain[None], points, quantity)
 
     def correction(self, points: FloatArray, quantity: Quantity) -> FloatArray:

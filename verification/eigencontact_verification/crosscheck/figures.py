@@ -81,7 +81,7 @@ def gaps_of(along: FloatArray) -> list[tuple[float, float]]:
 
 
 def _drawn(profile: Profile, judged_case: JudgedCase) -> Curve | None:
-    """The semi-analytical line: closely where the case gives it, else from point to point, broken at the gaps."""
+    """The semi-analytical line: close points where the case has a curve, else the profile, broken at its gaps."""
     judged = judged_case.judged.get(profile.name)
     if judged is None:
         return None
@@ -152,7 +152,7 @@ def _limit(axes: Any, profile: Profile, judged: JudgedCase) -> None:
 
 
 def _key(figure: Any, axes: Any, method: str, *, shaded: bool) -> None:
-    """What line, symbols and shade mean, below all panels."""
+    """Legend of line, symbols and shade, below all panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

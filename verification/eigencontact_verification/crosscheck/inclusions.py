@@ -221,7 +221,7 @@ class InclusionCase(Case):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         low, high = (np.asarray(corner) for corner in self.shape.bounds)
         extents = " × ".join(f"{extent:.3g}" for extent in high - low)
         return (

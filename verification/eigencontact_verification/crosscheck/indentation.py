@@ -33,7 +33,7 @@ _WIDE = 3.0
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """What is pressed, in SI units; lengths of regions in contact radii of the elastic body.
+    """Sphere, body and load path, in SI units; lengths of regions in contact radii of the elastic body.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def _run(scene: Any, stop: int) -> Any:
 
 
 def by_cells(problem: Problem, profiles: tuple[Profile, ...], cells: int, *, stop: int = 0) -> Fields:
-    """What the profiles ask for, in Hertz's units, by so many cells to a contact radius.
+    """Values of the profiles in Hertz's units, by so many cells to a contact radius.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def by_cells(problem: Problem, profiles: tuple[Profile, ...], cells: int, *, sto
 
 
 def _remembered(data: Any, depths: FloatArray, variable: str) -> CubicSpline:
-    """A number that the material remembers, along the axis; it is zero where there are no cells."""
+    """Scalar history variable of the material along the axis; zero where there are no cells."""
     line, name = np.zeros_like(depths), f"{variable}_1"
     if name in data:
         z, y, x = (np.asarray(data[f"cells_1_{axis}"]) for axis in "zyx")

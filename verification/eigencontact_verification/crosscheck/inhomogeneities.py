@@ -75,7 +75,7 @@ class InhomogeneityCase(Case):
 
     @property
     def problem(self) -> Sphere:
-        """What is solved."""
+        """Parameters of the problem."""
         return Sphere(poisson_ratio=self.parameters["poisson_ratio"], **self.parameters["sphere"])
 
     def contains(self, x: FloatArray, y: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
@@ -129,7 +129,7 @@ class InhomogeneityCase(Case):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         sphere = self.problem
         young, nu = sphere.young_modulus_inside, sphere.poisson_ratio_inside
         inside = f"E = {young:g}, ν = {nu:g}" if young else "void"

@@ -187,7 +187,7 @@ def _built(table: Mapping[str, Any], young_modulus: float, poisson_ratio: float)
 
 
 def _refusal(law: Any) -> str:
-    """What the law would have to be; empty if it can be judged."""
+    """Property that the law lacks for this comparison; empty if it can be judged."""
     if isinstance(law, LinearLaw):
         return "more than elastic; one that is linear is verified as an inhomogeneity"
     if law.averaged:
@@ -228,7 +228,7 @@ def _onset(law: Any, young: float, nu: float) -> float:
 
 
 def _with_variables(profiles: tuple[Profile, ...], names: list[str]) -> tuple[Profile, ...]:
-    """Profiles with one for every number that the law remembers, in place of plastic strain."""
+    """Profiles with one for every scalar history variable of the law, in place of plastic strain."""
     short = {name: name for name in names} | {long: brief for brief, long in VARIABLES.items()}
     others = [profile for profile in profiles if profile.quantity != "strain"]
     (model,) = (profile for profile in profiles if profile.quantity == "strain")

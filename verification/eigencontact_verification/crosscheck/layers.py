@@ -125,7 +125,7 @@ class LayeredCase(FieldCase):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         layers = ", ".join(
             f"{layer['thickness']:g} a of E = {layer['young_modulus']:g}, ν = {layer['poisson_ratio']:g}"
             for layer in self.parameters["layers"]

@@ -80,7 +80,7 @@ class PlasticCase(Case):
 
     @property
     def problem(self) -> Problem:
-        """What is solved."""
+        """Parameters of the problem."""
         parameters = self.parameters
         names = ("young_modulus", "poisson_ratio", "radius", "load", "law")
         path, regions = tuple(parameters["path"]), tuple(parameters["regions"])
@@ -163,7 +163,7 @@ class PlasticCase(Case):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         nu = f"ν = {self.parameters['poisson_ratio']:g}"
         return f"{self.subject}: {self.title}, {nu}, loaded and unloaded; {self.cells} cells to a contact radius"
 

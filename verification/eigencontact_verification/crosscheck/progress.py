@@ -1,4 +1,4 @@
-"""How a cross-check shows itself in a terminal: how far it is, and what it found."""
+"""Progress and result of a cross-check in a terminal."""
 
 from __future__ import annotations
 

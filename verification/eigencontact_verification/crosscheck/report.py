@@ -40,7 +40,7 @@ _METHOD = (
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What a cross-check found.
+    """Result of a cross-check.
 
     Attributes
     ----------

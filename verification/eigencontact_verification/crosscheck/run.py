@@ -1,4 +1,4 @@
-"""Perform the tasks of a cross-check in parallel processes, each within its limits, and keep what is finished."""
+"""Perform the tasks of a cross-check in parallel processes, each within its limits; store finished solutions."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _RENEW = 2**30
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What a task may use.
+    """Limits of a task.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Limits:
 
 
 class Progress(Protocol):
-    """Who is told how far the cross-check is."""
+    """Observer of the progress of a cross-check."""
 
     def started(self, tasks: Sequence[Task]) -> None:
         """Called once, with all tasks that have to be computed."""

@@ -1,4 +1,4 @@
-"""Parameters for a shape that nobody wrote a case for, and the symmetries it has, asked of the shape alone.
+"""Parameters and symmetries of a shape without a case in the table, found from the shape alone.
 
 A plugin may say with which parameters it is to be checked: a class attribute ``example``, a mapping of its fields.
 Without it, lengths are tried: the fields that have no default get lengths from a short ladder, in every order, until

@@ -100,7 +100,7 @@ class RectangleCase(FieldCase):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         a, b = self.parameters["half_widths"]
         what = "pressure p" if self.subject == "pressure" else f"traction q along {TRACTIONS[self.subject]}"
         return f"uniform {what} on |x| ≤ a, |y| ≤ {b / a:g} a, ν = {self.parameters['poisson_ratio']:g}"

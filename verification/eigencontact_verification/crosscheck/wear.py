@@ -210,7 +210,7 @@ class WearCase(Case):
 
     @property
     def words(self) -> str:
-        """What is solved, for the figures."""
+        """Title of the figures: the problem in words."""
         nu = f"ν = {self.parameters['poisson_ratio']:g}"
         return f"{self.subject}: {self.title}, {nu}; {self.cells} cells to a contact radius"
 

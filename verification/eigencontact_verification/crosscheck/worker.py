@@ -53,7 +53,7 @@ class Task:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outcome:
-    """What became of a task.
+    """Result of a task.
 
     Attributes
     ----------
