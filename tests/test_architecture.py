@@ -23,7 +23,7 @@ FORBIDDEN = [
     ("eigencontact/convolution/layout.py", "import eigencontact_plugins", "verification > plugins > framework"),
     ("eigencontact_plugins/probe.py", "import eigencontact.core.grid", "plugins see only eigencontact.plugin"),
     ("eigencontact_verification/oracles/hertz.py", "import eigencontact_plugins.probe", "oracles share no code"),
-    ("eigencontact_verification/audit/shapes.py", "import eigencontact.solvers.normal", "an audit reads results"),
+    ("eigencontact_verification/audit/bodies.py", "import eigencontact.solvers.normal", "an audit reads results"),
     ("eigencontact/execution/blocks/step.py", "import eigencontact.execution.run.driver", "rooms of the execution"),
     ("eigencontact/viz/worn.py", "import eigencontact.scene.schema", "pictures and reports are made from results"),
     ("eigencontact_verification/reporting/page.py", "import eigencontact_verification.audit", "rooms of verification"),

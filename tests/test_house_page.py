@@ -70,8 +70,8 @@ def test_an_earlier_file_of_a_walk_imports_each_file(title):
         assert number == 0 or file in reached, f"no earlier file imports {file.relative_to(ROOT)}"
 
 
-def test_the_page_follows_three_scenes_and_counts_their_files():
-    assert len(WALKS) == 3
+def test_the_page_has_four_walks_and_counts_their_files():
+    assert len(WALKS) == 4
     stated = {title: int(count) for title, count in COUNT.findall(PAGE)}
     assert stated == {title: len(walk) for title, walk in WALKS.items()}
 

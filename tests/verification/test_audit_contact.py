@@ -6,16 +6,17 @@ import json
 
 import numpy as np
 import pytest
+import typer
 import xarray as xr
 
 import eigencontact as ec
 from bodies import STEEL
 from close import close
 from eigencontact_verification.audit import contact_cases_of
+from eigencontact_verification.audit.__main__ import main
+from eigencontact_verification.audit.bodies import NotJudged
 from eigencontact_verification.audit.contact_model import contact_model, pliancy
 from eigencontact_verification.audit.contact_scene import contact_scene
-from eigencontact_verification.audit.contact_table import main
-from eigencontact_verification.audit.shapes import NotJudged
 from eigencontact_verification.crosscheck.judge import judge
 from eigencontact_verification.crosscheck.run import Solved, tasks_of
 from eigencontact_verification.crosscheck.worker import Outcome
@@ -178,11 +179,10 @@ def test_the_table_says_what_it_leaves_out(tmp_path, capsys):
     )  # fmt: skip
     ec.run(scene, tmp_path / "run").dataset.close()
     page = tmp_path / "page.md"
-    page.write_text(
-        "before\n<!-- verify:whole-contacts -->\n<!-- /verify:whole-contacts -->\nafter\n", encoding="utf-8"
-    )
-    arguments = [str(tmp_path / "run"), "-o", str(tmp_path / "store"), "--markdown", str(page)]
-    assert main(arguments) == 0
+    page.write_text("before\n<!-- audit:whole-contacts -->\n<!-- /audit:whole-contacts -->\nafter\n", encoding="utf-8")
+    with pytest.raises(typer.Exit) as end:
+        main([str(tmp_path / "run")], output=tmp_path / "store", contact=True, markdown=page)
+    assert end.value.exit_code == 0
     text = page.read_text(encoding="utf-8")
     assert text.startswith("before\n")
     assert text.endswith("after\n")

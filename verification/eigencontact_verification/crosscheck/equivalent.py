@@ -7,8 +7,6 @@ cell of a grid on the surface, and every field is that of the matrix alone with 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -95,7 +93,7 @@ class Cellwise:
     matrix: Any
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
-        """What the sphere changes: displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``.
+        """Change of the field by the sphere: displacement ``(n, 3)`` or stress ``(n, 3, 3)`` at points ``(n, 3)``.
 
         By the operators of the code on the lattice of the cells' centres, and cubics between its points; points closer
         than three cells to the boundary that the cells make are spoilt by its steps.
@@ -130,11 +128,11 @@ class Cellwise:
         (wx, ix), (wy, iy), (wz, iz) = (_cubic(place[:, axis], start[:, axis], low[axis]) for axis in range(3))
         if surface:
             wz, iz = np.ones((len(points), 1)), np.zeros((len(points), 1), dtype=int)
-        found = np.einsum(
+        field = np.einsum(
             "ni,nj,nk,cnkji->cn", wx, wy, wz,
             values[:, iz[:, :, None, None], iy[:, None, :, None], ix[:, None, None, :]], optimize=True,
         )  # fmt: skip
-        return np.ascontiguousarray(found.T) if quantity == "displacement" else np.asarray(to_matrix(found))
+        return np.ascontiguousarray(field.T) if quantity == "displacement" else np.asarray(to_matrix(field))
 
 
 def _cubic(place: FloatArray, start: NDArray[Any], low: Any) -> tuple[FloatArray, NDArray[Any]]:
@@ -172,7 +170,7 @@ class OneEigenstrain:
     left: FloatArray
 
     def field(self, points: FloatArray, quantity: Quantity) -> FloatArray:
-        """What the sphere changes; see `Cellwise.field`. No lattice, and any points."""
+        """Change of the field by the sphere; see `Cellwise.field`. No lattice, and any points."""
         return self._of([self.shape], self.eigenstrain[None], points, quantity)
 
     def correction(self, points: FloatArray, quantity: Quantity) -> FloatArray:
@@ -257,17 +255,15 @@ def by_cells(problem: Sphere, across: int) -> Cellwise:
     prestrain = np.zeros_like(applied)
     prestrain[:3] = problem.prestrain * inside
     cells = InhomogeneousCells(operator, matrix, [problem.stiffness], inside.astype(int))
-    found = cells.solve(applied, prestrain)
-    return Cellwise(box=box, eigenstrain=found.eigenstrain, matrix=matrix)
+    solution = cells.solve(applied, prestrain)
+    return Cellwise(box=box, eigenstrain=solution.eigenstrain, matrix=matrix)
 
 
 def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
-    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations.
-
-    By the solver of the code where that is there, and here where it is not.
-    """
+    """Solve for the eigenstrain with which the mean stress of the sphere is that of its material: six equations."""
     from eigencontact import make
     from eigencontact.halfspace.points import field_at_points
+    from eigencontact.solvers.whole_inclusions import WholeInclusions
 
     matrix = problem.matrix
     shape = make("sphere", kind="inclusion-shape", center=problem.centre, radius=problem.radius)
@@ -285,28 +281,18 @@ def by_one_eigenstrain(problem: Sphere) -> OneEigenstrain:
     around = replace(problem, young_modulus_inside=1.0, poisson_ratio_inside=problem.poisson_ratio).stiffness
     scale = np.linalg.inv(problem.stiffness + 2.0 * matrix.shear_modulus * np.eye(6))
     stress, strain = scale @ (problem.stiffness @ np.linalg.inv(around) - np.eye(6)), scale @ problem.stiffness
-    own = np.array([problem.prestrain] * 3 + [0.0] * 3)
+    prestrain = np.array([problem.prestrain] * 3 + [0.0] * 3)
     answer = np.linalg.inv(stress @ (caused @ weights) + strain)  # of the sphere by itself
-    found = _by_the_code(problem, shape, own)
-    if found is None:
-        found = answer @ (strain @ own - stress @ (applied @ weights))
-    total = applied + np.einsum("cun,u->cn", caused, found)
-    left = -answer @ (stress @ total + (strain @ (found - own))[:, None])
+    solver = WholeInclusions([shape], matrix, [problem.stiffness])
+    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
+    eigenstrain = np.asarray(solver.solve(load, prestrain[:, None]).eigenstrain[:, 0])
+    total = applied + np.einsum("cun,u->cn", caused, eigenstrain)
+    remainder = -answer @ (stress @ total + (strain @ (eigenstrain - prestrain))[:, None])
     parts = [
         make("sphere", kind="inclusion-shape", center=tuple(point), radius=problem.radius * weight ** (1 / 3))
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True)
     ]
-    return OneEigenstrain(shape=shape, eigenstrain=found, matrix=matrix, parts=parts, left=left.T)
-
-
-def _by_the_code(problem: Sphere, shape: Any, own: FloatArray) -> FloatArray | None:
-    """The same eigenstrain by the solver for whole inclusions; None where this version of the code has none."""
-    if find_spec("eigencontact.solvers.whole_inclusions") is None:
-        return None
-    whole: Any = import_module("eigencontact.solvers.whole_inclusions")
-    solver = whole.WholeInclusions([shape], problem.matrix, [problem.stiffness])
-    load = solver.mean(_applied(problem, np.ascontiguousarray(solver.points.T)))
-    return np.asarray(solver.solve(load, own[:, None]).eigenstrain[:, 0])
+    return OneEigenstrain(shape=shape, eigenstrain=eigenstrain, matrix=matrix, parts=parts, left=remainder.T)
 
 
 def _applied(problem: Sphere, points: FloatArray) -> FloatArray:
